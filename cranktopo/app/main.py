@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from cranktopo.base.errors import CranktopoError, ExitCode, shown
+from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 from cranktopo.cli.group import LazyGroup, found_commands
 from cranktopo.cli.streams import discard, finish_stdout, prepare_streams
 from cranktopo.cli.verbosity import coloured
@@ -117,7 +117,7 @@ def _check_words(arguments: list[str]) -> None:
             where = f"{name} is empty" if name.startswith("-") else "an argument is empty"
             raise click.UsageError(f"{where}.")
         if "\0" in word:
-            raise click.UsageError(f"{shown(word)} holds a NUL character.")
+            raise click.UsageError(f"{quoted(word)} holds a NUL character.")
 
 
 def _system_error(error: OSError) -> CranktopoError:

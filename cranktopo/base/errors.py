@@ -52,10 +52,10 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
         allowed: the allowed range, e.g. `must be > 0 and < 42 mm`.
         hint: what to do next.
     """
-    return CranktopoError(f"{key} = {shown(value)}: {allowed}.", hint=hint)
+    return CranktopoError(f"{key} = {quoted(value)}: {allowed}.", hint=hint)
 
 
-def shown(value: object, most: int = 120) -> str:
+def quoted(value: object, most: int = 120) -> str:
     """A value for a message: on one line, shortened in the middle when it is long.
 
     Args:

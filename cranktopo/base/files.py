@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, ExitCode, shown
-from cranktopo.base.reading import MIB, read_bytes, read_text
+from cranktopo.base.errors import CranktopoError, ExitCode, quoted
+from cranktopo.base.reading import MIB, read_bytes, read_text_file
 
 TEMPORARY = ".tmp"
 """In the names of files and folders that a process is still writing."""
@@ -139,12 +139,12 @@ def read_json(path: Path) -> dict[str, Any]:
     """
     if not os.path.lexists(path):
         raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.")
-    text = read_text(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
+    text = read_text_file(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
     try:
         data = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
         raise CranktopoError(
-            f"'{path}': corrupted, cannot be read: {shown(str(error))}.", hint="Start a new run."
+            f"'{path}': corrupted, cannot be read: {quoted(str(error))}.", hint="Start a new run."
         ) from None
     if not isinstance(data, dict):
         raise CranktopoError(f"'{path}': corrupted, not a JSON object.", hint="Start a new run.")
@@ -169,7 +169,7 @@ def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
             with np.load(content, allow_pickle=False) as file:
                 return {key: file[key] for key in file.files}
     except Exception as error:  # zipfile and numpy raise a dozen types on damaged bytes, all meaning this
-        what = f"{name}: corrupted, cannot be read ({shown(str(error))})."
+        what = f"{name}: corrupted, cannot be read ({quoted(str(error))})."
         raise CranktopoError(what, hint=hint) from None
     what = f"{name}: unpacks to {size_MiB:.0f} MiB; a run holds at most {ARRAYS_LIMIT_MIB:g} MiB."
     raise CranktopoError(what, hint=hint)

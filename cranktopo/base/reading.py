@@ -69,7 +69,7 @@ def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") ->
     return content
 
 
-def read_text(path: str | Path, name: str, limit_MiB: float = TEXT_LIMIT_MIB, hint: str = "") -> str:
+def read_text_file(path: str | Path, name: str, limit_MiB: float = TEXT_LIMIT_MIB, hint: str = "") -> str:
     """Text of a UTF-8 file, with or without a byte-order mark.
 
     Args:

@@ -36,7 +36,7 @@ def material(added: Sequence[Span], removed: Sequence[Span] = ()) -> tuple[Array
     return places[:-1], np.where(solid, places[1:], places[:-1])
 
 
-def without(section: Section, *removed: Section) -> Section:
+def section_difference(section: Section, *removed: Section) -> Section:
     """What sections leave of another."""
 
     def spans(y_mm: Array, z_mm: Array) -> Sequence[Span]:
@@ -65,7 +65,7 @@ def common(one: Section, other: Section) -> Section:
     return spans
 
 
-def disc(radius_mm: float, centre_mm: float = 0.0) -> Section:
+def disc_section(radius_mm: float, centre_mm: float = 0.0) -> Section:
     """Disc around a place along the throw, at all heights."""
 
     def spans(y_mm: Array, _: Array) -> Sequence[Span]:

@@ -58,13 +58,13 @@ class DensityGrid:
         return float(filled.sum() * np.prod(self.cell_mm))
 
     def spans_web(self, scene: Scene) -> bool:
-        """Whether the grid reaches exactly from the journal-side to the pin-side face of the web."""
+        """Tell whether the grid reaches exactly from the journal-side to the pin-side face of the web."""
         ends = (self.origin_mm[Z], self.upper_mm[Z])
         return bool(np.allclose(ends, scene.web_z_mm, rtol=0, atol=1e-6 * scene.web.thickness_mm))
 
 
 def is_x_symmetric(grid: DensityGrid, *others: Array) -> bool:
-    """Whether grid, density and other fields on it are their own mirror image in the plane x = 0."""
+    """Tell whether grid, density and other fields on it are their own mirror image in the plane x = 0."""
     centred = bool(abs(grid.origin_mm[0] + grid.upper_mm[0]) <= _ROUNDING * grid.cell_mm[0])
     fields = [grid.density, *others]
     return centred and all(np.allclose(field, field[::-1], rtol=0, atol=_ROUNDING) for field in fields)

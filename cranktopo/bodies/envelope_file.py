@@ -10,10 +10,13 @@ from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import invalid
+from cranktopo.base.polygons import polygon_section
+from cranktopo.base.spans import Section
 from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, step_surface
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.throw.envelope import Envelope
 
 _KEY = "envelope.file"
 _ALIKE = 1e-6
@@ -22,6 +25,9 @@ _MESHED = 5e-4
 """The same for two sides of one shape that were triangulated differently."""
 _LEAST_MM = 2.0
 """No web is smaller, in metres every one is."""
+
+SECTIONS = 32
+"""Layers of a body of triangles, whose section changes along the crank axis."""
 
 
 def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> Manifold:
@@ -46,7 +52,7 @@ def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[flo
 
 
 def symmetrised(path: Path) -> str:
-    """What was done to make a body its own mirror image in x = 0, in words; empty for nothing.
+    """Return what was done to make a body its own mirror image in x = 0, in words; empty for nothing.
 
     Raises:
         CranktopoError: as `envelope_from_file`.
@@ -69,6 +75,25 @@ def mirror_difference(body: Manifold) -> float:
 def section(path: Path, z_mm: float, symmetric: bool = False) -> list[NDArray[np.float64]]:
     """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
     return [np.asarray(contour) for contour in envelope_from_file(path, symmetric).slice(z_mm).to_polygons()]
+
+
+def envelope_section(envelope: Envelope, z_mm: float) -> Section:
+    """Cross-section of the design envelope at a height; only a mesh changes along the crank axis."""
+    return (
+        polygon_section(section(envelope.stl_file, z_mm, not envelope.asymmetry))
+        if envelope.stl_file
+        else envelope.spans
+    )
+
+
+def envelope_sections(envelope: Envelope) -> int:
+    """Layers that the envelope is cut into."""
+    return SECTIONS if envelope.stl_file else 1
+
+
+def envelope_bounds_mm(envelope: Envelope) -> tuple[float, float, float, float]:
+    """Ranges that hold the envelope: (x_min, x_max, y_min, y_max), mm."""
+    return bounds_mm(envelope.stl_file, not envelope.asymmetry) if envelope.stl_file else envelope.bounds_mm
 
 
 def _body(surface: SurfaceMesh, path: Path) -> Manifold:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import operator
+from functools import reduce
 
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
@@ -13,9 +15,12 @@ from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Mouth, across, channels
-from cranktopo.throw.drilling_outlet import ring_points
-from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Journal, OutlineEnvelope, StlEnvelope
+from cranktopo.throw.drilling.bore import DrillOutlet, across
+from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
+from cranktopo.throw.geometry import Journal
+from cranktopo.throw.web import kept_bodies
 
 CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
@@ -54,7 +59,7 @@ def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
 
 
 def web_bores(scene: Scene) -> Manifold:
-    """What bores and drillings take out of the web: a bore runs from face to face, and stops there."""
+    """Return what bores and drillings take out of the web: a bore runs from face to face, and stops there."""
     start, end = scene.web_z_mm
     through = (start - _BEYOND_MM, end + _BEYOND_MM)
     bores = [cylinder(j.bore_radius_mm, y, through) for j, y in scene.throw.journals if j.bore_radius_mm > 0]
@@ -62,25 +67,25 @@ def web_bores(scene: Scene) -> Manifold:
 
 
 def drillings(scene: Scene) -> Manifold:
-    """What the oil drillings take out of the half throw, with the roundings of their outlets."""
+    """Return what the oil drillings take out of the half throw, with the roundings of their outlets."""
     drilled = Manifold()
-    for channel in channels(scene):
-        (low, high), along, radius = channel.extent_mm, channel.direction, channel.radius_mm
-        start = np.array(channel.mouths[0].point_mm) + low * along
+    for bore in drill_bores(scene):
+        (low, high), along, radius = bore.extent_mm, bore.direction, bore.radius_mm
+        start = np.array(bore.outlets[0].point_mm) + low * along
         hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
         drilled += hole.transform(np.column_stack([*across(along), along, start]))
-        rounded = (mouth for mouth in channel.mouths if mouth.rounding_mm)
-        drilled += sum((_outlet_ring(radius, mouth) for mouth in rounded), Manifold())
+        rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm)
+        drilled += sum((_outlet_ring(radius, outlet) for outlet in rounded), Manifold())
     return drilled
 
 
-def _outlet_ring(radius_mm: float, mouth: Mouth) -> Manifold:
+def _outlet_ring(radius_mm: float, outlet: DrillOutlet) -> Manifold:
     """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
-    around = segments(radius_mm + mouth.rounding_mm)
+    around = segments(radius_mm + outlet.rounding_mm)
     turns = np.linspace(0, 2 * np.pi, around, endpoint=False)
     turn, arc = (v.ravel() for v in np.meshgrid(turns, np.linspace(0, 1, _ARC_POINTS)))
-    rounding = ring_points(radius_mm, mouth, turn, arc, np.ones(turn.size))
-    edge = ring_points(radius_mm, mouth, turns, np.zeros(around), np.zeros(around))
+    rounding = ring_points(radius_mm, outlet, turn, arc, np.ones(turn.size))
+    edge = ring_points(radius_mm, outlet, turns, np.zeros(around), np.zeros(around))
     edge += _OUTWARD * (edge - rounding.reshape(_ARC_POINTS, around, 3).mean(axis=0))
     here = np.arange((_ARC_POINTS + 1) * around).reshape(-1, around)
     after, up = np.roll(here, -1, axis=1), np.roll(here, -1, axis=0)
@@ -117,17 +122,18 @@ def journal_stubs(scene: Scene) -> Manifold:
     return stubs
 
 
-def counterweight_solid(scene: Scene) -> Manifold:
-    """The counterweight that is one piece with the web, within what the envelope's clearances leave."""
+def kept_solid(scene: Scene) -> Manifold:
+    """Return what no optimiser takes away, within what the envelope's clearances leave."""
     low, high = envelope_z_mm(scene)
-    weight = scene.web.counterweight
-    if weight is None or weight.bolted:
-        return Manifold()
-    sector = weight.sector(scene)
-    x, y = sector.rim_mm(max(3, math.ceil(segments(sector.radius_mm) * sector.half_angle / (2 * math.pi))))
-    points = np.column_stack([np.r_[0.0, -x[:0:-1], x], np.r_[0.0, y[:0:-1], y]])
-    section = CrossSection([points], FillRule.NonZero)
-    return _prism(section, max(low, sector.z_mm[0]), min(high, sector.z_mm[1]))
+    solids = [
+        _prism(
+            CrossSection([body.polygon_mm(segments)], FillRule.NonZero),
+            max(low, body.z_mm[0]),
+            min(high, body.z_mm[1]),
+        )
+        for body in kept_bodies(scene)
+    ]
+    return reduce(operator.add, solids) if solids else Manifold()
 
 
 def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
@@ -163,7 +169,7 @@ def _whole_envelope(scene: Scene, grid: DensityGrid) -> Manifold:
 
 
 def journal_ends(scene: Scene) -> Manifold:
-    """What stands on the web's faces: a slice of each journal, bores filled."""
+    """Return what stands on the web's faces: a slice of each journal, bores filled."""
     start, end = scene.web_z_mm
     ends = ((start - _BEYOND_MM / 2, start), (end, end + _BEYOND_MM / 2))
     slices = [cylinder(j.radius_mm, y, z) for (j, y), z in zip(scene.throw.journals, ends, strict=True)]
@@ -183,7 +189,7 @@ def snapped_to_mirror_plane(points: np.ndarray, within_mm: float = ON_MIRROR_MM)
 
 
 def is_mirror_image(solid: Manifold, share: float = 1e-9) -> bool:
-    """Whether a solid is its own mirror image in the plane x = 0."""
+    """Tell whether a solid is its own mirror image in the plane x = 0."""
     return mirror_difference(solid) <= share
 
 

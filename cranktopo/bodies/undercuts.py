@@ -41,7 +41,7 @@ class Undercuts:
 
     @property
     def negligible(self) -> bool:
-        """Whether the process leaves the web as it is."""
+        """True if the process leaves the web as it is."""
         return self.volume_mm3 <= NEGLIGIBLE_SHARE * self.web_mm3
 
     def as_json(self) -> dict[str, Any]:
@@ -57,7 +57,7 @@ class Undercuts:
 
 
 @dataclass(frozen=True)
-class Way:
+class Withdrawal:
     """How a die, a mould or a mill leaves the web.
 
     Attributes:
@@ -76,30 +76,30 @@ class Way:
         return (X, Z) if self.axis is None else (self.axis,)
 
 
-LATERAL_DIE = Way("a die that parts in x = 0", X, 0.0)
+LATERAL_DIE = Withdrawal("a die that parts in x = 0", X, 0.0)
 
 
-def way_of(scene: Scene) -> Way:
-    """How the scene's web is made; any that may be free of it is measured by a die that parts in x = 0."""
+def withdrawal_of(scene: Scene) -> Withdrawal:
+    """Return how the web is made; one that may be free is measured by a die that parts in x = 0."""
     settings = scene.optimise
     if settings.process == "milled":
-        return Way("a mill from both faces and both sides", None, None)
+        return Withdrawal("a mill from both faces and both sides", None, None)
     lateral = settings.parting == "lateral"
     if settings.process == "cast":
-        return Way(f"a mould that opens along {'x' if lateral else 'z'}", X if lateral else Z, None)
+        return Withdrawal(f"a mould that opens along {'x' if lateral else 'z'}", X if lateral else Z, None)
     if settings.process == "free" or lateral:
         return LATERAL_DIE
-    return Way("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
+    return Withdrawal("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
 
 
-def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Way | None = None) -> Undercuts:
-    """What the scene's process would have to leave behind, bores and drilled holes filled.
+def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | None = None) -> Undercuts:
+    """Return what the scene's process would have to leave behind, bores and drilled holes filled.
 
     Args:
         scene: its bores and the holes of its envelope, which are drilled afterwards.
         way: by default that of the scene's process.
     """
-    way = way or way_of(scene)
+    way = way or withdrawal_of(scene)
     body = solid_of(web, "web")
     filled = body + web_bores(scene) + envelope_holes(scene)
     voids = _beyond_mills if way.axis is None else _held_back
@@ -110,13 +110,13 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Way | None = 
 
 
 def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """What a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
+    """Return what a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
     body = solid_of(half_throw, "half throw")
     return undercuts(mesh_of(web_region(body, scene)), scene, step_mm, LATERAL_DIE)
 
 
 def _held_back(
-    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Way, step_mm: float
+    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
 ) -> tuple[int, Array, float]:
     """Rays that met the web, lengths of void (n, 2) that each half is held back by, area of a ray."""
     axis = X if way.axis is None else way.axis
@@ -140,7 +140,7 @@ def _held_back(
 
 
 def _beyond_mills(
-    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Way, step_mm: float
+    body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
 ) -> tuple[int, Array, float]:
     """The same of voxels that no straight line from a face or a side reaches, by lines along x."""
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
@@ -160,7 +160,7 @@ def _beyond_mills(
 
 
 def _voxels(body: Manifold, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
-    """Whether the points of a lattice lie inside a body."""
+    """Tell whether the points of a lattice lie inside a body."""
     from skimage.draw import polygon2mask
 
     inside = np.zeros((len(x), len(y), len(z)), dtype=bool)

@@ -1,69 +1,19 @@
-"""Volume and moments of the web without a CAD kernel: exact across the web, Gauss quadrature along it.
-
-At each place along the throw the heights are known between which the section is smooth, so the quadrature
-over them is exact for straight walls; intervals along the throw are halved until both halves add up. It is
-the mass of the web and the oracle of its solid.
-"""
+"""Moments of the webs of a scene, and of the parts that are bolted to them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
-
-from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.throw.feature import Body
-from cranktopo.throw.web import web_bodies, web_spans
-
-_HEIGHTS, _PLACES = 8, 12
-"""Gauss points of an interval along the crank axis and along the throw."""
-_TOLERANCE = 1e-11
-"""Largest change of an integral by halving an interval, over the whole."""
-_HALVINGS = 40
-_MOST_INTERVALS = 1000
-"""Open at a time; more are open only where rounding is all that is left to gain."""
-
-
-@dataclass(frozen=True)
-class Moments:
-    """Moments of a body of unit density, or times a density those of its mass.
-
-    Attributes:
-        volume: integral of 1, mm3.
-        first_x: integral of x, mm4.
-        first_y: integral of y, mm4.
-        polar: integral of x^2 + y^2 about the crank axis, mm5.
-    """
-
-    volume: float
-    first_x: float
-    first_y: float
-    polar: float
-
-    def __add__(self, other: Moments) -> Moments:
-        return Moments(
-            self.volume + other.volume,
-            self.first_x + other.first_x,
-            self.first_y + other.first_y,
-            self.polar + other.polar,
-        )
-
-    def __sub__(self, other: Moments) -> Moments:
-        return self + other.times(-1)
-
-    def times(self, factor: float) -> Moments:
-        """All moments multiplied by a height or a density."""
-        return Moments(*(factor * value for value in (self.volume, self.first_x, self.first_y, self.polar)))
+from cranktopo.throw.moments import Moments, body_moments, body_section_moments
+from cranktopo.throw.web import web_bodies
 
 
 @lru_cache(maxsize=16)
 def web_moments(scene: Scene) -> Moments:
     """Moments of one whole web, bores and features taken out."""
-    return moments(web_bodies(scene))
+    return body_moments(web_bodies(scene))
 
 
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
@@ -73,7 +23,7 @@ def bolted_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
     """Mass moments of a counterweight that is bolted to one web, kg and mm; all 0 without one.
 
     Args:
-        before_z_mm: as `moments`.
+        before_z_mm: as `body_moments`.
     """
     weight = scene.web.counterweight
     return counterweight_mass(scene, before_z_mm) if weight is not None and weight.bolted else _NOTHING
@@ -86,106 +36,18 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
     What of it lies within the web is the web's, and what a pocket cuts is neither's.
 
     Args:
-        before_z_mm: as `moments`.
+        before_z_mm: as `body_moments`.
     """
     weight = scene.web.counterweight
     if weight is None:
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     bodies = web_bodies(bare)
-    added = moments([*bodies, *weight.parts(scene)], before_z_mm)
-    added = added + moments(bodies, before_z_mm).times(-1.0)
+    added = body_moments([*bodies, *weight.parts(scene)], before_z_mm)
+    added = added + body_moments(bodies, before_z_mm).times(-1.0)
     return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
 
 
-def moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
-    """Moments of the material that bodies leave.
-
-    Args:
-        before_z_mm: a height; every moment is then weighted by the distance before it, mm.
-    """
-
-    def slices(y: Array) -> Array:
-        heights, weights = _heights(bodies, y)
-        if before_z_mm is not None:
-            weights = weights * (before_z_mm - heights)
-        values = _moments_at(bodies, y[:, None], heights)
-        return np.asarray((values * weights[..., None]).sum(axis=1))
-
-    return Moments(*integrate(slices, _breaks(bodies)).tolist())
-
-
 def section_moments(scene: Scene, z_mm: float) -> Moments:
-    """Moments of the web's cross-section at a height over the mid-main-journal plane, per mm of height."""
-    bodies = web_bodies(scene)
-    found = integrate(lambda y: _moments_at(bodies, y, np.full_like(y, z_mm)), _breaks(bodies))
-    return Moments(*found.tolist())
-
-
-def _breaks(bodies: Sequence[Body]) -> Array:
-    """Places along the throw between which the quadrature starts, within the material."""
-    ends = [y for body in bodies if body.adds for y in body.y_range_mm]
-    places = np.array(sorted({y for body in bodies for y in body.y_breaks_mm}))
-    return places[(places >= min(ends)) & (places <= max(ends))]
-
-
-def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
-    """Heights of the quadrature at each place along the throw, and their weights, (y, heights)."""
-    material = [body for body in bodies if body.adds]
-    low, high = min(body.z_mm[0] for body in material), max(body.z_mm[1] for body in material)
-    middle = np.asarray((low + high) / 2)
-    half = np.max([right for body in material for _, right in body.spans(y, middle)], axis=0)
-    breaks = np.stack([z for body in bodies for z in body.z_breaks_mm(y, half)], axis=1)
-    breaks = np.sort(np.clip(breaks, low, high), axis=1)
-    share, weights = gauss_rule(_HEIGHTS)
-    size = np.diff(breaks, axis=1)[..., None]
-    heights = breaks[:, :-1, None] + size * share
-    return heights.reshape(len(y), -1), (size * weights).reshape(len(y), -1)
-
-
-def _moments_at(bodies: Sequence[Body], y: Array, z: Array) -> Array:
-    """Integrals over x of 1, x, y and x2 + y2 through the material, on the last axis."""
-    left, right = web_spans(bodies, y, z)
-    length = (right - left).sum(axis=0)
-    squares = right * right, left * left  # products, as powers of three take five times as long
-    first = (squares[0] - squares[1]).sum(axis=0) / 2
-    second = (squares[0] * right - squares[1] * left).sum(axis=0) / 3
-    return np.stack([length, first, length * y, second + length * y**2], axis=-1)
-
-
-def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE) -> Array:
-    """Integrals (n,) of a function with values (y, n) between breaks; intervals are halved until they add up.
-
-    Args:
-        tolerance: largest change of an integral by halving an interval, over the whole.
-    """
-    low, high = breaks[:-1], breaks[1:]
-    values = _quadrature(function, low, high)
-    total, scale = np.zeros(values.shape[1]), np.abs(values).sum(axis=0)
-    scale[1] = scale[2]
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        below, above = _quadrature(function, low, middle), _quadrature(function, middle, high)
-        open_ = (np.abs(below + above - values) > tolerance * scale).any(axis=1)
-        total += (below + above)[~open_].sum(axis=0)
-        low, high = (np.concatenate([a[open_], b[open_]]) for a, b in ((low, middle), (middle, high)))
-        values = np.concatenate([below[open_], above[open_]])
-        if len(values) == 0 or len(values) > _MOST_INTERVALS:
-            break
-    return np.asarray(total + values.sum(axis=0))
-
-
-def _quadrature(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Integral over each interval, (intervals, n)."""
-    share, weights = gauss_rule(_PLACES)
-    size = (high - low)[:, None]
-    values = function((low[:, None] + size * share).ravel()).reshape(len(low), _PLACES, -1)
-    return np.asarray((values * (size * weights)[..., None]).sum(axis=1))
-
-
-@lru_cache(maxsize=4)
-def gauss_rule(points: int) -> tuple[Array, Array]:
-    """Gauss points of 0 .. 1 and weights, through 3 u2 - 2 u3, which takes square roots at both ends."""
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    u = (nodes + 1) / 2
-    return u**2 * (3 - 2 * u), weights / 2 * 6 * u * (1 - u)
+    """Return the moments of the web's section at a height, per mm of height."""
+    return body_section_moments(web_bodies(scene), z_mm)

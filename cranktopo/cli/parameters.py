@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from cranktopo.base.errors import shown, suggest
+from cranktopo.base.errors import quoted, suggest
 
 
 class Number(click.FloatRange):
@@ -21,7 +21,7 @@ class Number(click.FloatRange):
             number = math.nan
         if not (self.min is not None and self.max is not None and self.min <= number <= self.max):
             allowed = f"must be a number >= {self.min:g} and <= {self.max:g}"
-            self.fail(f"{shown(str(value))}: {allowed}.", param, ctx)
+            self.fail(f"{quoted(str(value))}: {allowed}.", param, ctx)
         return number
 
 
@@ -37,7 +37,7 @@ class Choice(click.Choice[str]):
         """The word itself; fails with all words and the nearest."""
         words = [str(choice) for choice in self.choices]
         if value not in words:
-            allowed = f"{shown(value)} is none of {', '.join(words)}."
+            allowed = f"{quoted(value)} is none of {', '.join(words)}."
             near = suggest(str(value)[:100], words)
             self.fail(f"{allowed} {near}" if near.startswith("Did") else allowed, param, ctx)
         return super().convert(value, param, ctx)
@@ -62,4 +62,4 @@ class Speeds(click.ParamType[list[float]]):
             if 0 <= start <= stop < math.inf and step > 0 and (stop - start) / step < self.most:
                 return [start + index * step for index in range(int((stop - start) / step + 1e-9) + 1)]
         form = f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {self.most} steps"
-        self.fail(f"{shown(str(value))}: {form}.", param, ctx)
+        self.fail(f"{quoted(str(value))}: {form}.", param, ctx)

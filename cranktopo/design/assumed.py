@@ -86,7 +86,7 @@ def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption
         raise CranktopoError("manifest.json: `assumed` is damaged.", hint="Start a new run.") from None
 
 
-def among(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
+def filter_by_table(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
     """Those assumptions that belong to some tables or keys of the scene, given by their paths."""
     return tuple(item for item in found if any(f"{item.key}.".startswith(f"{table}.") for table in tables))
 

@@ -17,6 +17,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import Reach
 
 PISTON, CRANKCASE = "piston skirt", "crankcase"
 _DIRECTIONS, _CRANK_ANGLES = 721, 1441
@@ -35,7 +36,7 @@ class ClearanceLimit:
     radius_mm: Array
 
     def outside_mm(self, x_mm: Array, y_mm: Array) -> Array:
-        """How far points lie beyond the largest radius, mm; 0 or less within."""
+        """Return how far points lie beyond the largest radius, mm; 0 or less within."""
         angle = np.arctan2(np.abs(x_mm), y_mm)
         return np.asarray(np.hypot(x_mm, y_mm) - np.interp(angle, self.angle_rad, self.radius_mm))
 
@@ -56,26 +57,26 @@ class ClearanceLimit:
 
 
 def clearance_limit(scene: Scene) -> ClearanceLimit | None:
-    """What `[envelope.clearance]` leaves with its least gap; None without one."""
+    """Return what `[envelope.clearance]` leaves with its least gap; None without one."""
     found = _limits(scene, with_gap=True)
     if not found:
         return None
     return ClearanceLimit(_angles(), np.min([limit.radius_mm for limit in found.values()], axis=0))
 
 
-def rooms_mm(scene: Scene) -> dict[str, float]:
+def clearances_mm(scene: Scene) -> dict[str, float]:
     """Least radial room of web and counterweight to the piston skirt and to the crankcase, mm."""
     x, y = np.concatenate([np.stack(points) for _, _, points in _edges(scene)], axis=1)
-    return rooms_of_points_mm(scene, x, y)
+    return clearances_of_points_mm(scene, x, y)
 
 
-def rooms_of_points_mm(scene: Scene, x_mm: Array, y_mm: Array) -> dict[str, float]:
+def clearances_of_points_mm(scene: Scene, x_mm: Array, y_mm: Array) -> dict[str, float]:
     """Least radial room of points of a body that turns in the scene, mm, by what is in the way."""
-    return {name: float(-limit.outside_mm(x_mm, y_mm).max()) for name, limit in obstacles(scene).items()}
+    return {name: float(-limit.outside_mm(x_mm, y_mm).max()) for name, limit in turning_limits(scene).items()}
 
 
-def obstacles(scene: Scene) -> dict[str, ClearanceLimit]:
-    """What piston skirt and crankcase leave, without a gap."""
+def turning_limits(scene: Scene) -> dict[str, ClearanceLimit]:
+    """Return what piston skirt and crankcase leave, without a gap."""
     return _limits(scene, with_gap=False)
 
 
@@ -84,12 +85,12 @@ def clearance_text(scene: Scene) -> str:
     clearance = scene.envelope.clearance if scene.envelope else None
     if clearance is None:
         return ""
-    return f"{rooms_text(rooms_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
+    return f"{clearances_text(clearances_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
 
 
-def rooms_text(rooms_mm: Mapping[str, float]) -> str:
+def clearances_text(clearances_mm: Mapping[str, float]) -> str:
     """Rooms by what is in the way in words."""
-    rooms = ", ".join(f"{room:.2f} mm to the {name}" for name, room in rooms_mm.items())
+    rooms = ", ".join(f"{room:.2f} mm to the {name}" for name, room in clearances_mm.items())
     return rooms or "nothing is in the way"
 
 
@@ -183,14 +184,10 @@ def _half_width_mm(scene: Scene) -> float:
     return math.sqrt(max((scene.engine.bore_mm / 2) ** 2 - beside**2, 0.0))
 
 
-def _edges(scene: Scene) -> list[tuple[str, float | str, tuple[Array, Array]]]:
+def _edges(scene: Scene) -> list[Reach]:
     """Key path, its value, and points at x >= 0 of the outline and of the counterweight."""
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, 801))
     outline = scene.web.half_width_mm(scene.throw.radius_mm, y), y
-    found: list[tuple[str, float | str, tuple[Array, Array]]] = [("web.outline", scene.web.outline, outline)]
-    weight = scene.web.counterweight
-    if weight is not None:
-        edge = weight.outer_mm(scene)
-        found.append(("web.counterweight.outer_radius_mm", weight.outer_radius_mm, edge))
-    return found
+    found: list[Reach] = [("web.outline", scene.web.outline, outline)]
+    return found + [reach for key, feature in scene.web.features() for reach in feature.reach_mm(scene, key)]

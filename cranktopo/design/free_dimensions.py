@@ -72,12 +72,12 @@ def free_key(name: DimensionName) -> str:
 
 
 def move_journals(names: Collection[DimensionName]) -> bool:
-    """Whether some of the dimensions change more of the throw than its web's section."""
+    """Tell whether some of the dimensions change more of the throw than its web's section."""
     return not all(map(is_of_counterweight, names))
 
 
 def is_of_counterweight(name: DimensionName) -> bool:
-    """Whether a dimension is one of the counterweight."""
+    """Tell whether a dimension is one of the counterweight."""
     return name in _COUNTERWEIGHT
 
 
@@ -87,7 +87,7 @@ def fillet_of(name: DimensionName) -> DimensionName:
 
 
 def is_axial(name: DimensionName) -> bool:
-    """Whether a dimension is the semi-axis of a fillet along the crank."""
+    """Tell whether a dimension is the semi-axis of a fillet along the crank."""
     return name in AXIAL.values()
 
 

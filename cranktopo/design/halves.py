@@ -1,7 +1,7 @@
 """The two halves of a throw, each as the throw of two equal webs that it is half of.
 
-What a half throw is, has and weighs follows from such a scene; the far half is the mirror image of what its
-scene describes. Where both are alike, both are the scene itself.
+What a half throw is, has and weighs follows from such a scene; the second half is the mirror image of what
+its scene describes. Where both are alike, both are the scene itself.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ def halves(scene: Scene) -> tuple[Scene, Scene]:
 
 
 def of_halves(scene: Scene, found: Callable[[Scene], T]) -> tuple[T, T]:
-    """What is found of each half, computed once where they are alike."""
-    near, far = halves(scene)
-    first = found(near)
-    return first, first if far is near else found(far)
+    """Return what is found of each half, computed once where they are alike."""
+    first, second = halves(scene)
+    result = found(first)
+    return result, result if second is first else found(second)
 
 
 def drilled_alike(half: Scene) -> Scene:
@@ -74,7 +74,7 @@ def require_equal_halves(scene: Scene) -> None:
 
 
 def of_second(error: CranktopoError, scene: Scene) -> CranktopoError:
-    """What is wrong with the far half, by the keys of the scene that it comes from."""
+    """Return what is wrong with the second half, by the keys of the scene that it comes from."""
     own = [str(i) for i, drilling in enumerate(scene.throw.drilling) if drilling.web != "first"]
 
     def named(text: str) -> str:

@@ -11,8 +11,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, shown, suggest
-from cranktopo.base.reading import read_text
+from cranktopo.base.errors import CranktopoError, quoted, suggest
+from cranktopo.base.reading import read_text_file
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.messages import explain
@@ -51,7 +51,7 @@ def resolve_design(design: str) -> Path:
         return Path(design)
     if design in builtin_designs():
         return designs_folder() / f"{design}.toml"
-    given = f"design {shown(design, 400)}"
+    given = f"design {quoted(design, 400)}"
     if os.path.isfile(os.path.join(design, "manifest.json")) or (design and runs_named(design)):
         raise CranktopoError(
             f"{given}: is a run, not a design.",
@@ -76,7 +76,7 @@ def design_text(design: str) -> str:
     """
     path = resolve_design(design)
     kind = _GEOMETRY.get(path.suffix.lower())
-    text = "" if kind else read_text(path, f"design {shown(str(path), 400)}")
+    text = "" if kind else read_text_file(path, f"design {quoted(str(path), 400)}")
     kind = kind or next((kind for head, kind in _HEADS.items() if text.startswith(head)), None)
     if kind:
         target = f"Give it as a target: cranktopo evaluate {shlex.quote(str(path))} --design DESIGN"
@@ -84,7 +84,7 @@ def design_text(design: str) -> str:
             "Export the body as STEP." if kind == "an IGES" else "`cranktopo designs new FILE` writes one."
         )
         raise CranktopoError(
-            f"design {shown(str(path), 400)}: is {kind} file; a design is a TOML file.",
+            f"design {quoted(str(path), 400)}: is {kind} file; a design is a TOML file.",
             hint=target if kind in _BODIES else other,
         )
     return text
@@ -118,11 +118,11 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
 
 
 def _toml_reason(error: Exception, text: str) -> str:
-    """What the parser says, with the line that it is about."""
+    """Return what the parser says, with the line that it is about."""
     if isinstance(error, tomllib.TOMLDecodeError):
-        reason, place = shown(str(error))[1:-1], _TOML_PLACE.search(str(error))
+        reason, place = quoted(str(error))[1:-1], _TOML_PLACE.search(str(error))
         lines = text.splitlines()[int(place[1]) - 1 :] if place else []
-        return f"{reason}: {shown(lines[0].strip())}" if lines else reason
+        return f"{reason}: {quoted(lines[0].strip())}" if lines else reason
     return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
 
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from cranktopo.base.errors import CranktopoError, shown, suggest
+from cranktopo.base.errors import CranktopoError, quoted, suggest
 
 _MOST = 20
 """Problems that are listed; whoever has more has another file in hand."""
@@ -43,7 +43,7 @@ _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 _ROOT: list[type[BaseModel]] = []
 
 
-def explains(root: type[BaseModel]) -> None:
+def register_root(root: type[BaseModel]) -> None:
     """Name the table whose keys are explained; the schema, which comes later, does it once."""
     _ROOT[:] = [root]
 
@@ -88,7 +88,7 @@ def _problems(found: list[ErrorDetails], table: tuple[str, ...]) -> list[tuple[s
 def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
     kind, loc = detail["type"], detail["loc"]
     if not loc:
-        return f"{shown(detail['input'])}: must be a table", "Give the tables of a scene."
+        return f"{quoted(detail['input'])}: must be a table", "Give the tables of a scene."
     if kind == "extra_forbidden":
         return f"unknown key {path}", _instead(loc)
     if kind == "missing":
@@ -98,15 +98,15 @@ def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
         return _choice(detail, path)
     if kind == "library":
         context = detail["ctx"]
-        return f"{path}.name = {shown(detail['input']['name'])}: {detail['msg']}", context["hint"]
+        return f"{path}.name = {quoted(detail['input']['name'])}: {detail['msg']}", context["hint"]
     if kind == "statement":
-        return f"{path} = {shown(detail['input'])}: {detail['msg']}", detail["ctx"]["hint"]
+        return f"{path} = {quoted(detail['input'])}: {detail['msg']}", detail["ctx"]["hint"]
     limits = _limits(loc)
-    value = f"{path} = {shown(detail['input'])}"
+    value = f"{path} = {quoted(detail['input'])}"
     if kind in _NUMBERS:
         bounds = f" {limits}" if limits else ""
-        quoted = " without quotes" if isinstance(detail["input"], str) else ""
-        return f"{value}: must be {_NUMBERS[kind]}{bounds}{quoted}", "Correct that value."
+        unquoted = " without quotes" if isinstance(detail["input"], str) else ""
+        return f"{value}: must be {_NUMBERS[kind]}{bounds}{unquoted}", "Correct that value."
     if kind in _BOUNDS:
         return f"{value}: must be {limits}", "Correct that value, or its unit."
     text = detail["msg"].replace("Input should be", "must be")
@@ -120,11 +120,11 @@ def _choice(detail: ErrorDetails, path: str) -> tuple[str, str]:
     valid = sorted(name for model in _models(_annotation(detail["loc"])) for name in _tags(model))
     if tag not in table:
         return f"{path}.{tag} is missing", f"Valid: {', '.join(valid)}."
-    return f"{path}.{tag} = {shown(table[tag])}: unknown choice", suggest(str(table[tag])[:100], valid)
+    return f"{path}.{tag} = {quoted(table[tag])}: unknown choice", suggest(str(table[tag])[:100], valid)
 
 
 def _instead(loc: tuple[int | str, ...]) -> str:
-    """What to write instead of an unknown key: the key it is like, its table, or all keys that there are."""
+    """Return what to write instead of an unknown key: the key it is like, its table, or all keys."""
     key = str(loc[-1])
     near = _nearest(loc)
     if near is not None:
@@ -176,7 +176,7 @@ def _dotted(loc: tuple[int | str, ...]) -> str:
         if _is_tag(annotation, part):
             annotation = _member(annotation, str(part))
             continue
-        path += f"[{part}]" if isinstance(part, int) else f".{shown(part)[1:-1]}"
+        path += f"[{part}]" if isinstance(part, int) else f".{quoted(part)[1:-1]}"
         annotation = _child(annotation, part)
     return path.removeprefix(".")
 

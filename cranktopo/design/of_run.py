@@ -7,7 +7,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore
 
 
-def scene_of_run(run: RunStore) -> Scene:
+def design_from_run(run: RunStore) -> Scene:
     """The scene of a run with the command line's options in it and the paths of its files absolute.
 
     The design.toml of a run is the user's text: it lacks those options, and its relative paths are relative

@@ -32,13 +32,13 @@ def pair_text(design: str, file: Path, first: Scene | None = None, second: Scene
     for (option, scene), half in zip(given.items(), own, strict=True):
         if scene is not None:
             _check_throw(option, scene, half)
-    near, far = (scene or half for scene, half in zip(given.values(), own, strict=True))
+    one, other = (scene or half for scene, half in zip(given.values(), own, strict=True))
     document: Any = tomlkit.parse(copy_of(design, file))
-    document["web"] = _table(near)
-    document["second_web"] = _table(far)
+    document["web"] = _table(one)
+    document["second_web"] = _table(other)
     for name in _JOURNALS:
-        document["throw"][name]["length_mm"] = getattr(near.throw, name).length_mm
-        document["throw"][f"second_{name}_length_mm"] = getattr(far.throw, name).length_mm
+        document["throw"][name]["length_mm"] = getattr(one.throw, name).length_mm
+        document["throw"][f"second_{name}_length_mm"] = getattr(other.throw, name).length_mm
     text = tomlkit.dumps(document)
     parse_scene(text, str(file), file.resolve().parent, whole=True)
     return text

@@ -25,11 +25,12 @@ from cranktopo.base.table import (
 from cranktopo.design.engine import Engine
 from cranktopo.design.fatigue import Fatigue
 from cranktopo.design.goal.table import GoalTable
-from cranktopo.design.messages import explain, explains
+from cranktopo.design.messages import explain, register_root
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.design.shape import ShapeTable
 from cranktopo.design.supports import Supports
-from cranktopo.throw.geometry import Envelope, Throw
+from cranktopo.throw.envelope import Envelope
+from cranktopo.throw.geometry import ThrowTable
 from cranktopo.throw.outline import Web
 
 EffectState = Literal["auto", "on", "off"]
@@ -212,7 +213,7 @@ class Scene(SceneTable):
     """Name of the design in tables and run folders: letters, digits, dot, hyphen and underscore."""
     description: str = ""
     """One line about the design, for `cranktopo designs list`."""
-    throw: Throw
+    throw: ThrowTable
     """The crank throw without its web."""
     web: Web
     """The web between main journal and crankpin, both of them alike; `outline` chooses its shape."""
@@ -294,4 +295,4 @@ class Scene(SceneTable):
         return self.engine.throw_angles_deg
 
 
-explains(Scene)
+register_root(Scene)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import drilling_asymmetry
+from cranktopo.throw.drilling.table import drilling_asymmetry
 
 
 def web_asymmetry(scene: Scene) -> str:
     """Key of the first feature of a web, or drilling, without a mirrored twin; empty where all have one."""
-    near, far = halves(scene)
-    second = "" if far is near else _asymmetry(far)
-    return _asymmetry(near) or (second and f"the second half's {second}")
+    first, second = halves(scene)
+    other = "" if second is first else _asymmetry(second)
+    return _asymmetry(first) or (other and f"the second half's {other}")
 
 
 def _asymmetry(scene: Scene) -> str:
@@ -28,17 +30,19 @@ def envelope_asymmetry(scene: Scene) -> str:
 
 def mirror_image(scene: Scene) -> Scene:
     """The scene with its web and drillings mirrored in x = 0."""
-    turned = {
+    turned: dict[str, Any] = {
         key: tuple(feature.mirrored() for feature in getattr(scene.web, key))
         for key in scene.web.feature_keys
     }
+    singles = {key: getattr(scene.web, key) for key in scene.web.single_keys}
+    turned |= {key: feature and feature.mirrored() for key, feature in singles.items()}
     drilled = {"drilling": tuple(drilling.mirrored() for drilling in scene.throw.drilling)}
     throw, web = scene.throw.model_copy(update=drilled), scene.web.model_copy(update=turned)
     return scene.model_copy(update={"throw": throw, "web": web})
 
 
 def may_mirror(scene: Scene, asymmetry: str) -> bool:
-    """Whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
+    """Tell whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
 
     Args:
         asymmetry: what `web_asymmetry` or `envelope_asymmetry` found; empty for nothing.

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, invalid, shown
+from cranktopo.base.errors import CranktopoError, invalid, quoted
 from cranktopo.design.messages import explain_unknown
 from cranktopo.design.schema import Scene
 
@@ -78,6 +78,6 @@ def _changed(data: Any, parts: list[str | int], value: object, key: str) -> Any:
         data = {}
     if not isinstance(data, dict):
         raise CranktopoError(
-            f"{key}: '{first}' is asked of {shown(data)}, which is no table.", hint="Check the key."
+            f"{key}: '{first}' is asked of {quoted(data)}, which is no table.", hint="Check the key."
         )
     return {**data, first: _changed(data.get(first), rest, value, key)}

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, shown
-from cranktopo.base.reading import read_text
+from cranktopo.base.errors import CranktopoError, quoted
+from cranktopo.base.reading import read_text_file
 from cranktopo.base.units import MPA_PER_BAR
 
 _HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pressure_MPa)."
@@ -55,7 +55,7 @@ def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: flo
 
 def _read_lines(path: str | Path) -> list[tuple[int, str]]:
     hint = "Names are relative to the folder of the design."
-    text = read_text(path, _name(path), hint=hint)
+    text = read_text_file(path, _name(path), hint=hint)
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1)]
     lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 3:
@@ -91,10 +91,10 @@ def _columns(path: str | Path, header: list[str]) -> tuple[int, int, float]:
     angles = [i for i, cell in enumerate(words) if cell & {"angle", "deg", "crank", "degrees"}]
     pressures = [i for i, cell in enumerate(words) if cell & {"pressure", "p", *_PRESSURE_UNITS}]
     if not angles or not any(word.startswith("deg") for word in words[angles[0]]):
-        raise _error(path, f"header {shown(header)}: no crank angle in deg", _HEADER_HINT)
+        raise _error(path, f"header {quoted(header)}: no crank angle in deg", _HEADER_HINT)
     units = [word for word in _PRESSURE_UNITS if pressures and word in words[pressures[0]]]
     if len(units) != 1:
-        raise _error(path, f"header {shown(header)}: no pressure in bar or MPa", _HEADER_HINT)
+        raise _error(path, f"header {quoted(header)}: no pressure in bar or MPa", _HEADER_HINT)
     return angles[0], pressures[0], _PRESSURE_UNITS[units[0]]
 
 
@@ -105,11 +105,13 @@ def _column(path: str | Path, rows: list[list[str]], numbers: list[int], column:
     for number, cell in zip(numbers, cells, strict=True):
         text = cell.replace(",", ".") if decimal_comma and "." not in cell else cell
         if not _NUMBER.fullmatch(text):
-            raise _error(path, f"line {number}: {shown(cell)} is not a number", "Correct or remove that row.")
+            raise _error(
+                path, f"line {number}: {quoted(cell)} is not a number", "Correct or remove that row."
+            )
         if abs(float(text)) > _LARGEST:
-            raise _error(path, f"line {number}: {shown(cell)} is out of any range", "Correct that row.")
+            raise _error(path, f"line {number}: {quoted(cell)} is out of any range", "Correct that row.")
         if decimal_comma and "." in cell:
-            raise _error(path, f"line {number}: {shown(cell)} beside decimal commas", "Use one of the two.")
+            raise _error(path, f"line {number}: {quoted(cell)} beside decimal commas", "Use one of the two.")
         values.append(float(text))
     return np.array(values)
 
@@ -177,4 +179,4 @@ def _error(path: str | Path, what: str, hint: str) -> CranktopoError:
 
 
 def _name(path: str | Path) -> str:
-    return f"engine.gas.indicator_csv = {shown(str(path), 400)}"
+    return f"engine.gas.indicator_csv = {quoted(str(path), 400)}"

@@ -14,7 +14,7 @@ from typing import Literal
 from weakref import WeakSet
 
 from cranktopo.base.cache import user_cache
-from cranktopo.base.errors import CranktopoError, ExitCode, shown
+from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 
 Precision = Literal["float32", "float64"]
 
@@ -45,7 +45,7 @@ def check_device() -> None:
         jax.devices()
     except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it
         wanted = os.environ.get("JAX_PLATFORMS")
-        asked = f" (JAX_PLATFORMS = {shown(wanted)})" if wanted else ""
+        asked = f" (JAX_PLATFORMS = {quoted(wanted)})" if wanted else ""
         reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
         raise CranktopoError(
             f"JAX finds no device to compute on{asked}: {reason}.",

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, shown
+from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import json_text, read_npz, unwritable, write_npz
 
 SCHEMA_VERSION = 1
@@ -69,7 +69,7 @@ def load_checkpoint(path: Path) -> Checkpoint:
     except (ValueError, KeyError, TypeError):
         raise _bad(path, f"corrupted, {_STATE} cannot be read") from None
     if version != SCHEMA_VERSION:
-        raise _bad(path, f"schema_version {shown(version)}, this program reads {SCHEMA_VERSION}")
+        raise _bad(path, f"schema_version {quoted(version)}, this program reads {SCHEMA_VERSION}")
     return Checkpoint(arrays=content, state=state)
 
 

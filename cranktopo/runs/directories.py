@@ -13,9 +13,9 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, shown, suggest
+from cranktopo.base.errors import CranktopoError, quoted, suggest
 from cranktopo.base.files import read_json, sweep_temporaries, unwritable, write_json, write_text
-from cranktopo.base.reading import read_text
+from cranktopo.base.reading import read_text_file
 from cranktopo.runs.destination import check_folder
 from cranktopo.runs.folders import moved, unfinished_folder
 from cranktopo.runs.lock import locked
@@ -63,7 +63,7 @@ class RunStore:
             return datetime.fromisoformat(text)
         except ValueError:
             raise CranktopoError(
-                f"'{self.path / _MANIFEST}': started = {shown(text)} is no date.", hint="Start a new run."
+                f"'{self.path / _MANIFEST}': started = {quoted(text)} is no date.", hint="Start a new run."
             ) from None
 
     def set_status(self, status: RunStatus) -> None:
@@ -121,7 +121,7 @@ class RunStore:
         path = self.path / _HISTORY
         if not path.is_file():
             return []
-        lines = read_text(path, f"'{path}'").splitlines()
+        lines = read_text_file(path, f"'{path}'").splitlines()
         return [{k: _number(v) for k, v in row.items() if k and v} for row in csv.DictReader(lines)]
 
     def write_metrics(self, metrics: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Literal
 
-from cranktopo.base.errors import CranktopoError, shown
+from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import read_json
 from cranktopo.runs.directories import RunStore
 
@@ -49,7 +49,7 @@ def shown_results(run: RunStore) -> Iterator[None]:
         yield
     except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
         raise CranktopoError(
-            f"run '{run.path}': its results are damaged ({type(error).__name__}: {shown(str(error))}).",
+            f"run '{run.path}': its results are damaged ({type(error).__name__}: {quoted(str(error))}).",
             hint="Start a new run.",
         ) from error
 

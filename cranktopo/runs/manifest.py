@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
-from cranktopo.base.errors import CranktopoError, shown
+from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import json_text
 from cranktopo.base.reproducible import SEED
 
@@ -127,7 +127,7 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
     version = manifest.get("schema_version")
     if version != SCHEMA_VERSION:
         raise CranktopoError(
-            f"'{path}': schema_version {shown(version)}, this program reads {SCHEMA_VERSION}.",
+            f"'{path}': schema_version {quoted(version)}, this program reads {SCHEMA_VERSION}.",
             hint="Use the version of cranktopo that made the run, or start a new one.",
         )
     missing = [key for key in (*_KEYS, "command") if key not in manifest]

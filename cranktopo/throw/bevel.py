@@ -21,7 +21,7 @@ from cranktopo.throw.feature import ROUNDING_MM, Body, Face, Feature, least_shou
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     Axes,
-    Cells,
+    BodyCells,
     FittedToSections,
     Frame,
     Limits,
@@ -35,17 +35,17 @@ from cranktopo.throw.fitted import (
 from cranktopo.throw.primitives import (
     Arc,
     Curve,
-    Dimension,
+    DimensionLine,
     Extrusion,
     FeatureDrawing,
-    Line,
+    LineSegment,
     Point,
     Polyline,
     Solid,
 )
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import Throw
+    from cranktopo.throw.geometry import ThrowTable
     from cranktopo.throw.throw_view import ThrowView
 
 _HALF = 0.5
@@ -132,8 +132,8 @@ class EndBevel(Feature):
         return FeatureDrawing(
             front=(edge,),
             lengthwise=(
-                Dimension((face, 0.0), (face, self.y_mm), (out, 0.0), f"{self.y_mm:.2f}"),
-                Dimension((depths[0], tip), (depths[1], tip), (0.0, off), f"{self.depth_mm:.2f}"),
+                DimensionLine((face, 0.0), (face, self.y_mm), (out, 0.0), f"{self.y_mm:.2f}"),
+                DimensionLine((depths[0], tip), (depths[1], tip), (0.0, off), f"{self.depth_mm:.2f}"),
             ),
             lines=(
                 "",
@@ -191,8 +191,8 @@ class BevelTool(Body):
         corners = [end, self._point(deepest, arc.end_mm + far * math.sin(slope)), self._point(deepest, top)]
         corners += [self._point(-far, top), self._point(-far, arc.start_mm), start]
         straight = math.isinf(arc.radius_mm)
-        curved: Curve = Line(start, end) if straight else Arc(start, self._point(*arc.centre_mm), end)
-        contour = (curved, *(Line(a, b) for a, b in pairwise(corners)))
+        curved: Curve = LineSegment(start, end) if straight else Arc(start, self._point(*arc.centre_mm), end)
+        contour = (curved, *(LineSegment(a, b) for a, b in pairwise(corners)))
         return (Extrusion(contour, (2 * self.wide_mm, 0.0, 0.0)),)
 
     def _point(self, depth_mm: float, reach_mm: float) -> Point:
@@ -284,7 +284,7 @@ class FittedBevel(FittedToSections):
             return None
         return cls(table.face, hollow=True), np.array([table.y_mm, table.depth_mm, table.crown_mm])
 
-    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""
         solid = cells.solid.any(axis=0)
         outward = 1.0 if self.face == "journal" else -1.0
@@ -302,7 +302,7 @@ def _arc(face: str, y_mm: Any, depth: Any, crown_mm: Any, ends: tuple[Any, Any])
     return BevelArc(-y_mm, -ends[0], depth, crown_mm, -1.0)
 
 
-def _journals(throw: Throw, face: str) -> list[tuple[str, Any, float]]:
+def _journals(throw: ThrowTable, face: str) -> list[tuple[str, Any, float]]:
     """The journal that stands on a face, then the other: name, journal, place of its axis."""
     both = [("main_journal", throw.main_journal, 0.0), ("crankpin", throw.crankpin, throw.radius_mm)]
     return both if face == "journal" else both[::-1]

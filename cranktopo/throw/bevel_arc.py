@@ -46,7 +46,7 @@ class BevelArc:
 
     @property
     def title(self) -> str:
-        """What its bevel is called in a sentence."""
+        """Name of its bevel in a sentence."""
         return "journal bevel" if self.outward > 0 else "pin bevel"
 
     @property

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.table import Length
-from cranktopo.throw.primitives import Curve, Ellipse
+from cranktopo.throw.primitives import Curve, EllipseCurve
 from cranktopo.throw.web import WebTable
 
 
@@ -41,4 +41,4 @@ class EllipseWeb(WebTable):
     @override
     def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
         centre = (0.0, throw_radius_mm / 2, z_mm)
-        return (Ellipse(centre, self.semi_axis_lateral_mm, self.semi_axis_throw_mm),)
+        return (EllipseCurve(centre, self.semi_axis_lateral_mm, self.semi_axis_throw_mm),)

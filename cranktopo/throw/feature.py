@@ -6,7 +6,7 @@ A feature knows neither meshes nor cells nor pages: rooms above loop over featur
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
@@ -20,19 +20,23 @@ from cranktopo.base.table import SceneTable
 from cranktopo.throw.primitives import FeatureDrawing, Solid
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import Throw
+    from cranktopo.throw.geometry import ThrowTable
     from cranktopo.throw.throw_view import ThrowView
 
 Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
+Reach = tuple[str, object, tuple[Array, Array]]
+"""A key path, its value, and points (|x|, y) that it reaches to, mm."""
 _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
 """Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
+SMALLEST, SMALLEST_FILLET = 1 / 500, 1 / 5000
+"""Smallest dimension and smallest fillet over the size of the throw."""
 ROUNDING_MM = 1e-9
 """The largest dimension that a message names must itself be accepted."""
 _SAMPLES = 2001
 
 
-def least_shoulder_mm(throw: Throw) -> float:
+def least_shoulder_mm(throw: ThrowTable) -> float:
     """Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
     thinner = min(journal.outer_diameter_mm for journal, _ in throw.journals)
     return min(_SHOULDER_MM, _SHOULDER_SHARE * thinner)
@@ -46,11 +50,13 @@ class Body(ABC):
         key: key path of the feature in the scene, for messages.
         z_mm: its extent along the crank axis.
         adds: whether it is material; otherwise it is taken away.
+        kept: no optimiser takes it away; then it is a prism with one interval at each place.
     """
 
     key: str
     z_mm: tuple[float, float]
     adds: ClassVar[bool] = False
+    kept: ClassVar[bool] = False
 
     @abstractmethod
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
@@ -89,7 +95,7 @@ class Body(ABC):
         return ()
 
     def contains(self, x_mm: Array, y_mm: Array, z_mm: float) -> Mask:
-        """Whether points at a height within its extent lie in the body, its surface included."""
+        """Tell whether points at a height within its extent lie in the body, its surface included."""
         return holds(self.spans(y_mm, np.asarray(z_mm)), x_mm)
 
     def distance_mm(self, y_mm: float, z_mm: float) -> float:
@@ -100,6 +106,35 @@ class Body(ABC):
             [np.where(a < b, np.maximum(np.maximum(a, -b), 0), np.inf) for a, b in spans], axis=0
         )
         return float(np.hypot(nearest, y - y_mm).min())
+
+    @property
+    def outer_dimension(self) -> tuple[str, object]:
+        """Key and value that a message names where it reaches too far."""
+        return self.key, [round(y, 3) for y in self.y_range_mm]
+
+    def ends_mm(self) -> tuple[Array, Array, Array]:
+        """Left and right end of a prism with one interval at each place, and the places along the throw."""
+        y = np.linspace(*self.y_range_mm, _SAMPLES)
+        ((left, right),) = self.spans(y, np.asarray(sum(self.z_mm) / 2))
+        return left, right, y
+
+    def polygon_mm(self, sides: Callable[[float], int]) -> Array:
+        """Corners (n, 2) of the section of such a prism, in order.
+
+        Args:
+            sides: of a polygon that stands for a circle of a radius.
+        """
+        left, right, y = self.ends_mm()
+        return np.column_stack([np.r_[right, left[::-1]], np.r_[y, y[::-1]]])
+
+    def inside_mm(self, x_mm: Array, y_mm: Array) -> Array:
+        """Signed distance of points, broadcastable, from the edge of a prism's section, positive inside."""
+        left, right, y = self.ends_mm()
+        x, at = np.broadcast_arrays(x_mm, y_mm)
+        away = np.full(x.shape, np.inf)
+        for corner in np.column_stack([np.r_[left, right], np.r_[y, y]]):
+            away = np.minimum(away, np.hypot(x - corner[0], at - corner[1]))
+        return np.where(self.contains(x, at, sum(self.z_mm) / 2), away, -away)
 
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
         """A prism of its section at the face it opens at, over an axial range from there; none by default."""
@@ -133,6 +168,16 @@ class Feature(SceneTable, ABC):
             key: key path of the table.
         """
 
+    def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        """Bodies that the design space must hold; by default those that no optimiser takes away."""
+        return tuple(body for body in self.bodies(scene, key) if body.kept)
+
+    def reach_mm(self, scene: ThrowView, key: str) -> Iterator[Reach]:
+        """Outermost points of what the design space must hold."""
+        for body in self.occupied(scene, key):
+            left, right, y = body.ends_mm()
+            yield (*body.outer_dimension, (np.maximum(-left, right), y))
+
     @abstractmethod
     def check_alone(self, scene: ThrowView, key: str) -> None:
         """Refuse dimensions that no outline makes sound; before any body is asked for.
@@ -149,9 +194,13 @@ class Feature(SceneTable, ABC):
             CranktopoError: first inconsistency found.
         """
 
+    def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
+        """Key, value and smallest share of the throw's size of dimensions that are in proportion to it."""
+        yield from ()
+
     @abstractmethod
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
-        """How it appears in the drawing."""
+        """Return how it appears in the drawing."""
 
     def mirrored(self) -> Self:
         """Its mirror image in x = 0; itself for most."""

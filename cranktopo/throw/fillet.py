@@ -26,7 +26,7 @@ class FilletSection:
 
     @property
     def round(self) -> bool:
-        """Whether it is a circle."""
+        """True if it is a circle."""
         return self.radial_mm == self.axial_mm
 
     @property

@@ -48,7 +48,7 @@ class Limits(Protocol):
         """Least slope of the walls of a side pocket."""
 
 
-class Cells(Protocol):
+class BodyCells(Protocol):
     """Which cells the extracted body fills; x > 0 only."""
 
     @property
@@ -65,7 +65,7 @@ class Cells(Protocol):
 
     @property
     def solid(self) -> Mask:
-        """Which cells are filled for the most part, (nx, ny, nz)."""
+        """Cells that are filled for the most part, (nx, ny, nz)."""
 
 
 class Region(Protocol):
@@ -139,7 +139,7 @@ class FittedFeature(ABC):
     @property
     @abstractmethod
     def title(self) -> str:
-        """What it is called in a sentence, such as `journal bevel`."""
+        """Its name in a sentence, such as `journal bevel`."""
 
     @property
     @abstractmethod
@@ -151,7 +151,7 @@ class FittedFeature(ABC):
         """Lower and upper bound of each parameter."""
 
     def possible(self, scene: ThrowView) -> bool:
-        """Whether the web of a scene may have one, whatever its values."""
+        """Tell whether the web of a scene may have one, whatever its values."""
         return True
 
     @abstractmethod
@@ -221,7 +221,7 @@ class FittedToSections(FittedFeature):
     """A kind whose initial values are read from cross-sections of the body."""
 
     @abstractmethod
-    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values; None where the body shows no such feature."""
 
 

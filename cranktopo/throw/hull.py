@@ -12,7 +12,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.table import Length
-from cranktopo.throw.primitives import Arc, Curve, Line
+from cranktopo.throw.primitives import Arc, Curve, LineSegment
 from cranktopo.throw.web import WebTable
 
 
@@ -115,10 +115,10 @@ def _contour(main: float, pin: float, radius: float, z: float) -> tuple[Curve, .
     top, bottom = (0.0, radius + pin, z), (0.0, -main, z)
     centre_main, centre_pin = (0.0, 0.0, z), (0.0, radius, z)
     return (
-        Line(right_main, right_pin),
+        LineSegment(right_main, right_pin),
         Arc(right_pin, centre_pin, top),
         Arc(top, centre_pin, left_pin),
-        Line(left_pin, left_main),
+        LineSegment(left_pin, left_main),
         Arc(left_main, centre_main, bottom),
         Arc(bottom, centre_main, right_main),
     )

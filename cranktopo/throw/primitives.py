@@ -9,7 +9,7 @@ FlatPoint = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Line:
+class LineSegment:
     """A straight edge."""
 
     start: Point
@@ -33,7 +33,7 @@ class Bezier:
 
 
 @dataclass(frozen=True)
-class Ellipse:
+class EllipseCurve:
     """A whole ellipse in a plane of constant z, its axes along x and y."""
 
     centre: Point
@@ -51,7 +51,7 @@ class Rectangle:
     corner_radius: float
 
 
-Curve = Line | Arc | Bezier | Ellipse | Rectangle
+Curve = LineSegment | Arc | Bezier | EllipseCurve | Rectangle
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,30 @@ class Extrusion:
     path: Point
 
 
-Solid = Cylinder | Box | Frustum | Extrusion
+@dataclass(frozen=True)
+class RoundedOutlet:
+    """What rounds the edge at which a hole leaves a cylinder along the crank axis.
+
+    Attributes:
+        key: of the hole in the scene, for messages.
+        on: what the cylinder is called there.
+        at: where the hole's axis meets the cylinder.
+        outward: unit vector of that axis, out of the cylinder.
+        y_mm: place of the cylinder's axis along the throw.
+        surface_mm: radius of the cylinder.
+    """
+
+    key: str
+    on: str
+    hole: Cylinder
+    at: Point
+    outward: Point
+    y_mm: float
+    surface_mm: float
+    rounding_mm: float
+
+
+Solid = Cylinder | Box | Frustum | Extrusion | RoundedOutlet
 
 
 @dataclass(frozen=True)
@@ -109,7 +132,7 @@ class Polyline:
 
 
 @dataclass(frozen=True)
-class Dimension:
+class DimensionLine:
     """A dimension between two points of a view, its line moved off them by a shift along one axis."""
 
     start: FlatPoint
@@ -132,8 +155,8 @@ class FeatureDrawing:
     """
 
     front: tuple[Circle | Polyline, ...] = ()
-    lengthwise: tuple[Dimension, ...] = ()
-    across: tuple[Dimension, ...] = ()
+    lengthwise: tuple[DimensionLine, ...] = ()
+    across: tuple[DimensionLine, ...] = ()
     section_y_mm: float | None = None
     lines: tuple[str, ...] = ()
     added: tuple[FlatPoint, ...] = ()

@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.table import LengthOrZero, Place
 from cranktopo.throw.flank import Flank, flank_half_width_mm, flank_through, largest_half_width_mm
-from cranktopo.throw.primitives import Bezier, Curve, Line
+from cranktopo.throw.primitives import Bezier, Curve, LineSegment
 from cranktopo.throw.web import WebTable
 
 
@@ -36,7 +36,7 @@ class ProfileWeb(WebTable):
 
     @property
     def round_ends(self) -> tuple[bool, bool]:
-        """Whether the lower and the upper end are round and not cut straight across."""
+        """True if the lower and the upper end are round and not cut straight across."""
         return self.half_widths_mm[0] == 0, self.half_widths_mm[-1] == 0
 
     @property
@@ -71,7 +71,7 @@ class ProfileWeb(WebTable):
         top = [(half[-1], y[-1]), (0.0, y[-1]), (-half[-1], y[-1])]
         bottom = [(-half[0], y[0]), (0.0, y[0]), (half[0], y[0])]
         over, under = (
-            [Line((*a, z_mm), (*b, z_mm)) for a, b in pairwise(end) if a != b] for end in (top, bottom)
+            [LineSegment((*a, z_mm), (*b, z_mm)) for a, b in pairwise(end) if a != b] for end in (top, bottom)
         )
         return (*self._beziers(1.0, z_mm), *over, *self._beziers(-1.0, z_mm)[::-1], *under)
 

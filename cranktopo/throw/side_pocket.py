@@ -21,7 +21,7 @@ from cranktopo.throw.fitted import (
     JOURNALS,
     LEAST_MM,
     Axes,
-    Cells,
+    BodyCells,
     FittedToSections,
     Frame,
     Limits,
@@ -31,7 +31,7 @@ from cranktopo.throw.fitted import (
     wall_rule,
 )
 from cranktopo.throw.hole import check_cut, check_depth
-from cranktopo.throw.primitives import Dimension, FeatureDrawing, Polyline, number_lines
+from cranktopo.throw.primitives import DimensionLine, FeatureDrawing, Polyline, number_lines
 from cranktopo.throw.side_slots import BEYOND_MM, SideSlots
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class SidePocket(Feature):
 
     @property
     def slope(self) -> float:
-        """How much each wall opens per mm toward the side."""
+        """Opening of each wall per mm toward the side."""
         return math.tan(math.radians(self.draft_deg))
 
     @override
@@ -105,13 +105,15 @@ class SidePocket(Feature):
         lines = number_lines(title, self.model_dump(exclude={"shape"}))
         return FeatureDrawing(front, (), self._across(scene, floor), self.y_mm, lines)
 
-    def _across(self, scene: ThrowView, floor: float) -> tuple[Dimension, ...]:
+    def _across(self, scene: ThrowView, floor: float) -> tuple[DimensionLine, ...]:
         start, end = scene.web_z_mm
         here = np.array([self.y_mm])
         out = float(scene.web.half_width_mm(scene.throw.radius_mm, here)[0]) - floor + 7
         middle, tall = (start + end) / 2 + self.offset_mm, self.height_mm / 2
-        height = Dimension((floor, middle - tall), (floor, middle + tall), (out, 0), f"{self.height_mm:.2f}")
-        return height, Dimension((-floor, end), (floor, end), (0, 6), f"{2 * floor:.2f}")
+        height = DimensionLine(
+            (floor, middle - tall), (floor, middle + tall), (out, 0), f"{self.height_mm:.2f}"
+        )
+        return height, DimensionLine((-floor, end), (floor, end), (0, 6), f"{2 * floor:.2f}")
 
     def _slots(self, scene: ThrowView, key: str) -> SideSlots:
         widest, (start, end) = scene.web.largest_half_width_mm, scene.web_z_mm
@@ -144,7 +146,7 @@ def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
 
 
 def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Any:
-    """How far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 where it nowhere does.
+    """Return how far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 for nowhere.
 
     Args:
         bottom_mm: depth of the floor's far edge below the bevel's face.
@@ -281,7 +283,7 @@ class FittedSlot(FittedToSections):
         own = [table.height_mm, widest - table.depth_mm, table.offset_mm, table.draft_deg]
         return cls(through), np.array([*place, *own])
 
-    def guess(self, cells: Cells, scene: ThrowView, limits: Limits) -> Array | None:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array | None:
         """Initial values where the middle of the body is narrower than both faces; None where it is not."""
         outer = cells.x_mm + cells.cell_mm[0] / 2
         extent = (cells.solid * outer[:, None, None]).max(axis=0)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import Throw
+    from cranktopo.throw.geometry import ThrowTable
 
 
-class ThrowView(Protocol):
+class ThrowView(Hashable, Protocol):
     """The throw around a web: its journals, the web table (`WebTable`) and where its faces lie."""
 
     @property
-    def throw(self) -> Throw:
+    def throw(self) -> ThrowTable:
         """Crank radius and journals."""
 
     @property

@@ -10,15 +10,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
+import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.spans import Span, material
+from cranktopo.base.errors import invalid
+from cranktopo.base.spans import Section, Span, holds, material
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.box_pocket import BoxPocket, FittedBox
-from cranktopo.throw.counterweight import Counterweight
+from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.cylinder_pocket import CylinderPocket, FittedCylinder
 from cranktopo.throw.feature import Body, Feature
 from cranktopo.throw.fitted import FittedFeature, FittedToSections
@@ -43,6 +45,10 @@ FITTED: tuple[type[FittedFeature], ...] = (FittedBevel, FittedSlot, *FITTED_TO_R
 """Kinds that a table of the web can be read back as."""
 
 
+_INWARD = 1 - 1e-6
+"""Factor on points that lie on an edge."""
+
+
 class WebTable(SceneTable, ABC):
     """What all webs have: thickness and features; an outline extends it by its own dimensions."""
 
@@ -55,6 +61,8 @@ class WebTable(SceneTable, ABC):
 
     feature_keys: ClassVar[tuple[str, ...]] = ("bevel", "pocket")
     """Keys that hold lists of features."""
+    single_keys: ClassVar[tuple[str, ...]] = ("counterweight",)
+    """Keys that hold one feature or none; no fit to a body changes it."""
 
     @abstractmethod
     def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
@@ -89,8 +97,9 @@ class WebTable(SceneTable, ABC):
         for key in self.feature_keys:
             for index, feature in enumerate(getattr(self, key)):
                 yield f"web.{key}[{index}]", feature
-        if self.counterweight is not None:
-            yield "web.counterweight", self.counterweight
+        for key in self.single_keys:
+            if getattr(self, key) is not None:
+                yield f"web.{key}", getattr(self, key)
 
 
 @dataclass(frozen=True)
@@ -129,7 +138,7 @@ class OutlineBody(Body):
 
 
 def web_bodies(scene: ThrowView) -> list[Body]:
-    """What the web is made of: its outline, the bores through it, its features."""
+    """Return what the web is made of: its outline, the bores through it, its features."""
     outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
     return [outline, *bore_holes(scene), *feature_bodies(scene)]
 
@@ -140,12 +149,38 @@ def feature_bodies(scene: ThrowView) -> list[Body]:
 
 
 def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
-    """What no optimiser takes away: the sector of a counterweight that is one piece with the web.
+    """Return the bodies of features that no optimiser takes away."""
+    return tuple(body for body in feature_bodies(scene) if body.kept)
 
-    Its fillets follow the scene's outline, which an optimiser replaces.
+
+def check_inside(scene: ThrowView, section: Section, z_mm: float | None = None) -> None:
+    """Check that a section of the design space holds what no optimiser takes away.
+
+    Args:
+        section: of the design space.
+        z_mm: height of the section; None where all are alike.
+
+    Raises:
+        CranktopoError: a part of it lies outside.
     """
-    weight = scene.web.counterweight
-    return () if weight is None or weight.bolted else (weight.sector(scene),)
+    for key, feature in scene.web.features():
+        for body in feature.occupied(scene, key):
+            if z_mm is None or body.z_mm[0] < z_mm < body.z_mm[1]:
+                _check_body_inside(body, section, sum(body.z_mm) / 2 if z_mm is None else z_mm)
+
+
+def _check_body_inside(body: Body, section: Section, z_mm: float) -> None:
+    left, right, y = (_INWARD * ends for ends in body.ends_mm())
+    spans = section(y, np.full_like(y, z_mm))
+    outside = ~(holds(spans, right) & holds(spans, left))
+    if outside.any():
+        at = int(np.flatnonzero(outside)[0])
+        x, place = right[at] / _INWARD, y[at] / _INWARD
+        raise invalid(
+            *body.outer_dimension,
+            f"reaches beyond the design space [envelope] at x = {x:.4g}, y = {place:.4g} mm",
+            f"Enlarge the envelope, or make the {body.key.removeprefix('web.')} smaller.",
+        )
 
 
 def web_spans(bodies: Sequence[Body], y_mm: Array, z_mm: Array) -> tuple[Array, Array]:

@@ -29,7 +29,7 @@ from cranktopo.design.shape import ShapeTable
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.shape.body_fitted import evaluated_web
 from cranktopo.tasks.shape.run import shape_design
-from cranktopo.throw.counterweight import LEAST_HALF_ANGLE_DEG
+from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
 
 DESIGNS = ("car-diesel", "industrial-gas")
 KEPT = ("torsion", "bending", "fatigue_safety")

@@ -14,7 +14,7 @@ from typing import Any
 from unittest.mock import patch
 
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.engine.plan.simulated import without
 from cranktopo.runs.directories import open_run
 from cranktopo.tasks.fea.evaluation import evaluate
@@ -51,7 +51,7 @@ def searches_shown() -> Iterator[None]:
 
 def main(run: Path, evaluated: bool) -> None:
     """Fit, compare and, if asked, evaluate the web of a run."""
-    scene = scene_of_run(open_run(str(run)))
+    scene = design_from_run(open_run(str(run)))
     surface = read_half_throw(run / "web.stl", scene)
     with searches_shown():
         fitted = timed("fit", lambda: fit.fit_web(surface, scene, ManufacturingLimits()))

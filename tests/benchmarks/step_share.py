@@ -46,7 +46,7 @@ def main(cell_mm: float = 1.5) -> None:
             problem = build_problem(ready.scene, ready.domain, ready.cases)
             state = iterate(problem, loop.init(problem))
         whole, step = median(row.seconds for row in state.history[2:]), median(seconds[2:])
-        cells = int((ready.domain.design > 0).sum())
+        cells = int((ready.domain.design_fraction > 0).sum())
         print(f"| {engine} | {cells} | {whole:.3f} | {step:.4f} | {100 * step / whole:.1f} |", flush=True)
 
 

@@ -49,7 +49,7 @@ def naming(scene: Scene, path: Path) -> Scene:
 
 def web_mm3(scene: Scene, **grid: Any) -> float:
     domain = build_domain(scene, 3.0, "web", **grid)
-    return float((domain.web * domain.volume_mm3).sum()) / domain.share / 2
+    return float((domain.web * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
 
 
 @pytest.mark.parametrize("suffix", [".step", pytest.param(".stl", marks=pytest.mark.slow)])

@@ -14,7 +14,7 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, designs_folder, input_files, load_scene
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -67,7 +67,7 @@ def check(scene: Scene, folder: Path) -> None:
 
 
 def test_a_run_is_evaluated_with_its_own_scene(run: RunStore, tmp_path: Path) -> None:
-    check(scene_of_run(run), tmp_path.resolve() / "made")
+    check(design_from_run(run), tmp_path.resolve() / "made")
     check(resolve_target(str(run.path)).scene, tmp_path.resolve() / "made")
 
 

@@ -13,7 +13,6 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies import drilling_moments
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
 from cranktopo.engine.balance.throw import throw_balance
@@ -29,6 +28,7 @@ from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import sweep_plan
 from cranktopo.tasks.sweep.stages import run_stage
 from cranktopo.tasks.sweep.variation import read_option
+from cranktopo.throw.drilling import moments as drilling_moments
 from tests.packed_scenes import unpacked
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")

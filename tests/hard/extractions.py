@@ -31,7 +31,7 @@ from cranktopo.tasks.refit.family import Layout, station_shares, web_of
 from cranktopo.tasks.refit.fit import fit_web, scene_with_web
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.cylinder_pocket import FittedCylinder
-from cranktopo.throw.geometry import StlEnvelope
+from cranktopo.throw.envelope import StlEnvelope
 from cranktopo.throw.side_pocket import FittedSlot
 
 ENGINES = ("mikron-iiic", "opposed-piston")

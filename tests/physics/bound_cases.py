@@ -97,7 +97,7 @@ def pressed(scene: Scene, model: BoundModel, seed: int) -> Array:
 def own_body(model: BoundModel) -> Array:
     """The original web (nx, ny, nz)."""
     domain, cell_mm = model.domain, model.scene.optimise.resolution_mm
-    return build_domain(model.scene, cell_mm, "web", domain.extent, domain.grid).fixed
+    return build_domain(model.scene, cell_mm, "web", domain.extent, domain.grid).passive_fraction
 
 
 def loaded_bar(layers: int = 8) -> tuple[ThrowModel, AdmissibleDensities, float]:

@@ -173,7 +173,7 @@ def test_a_pocket_in_the_counterweight_is_among_the_webs(monkeypatch: pytest.Mon
         model = bound_model(scene, CELL_MM)
     domain = model.domain
     own = own_body(model)
-    web = build_domain(pocketed, CELL_MM, "web", domain.extent, domain.grid).fixed
+    web = build_domain(pocketed, CELL_MM, "web", domain.extent, domain.grid).passive_fraction
     room = model.webs.fixed.copy()
     room[:, :, model.webs.layers] += model.webs.design
     assert own.sum() - web.sum() > 5.0

@@ -11,7 +11,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.tasks.shape.start import scene_start
-from cranktopo.throw.drilling import channels
+from cranktopo.throw.drilling.table import drill_bores
 
 DRILLING = {
     "diameter_mm": 8.0,
@@ -37,11 +37,11 @@ def test_the_drilling_stands_still(float64: None) -> None:
     model = MeshModel(scene, start.layout, start.values, 14.0)
     step = np.zeros(len(start.values))
     step[3] = 0.5
-    (channel,) = channels(scene)
+    (bore,) = drill_bores(scene)
     low, high = scene.web_z_mm
     for values in (start.values, start.values + step):
         x, y, z = model.moved.at(values).points_mm
-        off = channel.distance_mm(x, y, z) - channel.radius_mm
+        off = bore.off_axis_mm(x, y, z) - bore.radius_mm
         on = (np.abs(off) < 1e-9) & (z > low) & (z < high)
         assert on.sum() > 20
     found = model.responses(start.values, ("torsion",))

@@ -12,7 +12,6 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.drilling_moments import drilled
 from cranktopo.bodies.prisms import journal_halves, web_bores
 from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -22,10 +21,11 @@ from cranktopo.design.symmetry import envelope_asymmetry, mirror_image, web_asym
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.importing.placement import misfits
-from cranktopo.tasks.refit.constraints import drilling_rules
 from cranktopo.throw.bevel_arc import BevelArc
-from cranktopo.throw.drilling import channels, drilling_asymmetry
-from cranktopo.throw.drilling_outlet import ring_points
+from cranktopo.throw.drilling.moments import drilled
+from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.table import drill_bores, drilling_asymmetry
+from cranktopo.throw.drilling.walls import drilling_rules
 from cranktopo.throw.fitted import CLEAR_MM, Surroundings
 
 STEP = 1e-9
@@ -51,16 +51,16 @@ def mikron(*drillings, **journals) -> Scene:
 
 def along_rays(scene: Scene, points: int) -> tuple[float, float]:
     """Volume and integral of x2 + y2 of a drilling's cylinder in journals and web, by rays along it."""
-    (channel,) = channels(scene)
-    (low, high), along = channel.extent_mm, channel.direction
+    (bore,) = drill_bores(scene)
+    (low, high), along = bore.extent_mm, bore.direction
     radius, turn = np.meshgrid(
-        channel.radius_mm * np.sqrt((np.arange(points) + 0.5) / points),
+        bore.radius_mm * np.sqrt((np.arange(points) + 0.5) / points),
         2 * np.pi * (np.arange(2 * points) + 0.5) / (2 * points),
     )
-    spokes = channel.around
+    spokes = bore.around
     one, other = spokes[0], spokes[len(spokes) // 4]
     at = (radius * np.cos(turn)).ravel()[:, None] * one + (radius * np.sin(turn)).ravel()[:, None] * other
-    at = at + np.array(channel.mouths[0].point_mm)
+    at = at + np.array(bore.outlets[0].point_mm)
 
     def within(y, size, z):
         foot = at[:, :2] - [0.0, y]
@@ -87,7 +87,7 @@ def along_rays(scene: Scene, points: int) -> tuple[float, float]:
     total = total + integrals(within(0, 1e4, (z1, z2)))
     total -= integrals(within(0, main.bore_radius_mm, (0, z2)))
     total -= integrals(within(r, pin.bore_radius_mm, (z1, z3)))
-    area = math.pi * channel.radius_mm**2
+    area = math.pi * bore.radius_mm**2
     return float(total[0] * area), float(total[1] * area)
 
 
@@ -102,13 +102,13 @@ def test_cylinder_is_exact(bore: float) -> None:
 def test_rounding_is_a_rolled_ball() -> None:
     """It touches the journal and the drilling."""
     scene = mikron(RADIAL)
-    (channel,) = channels(scene)
-    mouth = channel.mouths[0]
+    (bore,) = drill_bores(scene)
+    outlet = bore.outlets[0]
     turn = np.linspace(0, 2 * np.pi, 37)
-    ball = ring_points(channel.radius_mm, mouth, turn, np.zeros(37), np.ones(37))
-    touch = ring_points(channel.radius_mm, mouth, turn, np.ones(37), np.ones(37))
+    ball = ring_points(bore.radius_mm, outlet, turn, np.zeros(37), np.ones(37))
+    touch = ring_points(bore.radius_mm, outlet, turn, np.ones(37), np.ones(37))
     assert np.hypot(touch[:, 0], touch[:, 1] - 48.0) == pytest.approx(21.0, abs=STEP)
-    assert channel.distance_mm(*ball.T) == pytest.approx(2.5, abs=STEP)
+    assert bore.off_axis_mm(*ball.T) == pytest.approx(2.5, abs=STEP)
 
 
 def test_solid_has_the_closed_form() -> None:
@@ -143,7 +143,7 @@ def test_cells_and_surface_have_it() -> None:
     for cell in (4.0, 2.0):
         domain = build_domain(sharp, cell, "web")
         whole = build_domain(bare, cell, "web", domain.extent, domain.grid)
-        gone = float(((whole.fixed - domain.fixed) * domain.volume_mm3).sum())
+        gone = float(((whole.passive_fraction - domain.passive_fraction) * domain.volume_mm3).sum())
         assert gone == pytest.approx(drilled(sharp).volume, rel=2e-4)
 
 
@@ -153,12 +153,15 @@ def test_design_space_keeps_hole_and_wall() -> None:
     whole = build_domain(bare, 4.0, extent=domain.extent, grid=domain.grid)
     between = slice(*domain.web_layers)
     hole = ((whole.web - domain.web) * domain.volume_mm3)[:, :, between].sum()
-    wall = (domain.fixed * domain.volume_mm3)[:, :, between].sum()
+    wall = (domain.passive_fraction * domain.volume_mm3)[:, :, between].sum()
     assert hole == pytest.approx(
         drilled(mikron({**LEANING, "outlet_radius_mm": 0.0}), "web").volume, rel=2e-4
     )
     assert wall == pytest.approx(3 * hole, rel=0.25)  # twice the radius: four times the section
-    assert ((domain.fixed + domain.design) <= whole.fixed + whole.design + 1e-5).all()
+    assert (
+        (domain.passive_fraction + domain.design_fraction)
+        <= whole.passive_fraction + whole.design_fraction + 1e-5
+    ).all()
 
 
 def test_mirror() -> None:

@@ -15,11 +15,11 @@ import pytest
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span, holds
-from cranktopo.bodies.solid.web import add_bodies
-from cranktopo.bodies.web_moments import moments
+from cranktopo.bodies.solid.throw import add_bodies
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.throw.feature import Body
+from cranktopo.throw.moments import body_moments
 from cranktopo.throw.primitives import Box, Cylinder, Solid
 from cranktopo.throw.web import web_bodies, web_spans
 
@@ -90,7 +90,7 @@ def bodies(mikron: Scene) -> list[Body]:
 
 def test_a_leaning_hole_takes_its_cylinder(mikron: Scene, bodies: list[Body]) -> None:
     """Cut at both faces, a leaning cylinder has the area of its ellipse times the thickness."""
-    plain, drilled = moments(web_bodies(mikron)), moments([*web_bodies(mikron), bodies[-1]])
+    plain, drilled = body_moments(web_bodies(mikron)), body_moments([*web_bodies(mikron), bodies[-1]])
     taken = math.pi * RADIUS**2 / math.cos(LEAN) * 19.0
     assert plain.volume - drilled.volume == pytest.approx(taken, rel=1e-8)
     # About the crank axis: offset along y, the ellipse's own inertia, and the centre's way along x.
@@ -105,7 +105,7 @@ def test_added_material_counts_once(mikron: Scene, bodies: list[Body]) -> None:
         (solid,) = add_bodies(gmsh.model.occ, bodies)
         volume = gmsh.model.occ.getMass(*solid)
         x, y, _ = gmsh.model.occ.getCenterOfMass(*solid)
-    found = moments(bodies)
+    found = body_moments(bodies)
     assert found.volume == pytest.approx(volume, rel=1e-7)
     assert found.first_y == pytest.approx(volume * y, rel=1e-7)
     assert found.first_x == pytest.approx(volume * x, abs=1e-6 * volume)

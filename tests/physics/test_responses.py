@@ -163,7 +163,7 @@ def test_inertia_of_the_original_web(mikron: Scene) -> None:
     """Closed form: obround of two half discs and a rectangle, less the bores, and two rings."""
     domain = build_domain(mikron, 2.0, "web")
     known = quantities(build_model(mikron, domain, (BENDING,)), DENSITY)
-    solid = jnp.asarray(domain.fixed)
+    solid = jnp.asarray(domain.passive_fraction)
     none = jnp.zeros(0)
     found = float(known["inertia"].value(Design(solid, solid, none, none, none)))
     r, w, throw = 25.0, 50.0, 48.0

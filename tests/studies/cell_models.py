@@ -9,7 +9,7 @@ from typing import Any
 import jax.numpy as jnp
 
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.cells.grid import Grid
+from cranktopo.bodies.cells.grid import CellGrid
 from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -42,14 +42,14 @@ class Own:
     unknowns: int
     iterations: int
     cell_mm: float
-    grid: Grid
+    grid: CellGrid
 
 
-def own_model(scene: Scene, cell_mm: float, grid: Grid | None = None) -> Own:
+def own_model(scene: Scene, cell_mm: float, grid: CellGrid | None = None) -> Own:
     """The scene's web on cells; call inside `double_precision()`."""
     domain = build_domain(scene, cell_mm, "web", grid=grid)
     model = build_model(scene, domain, (BENDING, TORSION))
-    solution = solve(model, jnp.asarray(domain.fixed), tolerance=1e-8)
+    solution = solve(model, jnp.asarray(domain.passive_fraction), tolerance=1e-8)
     work = [float(c) for c in compliances(model, solution.displacements)]
     found = {case.name: stiffness(model, c, case.name) for case, c in zip(model.cases, work, strict=True)}
     grid = domain.grid
@@ -106,7 +106,7 @@ def volume_error(scene: Scene, cell_mm: float) -> float:
     """Volume of the throw on cells over its closed form, less 1; without fillets and roundings."""
     sharp = without_fillets(scene)
     domain = build_domain(sharp, cell_mm, "web")
-    filled = float((domain.fixed * domain.volume_mm3).sum()) / domain.share / 2
+    filled = float((domain.passive_fraction * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
     return filled / half_throw_volume_mm3(sharp) - 1
 
 

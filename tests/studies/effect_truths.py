@@ -56,12 +56,12 @@ def solved(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     domain = build_domain(scene, CELL_MM, "web")
     cases = load_cases(scene, DEFAULT_EFFECTS | CASES)
     model = build_model(scene, domain, cases)
-    solid = jnp.asarray(domain.fixed)
+    solid = jnp.asarray(domain.passive_fraction)
     forces = case_forces(model, solid)
     u = solve(model, solid, forces=forces).displacements
     work = {case.name: float(c) for case, c in zip(cases, compliances(model, u, forces), strict=True)}
     rigid = {name: stiffness(model, work[name], name) for name in ("bending", "torsion")}
-    rigid["volume"] = float((domain.fixed * domain.volume_mm3).sum())
+    rigid["volume"] = float((domain.passive_fraction * domain.volume_mm3).sum())
     return {name: value / 2 for name, value in work.items()}, rigid
 
 

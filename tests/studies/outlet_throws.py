@@ -23,7 +23,8 @@ from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import unit_fields
-from cranktopo.throw.drilling import Channel, Mouth, channels
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.table import drill_bores
 from tests.studies.example_throws import rule_throws
 
 Array = NDArray[np.float64]
@@ -110,9 +111,9 @@ def without_bore(outlet: Outlet) -> tuple[Array, Array]:
     return local, _kirsch(line).max(axis=1) / nominal
 
 
-def _first(scene: Scene) -> tuple[Channel, Mouth]:
-    (channel,) = channels(scene)
-    return channel, channel.mouths[0]
+def _first(scene: Scene) -> tuple[DrillBore, DrillOutlet]:
+    (channel,) = drill_bores(scene)
+    return channel, channel.outlets[0]
 
 
 def _nominal_MPa(outlet: Outlet, scene: Scene) -> Array:
@@ -122,21 +123,21 @@ def _nominal_MPa(outlet: Outlet, scene: Scene) -> Array:
     return np.array([abs(math.cos(math.radians(outlet.angle_deg))), 0.5]) / modulus
 
 
-def _about(mouth: Mouth, points_mm: Array) -> tuple[Array, Array]:
+def _about(mouth: DrillOutlet, points_mm: Array) -> tuple[Array, Array]:
     """Depth of points (n, 3) below the outlet along its axis, and distance from that, mm."""
     offset = points_mm - np.array(mouth.point_mm)
     depth = -offset @ mouth.normal
     return depth, np.linalg.norm(offset + depth[:, None] * mouth.normal, axis=1)
 
 
-def _across(mouth: Mouth, stress: Array) -> Array:
+def _across(mouth: DrillOutlet, stress: Array) -> Array:
     """Stresses (..., 3) axial, around and their shear, of stresses (..., 6): those across the bore's axis."""
     x, y, _ = mouth.normal
     xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)
     return np.stack([zz, y * y * xx + x * x * yy - 2 * x * y * xy, y * zx - x * yz], axis=-1)
 
 
-def _along_axis(mouth: Mouth, nodes_mm: Array, stress: Array, reach_mm: float) -> Array:
+def _along_axis(mouth: DrillOutlet, nodes_mm: Array, stress: Array, reach_mm: float) -> Array:
     """Stresses (fields, places, 3) along the bore's axis by a quadratic through the nodes around it."""
     offset = nodes_mm - np.array(mouth.point_mm)
     near = np.linalg.norm(offset, axis=1) < 1.2 * reach_mm

@@ -10,10 +10,10 @@ from cranktopo.design.assumed import (
     LOADS,
     SUPPORTS,
     THROW,
-    among,
     assumed_json,
     assumed_text,
     assumptions,
+    filter_by_table,
 )
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -61,11 +61,11 @@ def test_a_whole_rod_leaves_nothing_of_its_parts_to_assume() -> None:
 
 def test_a_part_of_a_table_by_its_path() -> None:
     found = assumptions(scene_with(engine={**ENGINE, "gas": GAS}), (THROW, LOADS))
-    named = [item.key for item in among(found, ("engine.masses",))]
+    named = [item.key for item in filter_by_table(found, ("engine.masses",))]
     assert named == [
         f"engine.masses.{key}_kg" for key in ("piston_group", "rod_reciprocating", "rod_rotating")
     ]
-    assert [item.key for item in among(found, (THROW,))] == ["throw.main_journal.fillet_mm"]
+    assert [item.key for item in filter_by_table(found, (THROW,))] == ["throw.main_journal.fillet_mm"]
 
 
 def test_a_measured_diagram_needs_no_combustion_model() -> None:

@@ -13,7 +13,7 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.solid.files import surface_of
-from cranktopo.design.clearance import CRANKCASE, PISTON, clearance_limit, rooms_mm
+from cranktopo.design.clearance import CRANKCASE, PISTON, clearance_limit, clearances_mm
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.report.viewer.scene3d import ShownBody
@@ -80,7 +80,7 @@ def test_slopes_of_the_limit(clear: Scene) -> None:
 
 def test_rooms_are_told(clear: Scene) -> None:
     """At bottom dead centre the counterweight's rim is nearest the piston, the pin's end to the crankcase."""
-    rooms = rooms_mm(clear)
+    rooms = clearances_mm(clear)
     assert rooms[PISTON] == pytest.approx(166.0 - 48.0 - SKIRT_MM - 62.0, abs=1e-3)
     assert rooms[CRANKCASE] == pytest.approx(76.0 - 73.0, abs=1e-3)
     loads = loads_json(clear, frozenset({"bending"}))
@@ -100,13 +100,13 @@ def test_the_page_tells_the_room(clear: Scene) -> None:
     (section,) = clearance_sections(clear, bodies)
     ((_, table),) = section.tables
     for row, scene in zip(table.rows, (smaller, clear), strict=True):
-        rooms = rooms_mm(scene)
+        rooms = clearances_mm(scene)
         assert row["to_the_piston_skirt_mm"] == pytest.approx(rooms[PISTON], abs=0.05)
         assert row["to_the_crankcase_mm"] == pytest.approx(rooms[CRANKCASE], abs=0.05)
     assert "at least 1.5 mm stay" in section.text
     bolted = weighted(clear, {**PLAIN, "density_kg_m3": 9000.0})
     ((_, table),) = clearance_sections(bolted, bodies[:1])[0].tables
-    assert table.rows[0]["to_the_piston_skirt_mm"] == pytest.approx(rooms_mm(clear)[PISTON], abs=0.05)
+    assert table.rows[0]["to_the_piston_skirt_mm"] == pytest.approx(clearances_mm(clear)[PISTON], abs=0.05)
     assert section.text.startswith("The result leaves ")
     assert not clearance_sections(roomy_scene(clear).model_copy(update={"envelope": None}), bodies)
 
@@ -118,8 +118,10 @@ def test_the_design_space_ends_there(clear: Scene) -> None:
     assert limit is not None
     x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (domain.grid.x_mm, domain.grid.y_mm))
     outside = limit.outside_mm(x[:, None], y[None, :])
-    assert not domain.design[outside > 3.0].any()
-    np.testing.assert_allclose(domain.design[outside < -3.0], whole.design[outside < -3.0], atol=1e-5)
+    assert not domain.design_fraction[outside > 3.0].any()
+    np.testing.assert_allclose(
+        domain.design_fraction[outside < -3.0], whole.design_fraction[outside < -3.0], atol=1e-5
+    )
     grid = DensityGrid(np.array([-76.0, -76.0, 20.0]), np.array([4.0, 4.0, 19.0]), np.ones((38, 40, 1)))
     solid = envelope_solid(clear, grid)
     points = np.asarray(solid.to_mesh().vert_properties)[:, :2]

@@ -79,9 +79,9 @@ def test_linear_designs_are_interpolated_exactly(mikron: Scene) -> None:
 def test_void_beside_the_design_space_does_not_thin_it(mikron: Scene) -> None:
     there, here = build_domain(mikron, 4.0), build_domain(mikron, 2.0)
     (first, last), (begin, end) = there.web_layers, here.web_layers
-    design = there.design[:, :, first:last]
+    design = there.design_fraction[:, :, first:last]
     found = interpolated(np.where(design > 0, 0.7, 0.1), design, there, here)
-    designable = here.design[:, :, begin:end] > 0
+    designable = here.design_fraction[:, :, begin:end] > 0
     assert np.mean(np.abs(found[designable] - 0.7) < 1e-12) > 0.99
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.prisms import counterweight_solid
+from cranktopo.bodies.prisms import kept_solid
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.bodies.web_moments import bolted_mass, web_moments
@@ -87,19 +87,23 @@ def test_thin_one_lies_on_its_own_face(roomy: Scene) -> None:
 def test_no_optimiser_empties_it(roomy: Scene) -> None:
     """In the design space its sector less the bore is fixed, all the rest is free as before."""
     plain, with_weight = (build_domain(scene, 3.0) for scene in (roomy, weighted(roomy, PLAIN)))
-    volumes = plain.volume_mm3 / plain.share / 2
-    np.testing.assert_allclose(with_weight.fixed + with_weight.design, plain.fixed + plain.design, atol=1e-5)
+    volumes = plain.volume_mm3 / plain.symmetry_fraction / 2
+    np.testing.assert_allclose(
+        with_weight.passive_fraction + with_weight.design_fraction,
+        plain.passive_fraction + plain.design_fraction,
+        atol=1e-5,
+    )
     np.testing.assert_array_equal(with_weight.web, plain.web)
-    fixed = float(((with_weight.fixed - plain.fixed) * volumes).sum())
+    fixed = float(((with_weight.passive_fraction - plain.passive_fraction) * volumes).sum())
     bore = roomy.throw.main_journal.bore_radius_mm
     assert fixed == pytest.approx(math.radians(60) * (62.0**2 - bore**2) * 19.0, rel=1e-6)
 
 
 def test_surface_has_it_exactly(roomy: Scene) -> None:
-    volume = counterweight_solid(weighted(roomy, THIN)).volume()
+    volume = kept_solid(weighted(roomy, THIN)).volume()
     assert volume == pytest.approx(math.radians(75) * 55.0**2 * 12.0, rel=1e-4)
-    assert counterweight_solid(roomy).is_empty()
-    assert counterweight_solid(weighted(roomy, {**PLAIN, "density_kg_m3": 9000.0})).is_empty()
+    assert kept_solid(roomy).is_empty()
+    assert kept_solid(weighted(roomy, {**PLAIN, "density_kg_m3": 9000.0})).is_empty()
 
 
 def test_bolted_part_has_mass_and_nothing_else(roomy: Scene) -> None:
@@ -109,7 +113,7 @@ def test_bolted_part_has_mass_and_nothing_else(roomy: Scene) -> None:
     assert web_moments(bolted) == web_moments(roomy)
     for target in ("web", "envelope"):
         a, b = (build_domain(scene, 6.0, target) for scene in (roomy, bolted))
-        np.testing.assert_array_equal(a.fixed, b.fixed)
+        np.testing.assert_array_equal(a.passive_fraction, b.passive_fraction)
     kg = math.radians(60) * (62.0**2 - END_MM**2) * 19.0 * 17500e-9
     assert bolted_mass(bolted).volume == pytest.approx(kg, rel=1e-9)
     bare, light, heavy = (throw_balance(scene) for scene in (roomy, one_piece, bolted))

@@ -16,7 +16,7 @@ from cranktopo.bodies.web_moments import counterweight_mass, web_moments
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.throw.tangent_circle import OutlineSection
+from cranktopo.throw.counterweight.tangent_circle import OutlineSection
 from tests.unit.counterweight_cases import DISC, OUTLINES, PLAIN, THIN, roomy_scene
 
 THICK_MM = 19.0
@@ -161,8 +161,8 @@ def test_an_optimiser_keeps_the_sector_alone(roomy: Scene) -> None:
     sharp, filleted = (
         build_domain(web_of(roomy, "obround", {**DISC, **more}), 6.0) for more in ({}, {"fillet_mm": 8.0})
     )
-    np.testing.assert_array_equal(sharp.fixed, filleted.fixed)
-    np.testing.assert_array_equal(sharp.design, filleted.design)
+    np.testing.assert_array_equal(sharp.passive_fraction, filleted.passive_fraction)
+    np.testing.assert_array_equal(sharp.design_fraction, filleted.design_fraction)
 
 
 def test_a_sharp_corner_costs_nothing(roomy: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,7 +22,7 @@ def changed(scene: Scene, **tables: object) -> Scene:
 
 
 def volume(domain: Domain, cells: np.ndarray) -> float:
-    return float((cells * domain.volume_mm3).sum() / domain.share)
+    return float((cells * domain.volume_mm3).sum() / domain.symmetry_fraction)
 
 
 def ring(outer: float, inner: float) -> float:
@@ -37,10 +37,10 @@ def test_volumes_hold_on_any_grid(mikron: Scene, resolution: float) -> None:
     assert volume(web, web.web) == pytest.approx(2 * 19 * (50 * 48 + math.pi * 25**2 - holes), rel=1e-6)
     assert volume(web, web.pin) == pytest.approx(36 * ring(42.0, 24.0), rel=1e-6)
     envelope = build_domain(mikron, resolution)
-    assert volume(envelope, envelope.design) == pytest.approx(2 * 19 * (96 * 116 - holes), rel=1e-6)
+    assert volume(envelope, envelope.design_fraction) == pytest.approx(2 * 19 * (96 * 116 - holes), rel=1e-6)
     journals = 36 * ring(42.0, 24.0) + 40 * ring(42.0, 24.0)
-    assert volume(envelope, envelope.fixed) == pytest.approx(journals, rel=1e-6)
-    assert np.all(envelope.fixed + envelope.design <= 1 + 1e-12)
+    assert volume(envelope, envelope.passive_fraction) == pytest.approx(journals, rel=1e-6)
+    assert np.all(envelope.passive_fraction + envelope.design_fraction <= 1 + 1e-12)
 
 
 def test_pockets_of_every_shape(mikron: Scene) -> None:
@@ -78,20 +78,22 @@ def test_clearances_leave_the_journals(mikron: Scene) -> None:
     envelope = {**mikron.envelope.model_dump(), "bearing_clearance_mm": 1.0, "rod_clearance_mm": 2.5}
     domain = build_domain(changed(mikron, envelope=envelope), 2.0)
     holes = 2 * ring(24.0, 0.0)
-    assert volume(domain, domain.design) == pytest.approx(2 * 15.5 * (96 * 116 - holes), rel=1e-6)
+    assert volume(domain, domain.design_fraction) == pytest.approx(2 * 15.5 * (96 * 116 - holes), rel=1e-6)
     stubs = 2 * 3.5 * ring(42.0, 24.0)
     journals = 76 * ring(42.0, 24.0)
-    assert volume(domain, domain.fixed) == pytest.approx(journals + stubs, rel=1e-6)
+    assert volume(domain, domain.passive_fraction) == pytest.approx(journals + stubs, rel=1e-6)
 
 
 def test_envelope_shapes(mikron: Scene, tmp_path: Path) -> None:
     holes = 2 * ring(24.0, 0.0)
     cylinder = build_domain(changed(mikron, envelope={"shape": "cylinder", "radius_mm": 75.0}), 2.0)
-    assert volume(cylinder, cylinder.design) == pytest.approx(38 * (math.pi * 75**2 - holes), rel=1e-6)
+    assert volume(cylinder, cylinder.design_fraction) == pytest.approx(
+        38 * (math.pi * 75**2 - holes), rel=1e-6
+    )
     points = [(-30, -30), (40, -30), (40, 80), (-30, 80)]  # not its own mirror image
     outline = build_domain(changed(mikron, envelope={"shape": "outline", "points_mm": points}), 2.0)
     assert outline.extent == "half"
-    assert volume(outline, outline.design) == pytest.approx(38 * (70 * 110 - holes), rel=1e-6)
+    assert volume(outline, outline.design_fraction) == pytest.approx(38 * (70 * 110 - holes), rel=1e-6)
     cone = trimesh.creation.cone(radius=90.0, height=90.0, sections=96)  # narrows along the crank axis
     cone.apply_translation((0.0, 20.0, 10.0))
     cone.export(tmp_path / "space.stl")
@@ -99,16 +101,16 @@ def test_envelope_shapes(mikron: Scene, tmp_path: Path) -> None:
     stl = build_domain(changed(mikron, envelope={"shape": "stl", "file": file}), 4.0)
     radii = np.array([100.0 - 20.0, 100.0 - 39.0])  # at the web faces z = 20 and 39
     frustum = math.pi * 19 / 3 * (radii[0] ** 2 + radii.prod() + radii[1] ** 2)
-    assert volume(stl, stl.design) == pytest.approx(2 * (frustum - 19 * holes), rel=2e-3)
+    assert volume(stl, stl.design_fraction) == pytest.approx(2 * (frustum - 19 * holes), rel=2e-3)
 
 
 def test_quarter_is_half_of_the_half(mikron: Scene) -> None:
     quarter, half = build_domain(mikron, 3.0), build_domain(mikron, 3.0, extent="half")
     middle = int(half.grid.x_mm.searchsorted(-1e-9))
-    right = half.design[middle:]
+    right = half.design_fraction[middle:]
     np.testing.assert_array_equal(half.grid.z_mm, quarter.grid.z_mm)
-    np.testing.assert_allclose(right, quarter.design[: len(right)], atol=1e-12)
-    np.testing.assert_allclose(right, half.design[:middle][::-1], atol=1e-12)
+    np.testing.assert_allclose(right, quarter.design_fraction[: len(right)], atol=1e-12)
+    np.testing.assert_allclose(right, half.design_fraction[:middle][::-1], atol=1e-12)
 
 
 def test_grid_meets_the_faces_and_halves(mikron: Scene) -> None:
@@ -141,7 +143,7 @@ def test_envelope_that_misses_a_journal(mikron: Scene) -> None:
 def test_connectivity(mikron: Scene) -> None:
     domain = build_domain(mikron, 3.0)
     first, last = domain.web_layers
-    density = np.ones(domain.design[:, :, first:last].shape)
+    density = np.ones(domain.design_fraction[:, :, first:last].shape)
     assert is_connected(domain, density)
     y = (domain.grid.y_mm[:-1] + domain.grid.y_mm[1:]) / 2
     density[:, (y > 22) & (y < 26)] = 0.0

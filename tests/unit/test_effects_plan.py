@@ -22,7 +22,8 @@ from cranktopo.engine.plan.simulated import simulated_scene, without
 from cranktopo.engine.states import extreme_states
 from cranktopo.engine.torsional_stiffness import fillet_length_saving_mm
 from cranktopo.throw.cylinder_pocket import CylinderPocket
-from cranktopo.throw.geometry import Journal, OutlineEnvelope
+from cranktopo.throw.envelope import OutlineEnvelope
+from cranktopo.throw.geometry import Journal
 from tests.unit.plan_cases import MIKRON, OPPOSED, with_effects, with_part
 
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})

@@ -110,7 +110,7 @@ def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> N
     through = open_cells(mikron, domain)
     middle, _ = parting_of(domain)
     row = int(np.searchsorted(domain.grid.y_mm, 0.0))
-    assert not domain.design[middle, row].any()  # the bore of the main journal
+    assert not domain.design_fraction[middle, row].any()  # the bore of the main journal
     assert through[middle, row].all()
     whole, plain = chain_of(forged(mikron))[1], chain_of(mikron)[1]
     np.testing.assert_array_equal(whole.design_fraction, plain.design_fraction)
@@ -120,7 +120,7 @@ def test_bores_are_no_obstacle_but_a_waist_is(float64: None, mikron: Scene) -> N
     horned = mikron.model_copy(update={"envelope": envelope})
     domain, density_chain = chain_of(forged(horned))
     legs = domain.grid.y_mm[:-1] > 80
-    web = domain.design[:, :, slice(*domain.web_layers)]
+    web = domain.design_fraction[:, :, slice(*domain.web_layers)]
     assert web[:, legs].sum() > 0
     assert float(density_chain.design_fraction[:, legs].sum()) == 0.0
     np.testing.assert_array_equal(

@@ -14,7 +14,7 @@ from cranktopo.tasks.refit.dimensions import scene_at, size_rules, with_free, wi
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import with_stations
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.counterweight import Counterweight
+from cranktopo.throw.counterweight.table import Counterweight
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 

@@ -63,7 +63,7 @@ def test_nothing_is_cut_away_behind_a_hole(name: str, mikron: Scene, tmp_path: P
     scene = forged(mikron, tmp_path, voids, **extra)
     domain = build_domain(scene, 4.0)
     first, last = domain.web_layers
-    design = domain.design[:, :, first:last] > 0
+    design = domain.design_fraction[:, :, first:last] > 0
     within = reachable(open_cells(scene, domain), parting_of(domain))
     # Cells that a boundary merely grazes may lie in the shadow of a corner of the holes' polygons.
     assert unreachable_share(scene, domain) < 1e-3

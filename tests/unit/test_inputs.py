@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from cranktopo.base.errors import CranktopoError, shown
-from cranktopo.base.reading import check_input, read_bytes, read_text
+from cranktopo.base.errors import CranktopoError, quoted
+from cranktopo.base.reading import check_input, read_bytes, read_text_file
 
 
 @pytest.mark.parametrize("content", [b"a = 1", b"\xef\xbb\xbfa = 1"], ids=["plain", "byte-order mark"])
 def test_text(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "x").write_bytes(content)
-    assert read_text(tmp_path / "x", "design") == "a = 1"
+    assert read_text_file(tmp_path / "x", "design") == "a = 1"
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_text(tmp_path: Path, content: bytes) -> None:
 def test_what_is_not_text(tmp_path: Path, content: bytes, message: str) -> None:
     (tmp_path / "x").write_bytes(content)
     with pytest.raises(CranktopoError) as caught:
-        read_text(tmp_path / "x", "design", limit_MiB=1)
+        read_text_file(tmp_path / "x", "design", limit_MiB=1)
     assert message in str(caught.value)
     assert str(caught.value).startswith("design: ")
 
@@ -52,7 +52,7 @@ def test_what_is_no_file(tmp_path: Path, name: str, message: str) -> None:
     (tmp_path / "file").touch()
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "loop").symlink_to("loop")
-    for read in (read_text, read_bytes, check_input):
+    for read in (read_text_file, read_bytes, check_input):
         with pytest.raises(CranktopoError, match=message):
             read(tmp_path / name, "design", 1)
 
@@ -60,19 +60,19 @@ def test_what_is_no_file(tmp_path: Path, name: str, message: str) -> None:
 @pytest.mark.parametrize("device", ["/dev/zero", "/dev/null"])
 def test_devices(device: str) -> None:
     with pytest.raises(CranktopoError, match="is a device"):
-        read_text(device, "design")
+        read_text_file(device, "design")
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
 def test_no_permission(tmp_path: Path) -> None:
     (tmp_path / "x").touch(mode=0)
     with pytest.raises(CranktopoError, match="Permission denied"):
-        read_text(tmp_path / "x", "design")
+        read_text_file(tmp_path / "x", "design")
 
 
 def test_values_in_messages() -> None:
-    assert shown(True) == "true"
-    assert shown("a\nb") == r"'a\nb'"
-    assert len(shown("x" * 10_000)) < 130
-    assert shown(16**5000) == "a number of about 6021 digits"
-    assert shown([1, 16**5000]) == "a number of thousands of digits"
+    assert quoted(True) == "true"
+    assert quoted("a\nb") == r"'a\nb'"
+    assert len(quoted("x" * 10_000)) < 130
+    assert quoted(16**5000) == "a number of about 6021 digits"
+    assert quoted([1, 16**5000]) == "a number of thousands of digits"

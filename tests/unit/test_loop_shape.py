@@ -127,7 +127,7 @@ def test_missed_limits_and_failures_do_not_lose_the_loop(
     failed = ended(run, mikron, step(96, 110, 101))
     assert (failed.row, failed.outcome.better_than_best_step) == (None, False)
     assert "keeps the limits" in failed.outcome.reason
-    assert failed.outcome.goal == {"maximise": "torsion_per_mass"}
+    assert failed.outcome.goal.as_json() == {"maximise": "torsion_per_mass"}
     stand_in.error, stand_in.percent = None, {}
     assert ended(run, mikron, None).row is not None, "a failed one is tried again"
     assert stand_in.asked[-1] == run.path / "shape"

@@ -92,7 +92,7 @@ def test_a_symmetric_mesh_is_the_box_it_shows(tmp_path: Path, mikron: Scene) -> 
     domain = build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
     expected = build_domain(mikron, 6.0)
     assert domain.extent == "quarter"
-    np.testing.assert_allclose(domain.design, expected.design, atol=1e-9)
+    np.testing.assert_allclose(domain.design_fraction, expected.design_fraction, atol=1e-9)
 
 
 def test_a_lopsided_mesh_said_to_be_symmetric_is_refused(tmp_path: Path, mikron: Scene) -> None:
@@ -134,7 +134,7 @@ def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene)
     assert mesh.volume == pytest.approx(exact, rel=2e-3)
     envelope = StlEnvelope(shape="stl", file=str(path), symmetric=True)
     domain = build_domain(mikron.model_copy(update={"envelope": envelope}), 3.0)
-    assert float((domain.design * domain.volume_mm3).sum()) / domain.share / 2 == pytest.approx(
-        exact, rel=4e-3
-    )
+    assert float(
+        (domain.design_fraction * domain.volume_mm3).sum()
+    ) / domain.symmetry_fraction / 2 == pytest.approx(exact, rel=4e-3)
     assert transition_mm(read_solids(tmp_path).web, mikron) == pytest.approx(19.0, abs=1e-4)

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
-from cranktopo.bodies.undercuts import Way, undercuts
+from cranktopo.bodies.undercuts import Withdrawal, undercuts
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
 from cranktopo.tasks.extraction.walls import Walls, from_parting_mm, measure
@@ -110,13 +110,15 @@ def test_a_mould_parts_where_walls_of_both_halves_meet() -> None:
     sides = np.array([[30.0, 0, 0], [31.0, 0, 0]])
     normals = np.concatenate([ring, [[-1.0, 0, 0], [1.0, 0, 0]]])
     walls = Walls(np.concatenate([10 * ring, sides]), normals, np.ones(402))
-    found = from_parting_mm(walls, Way("mould", 0, None))
+    found = from_parting_mm(walls, Withdrawal("mould", 0, None))
     away = np.minimum(np.abs(angles - np.pi / 2), np.abs(angles - 3 * np.pi / 2))
     near = away < 1.0
     np.testing.assert_allclose(found[:400][near], 20 * np.sin(away[near] / 2), atol=0.4)
     assert np.isinf(found[400:]).all()
-    assert np.isinf(from_parting_mm(walls, Way("mill", None, None))).all()
+    assert np.isinf(from_parting_mm(walls, Withdrawal("mill", None, None))).all()
     straight = np.stack([0.01 * np.sin(50 * angles), np.cos(angles), np.sin(angles)], axis=1)
     along = Walls(10 * straight, straight, np.ones(400))
-    assert np.isinf(from_parting_mm(along, Way("mould", 0, None))).all()
-    np.testing.assert_allclose(from_parting_mm(walls, Way("die", 0, 2.0)), np.abs(walls.points_mm[:, 0] - 2))
+    assert np.isinf(from_parting_mm(along, Withdrawal("mould", 0, None))).all()
+    np.testing.assert_allclose(
+        from_parting_mm(walls, Withdrawal("die", 0, 2.0)), np.abs(walls.points_mm[:, 0] - 2)
+    )

@@ -18,7 +18,7 @@ from cranktopo.bodies.web_moments import web_moments
 from cranktopo.design.loading import designs_folder, parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.throw.geometry import Throw
+from cranktopo.throw.geometry import ThrowTable
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 BARE = MIKRON[: MIKRON.index("[envelope]")]
@@ -171,7 +171,7 @@ def test_a_web_balanced_about_the_crank_axis_has_moments_at_once() -> None:
     assert time.perf_counter() - began < 5
 
 
-def _solid(hollow: Scene) -> Throw:
+def _solid(hollow: Scene) -> ThrowTable:
     throw = hollow.throw
     main, pin = (j.model_copy(update={"bore_diameter_mm": 0.0}) for j in (throw.main_journal, throw.crankpin))
     return throw.model_copy(update={"main_journal": main, "crankpin": pin})

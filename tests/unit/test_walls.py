@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from cranktopo.bodies.undercuts import Way, undercuts
+from cranktopo.bodies.undercuts import Withdrawal, undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.extraction.release import closed
@@ -48,9 +48,11 @@ def test_draft_of_a_wedge(draft_deg: float) -> None:
     ]
     walls = walls_of(mesh_of(Manifold.hull_points(corners)), 2.0)
     sides = walls.where(np.abs(walls.normals[:, 0]) < 0.9)
-    for way in (Way("die", 0, 2.0), Way("mould", 0, None)):
+    for way in (Withdrawal("die", 0, 2.0), Withdrawal("mould", 0, None)):
         assert least(drafts_deg(sides, way), sides.areas_mm2) == pytest.approx(draft_deg, abs=1e-3)
-    held = drafts_deg(Walls(sides.points_mm - [40, 0, 0], sides.normals, sides.areas_mm2), Way("die", 0, 2.0))
+    held = drafts_deg(
+        Walls(sides.points_mm - [40, 0, 0], sides.normals, sides.areas_mm2), Withdrawal("die", 0, 2.0)
+    )
     assert held.min() == pytest.approx(-draft_deg, abs=1e-3)
 
 

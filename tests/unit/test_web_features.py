@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.table import Length
 from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.prisms import kept_solid
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.throw.feature import Body, Feature, MirroredPrism
+from cranktopo.throw.hull import ObroundWeb
+from cranktopo.throw.primitives import Box, FeatureDrawing, Solid, number_lines
+from cranktopo.throw.throw_view import ThrowView
 from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import WHOLE, known_scene, table
 
@@ -139,3 +151,113 @@ def sharp(scene: Scene) -> Any:
     throw = scene.throw
     small = throw.crankpin.model_copy(update={"fillet_mm": 0.0, "outer_diameter_mm": 30.0})
     return throw.model_copy(update={"crankpin": small})
+
+
+@dataclass(frozen=True)
+class LugBody(MirroredPrism):
+    """A block across the main journal's end of the web that no optimiser takes away."""
+
+    half_mm: float
+    end_mm: float
+    kept: ClassVar[bool] = True
+
+    @property
+    def y_range_mm(self) -> tuple[float, float]:
+        return -self.end_mm, -20.0
+
+    def half_width_mm(self, y_mm: Array) -> Array:
+        low, high = self.y_range_mm
+        return np.where((y_mm >= low) & (y_mm <= high), self.half_mm, 0.0)
+
+    @property
+    def x_range_mm(self) -> tuple[float, float]:
+        return -self.half_mm, self.half_mm
+
+    def solids(self) -> tuple[Solid, ...]:
+        (y0, y1), (z0, z1) = self.y_range_mm, self.z_mm
+        return (Box((-self.half_mm, y0, z0), (2 * self.half_mm, y1 - y0, z1 - z0)),)
+
+
+class Lug(Feature):
+    """A lug away from the crankpin, flush with the journal face."""
+
+    width_mm: Length
+    end_mm: Length
+    thickness_mm: Length
+
+    def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        start = scene.web_z_mm[0]
+        return (LugBody(key, (start, start + self.thickness_mm), self.width_mm / 2, self.end_mm),)
+
+    def check_alone(self, scene: ThrowView, key: str) -> None:
+        if self.thickness_mm > scene.web.thickness_mm:
+            raise invalid(f"{key}.thickness_mm", self.thickness_mm, "thicker than the web")
+
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
+        if scene.web.counterweight is not None:
+            raise CranktopoError(f"{key}: lies in web.counterweight.")
+
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+        half, end = self.width_mm / 2, -self.end_mm
+        corners = ((-half, end), (half, end), (half, -20.0), (-half, -20.0))
+        return FeatureDrawing(added=corners, lines=number_lines("LUG", self.model_dump()))
+
+
+class LuggedWeb(ObroundWeb):
+    """Registered as the documentation says: a field of the web, and its name among the keys."""
+
+    lug: Lug | None = None
+    single_keys: ClassVar[tuple[str, ...]] = (*ObroundWeb.single_keys, "lug")
+
+
+LUG_MM3 = 20 * (32 - 20) * 12.0
+
+
+def lugged(scene: Scene, **changes: Any) -> Scene:
+    lug = {"width_mm": 20.0, "end_mm": 32.0, "thickness_mm": 12.0, **changes}
+    web = {"outline": "obround", "width_mm": 50.0, "thickness_mm": 19.0, "lug": lug}
+    assert scene.envelope is not None
+    free = {"bearing_clearance_mm": 0.0, "rod_clearance_mm": 0.0}
+    envelope = scene.envelope.model_copy(update=free)
+    return scene.model_copy(update={"web": LuggedWeb.model_validate(web), "envelope": envelope})
+
+
+def without_lug(scene: Scene) -> Scene:
+    return scene.model_copy(update={"web": scene.web.model_copy(update={"lug": None})})
+
+
+def test_a_new_kept_body_has_mass_solid_and_drawing(mikron: Scene, tmp_path: Path) -> None:
+    """What of it lies beyond the round end of the outline is added."""
+    scene = lugged(mikron)
+    check_scene(scene)
+    below_arc = 10 * math.sqrt(25**2 - 10**2) + 25**2 * math.asin(10 / 25)
+    added = (20 * 32 - below_arc) * 12.0
+    assert web_volume_mm3(scene) - web_volume_mm3(without_lug(scene)) == pytest.approx(added, rel=1e-9)
+    assert export_solid(scene, "web", tmp_path / "web.step") == pytest.approx(web_volume_mm3(scene), rel=1e-6)
+    sheet = Sheet(scene, Manifold())
+    assert sheet.y_range_mm[0] == -32.0
+    assert "LUG" in sheet.features[-1].lines
+
+
+def test_no_optimiser_takes_a_new_kept_body_away(mikron: Scene) -> None:
+    scene = lugged(mikron)
+    plain, found = (build_domain(one, 3.0) for one in (without_lug(scene), scene))
+    volumes = plain.volume_mm3 / plain.symmetry_fraction / 2
+    kept = (found.passive_fraction - plain.passive_fraction) * volumes
+    assert float(kept.sum()) == pytest.approx(LUG_MM3, rel=1e-6)
+    whole = plain.passive_fraction + plain.design_fraction
+    np.testing.assert_allclose(found.passive_fraction + found.design_fraction, whole, atol=1e-5)
+    assert kept_solid(scene).volume() == pytest.approx(LUG_MM3, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"thickness_mm": 20.0}, r"web.lug.thickness_mm = 20.0: thicker than the web"),
+        ({"end_mm": 36.0}, r"web.lug.*beyond the design space \[envelope\] at x = 10, y = -36 mm"),
+    ],
+    ids=["its own check", "outside the design space"],
+)
+def test_a_new_kept_body_is_checked(changes: dict[str, float], message: str, mikron: Scene) -> None:
+    with pytest.raises(CranktopoError, match=message):
+        check_scene(lugged(mikron, **changes))

@@ -17,11 +17,16 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
 from cranktopo.bodies.cells.drilled_cells import drill_cells
-from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm
-from cranktopo.bodies.cells.grid import Extent, Grid, plan_grid
-from cranktopo.bodies.cells.layers import ORIGINAL_KEY, GridContent, Layer, design_envelope, half_throw_layers
+from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
+from cranktopo.bodies.cells.layers import (
+    ORIGINAL_KEY,
+    AxialLayer,
+    GridContent,
+    design_envelope,
+    half_throw_layers,
+)
 from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
-from cranktopo.bodies.envelope_file import bounds_mm
+from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
 from cranktopo.design.checks.sizes import check_envelope_reach
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
@@ -36,27 +41,27 @@ class Domain:
     Attributes:
         grid: node coordinates.
         extent: "half" throw, its x >= 0 "quarter", or the "full" throw.
-        fixed: fraction of each cell filled with undesignable solid (journal, pin, fixed web), (nx, ny, nz).
-        design: fraction of each cell that is designable, (nx, ny, nz); fixed + design <= 1.
+        passive_fraction: of each cell filled with undesignable solid (journal, pin, fixed web), (nx, ny, nz).
+        design_fraction: of each cell that is designable, (nx, ny, nz); together they are at most 1.
         pin: fraction of each cell that is crankpin between the web faces (the loaded material).
         web: fraction of each cell that belongs to the web when full (between the web faces).
     """
 
-    grid: Grid
+    grid: CellGrid
     extent: Extent
-    fixed: Array
-    design: Array
+    passive_fraction: Array
+    design_fraction: Array
     pin: Array
     web: Array
 
     @property
     def mirrored_x(self) -> bool:
-        """Whether the plane x = 0 is a mirror of the model."""
+        """True if the plane x = 0 is a mirror of the model."""
         return self.extent == "quarter"
 
     @property
     def mirrored_z(self) -> bool:
-        """Whether the mid-pin plane is a mirror of the model."""
+        """True if the mid-pin plane is a mirror of the model."""
         return self.extent != "full"
 
     @property
@@ -70,7 +75,7 @@ class Domain:
         return self.grid.cells[2] // (2 if self.extent == "full" else 1)
 
     @property
-    def share(self) -> float:
+    def symmetry_fraction(self) -> float:
         """Share of the full throw that the model holds."""
         return {"quarter": 0.25, "half": 0.5, "full": 1.0}[self.extent]
 
@@ -81,7 +86,7 @@ class Domain:
 
 
 def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
-    """Whether the geometry is its own mirror image in x and the scene allows the mirror.
+    """Tell whether the geometry is its own mirror image in x and the scene allows the mirror.
 
     Args:
         target: whose geometry, that of the design envelope or of the scene's own web.
@@ -94,7 +99,7 @@ def build_domain(
     resolution_mm: float,
     target: GridContent = "envelope",
     extent: Extent | None = None,
-    grid: Grid | None = None,
+    grid: CellGrid | None = None,
 ) -> Domain:
     """Grid and cell fractions of a scene.
 
@@ -114,7 +119,7 @@ def build_domain(
     grid = grid or _grid(scene, resolution_mm, target, extent)
     planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
     planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
-    planes["design"] = np.minimum(planes["design"], 1.0 - planes["fixed"])
+    planes["design_fraction"] = np.minimum(planes["design_fraction"], 1.0 - planes["passive_fraction"])
     if extent == "full":
         half = len(grid.z_mm) // 2
         planes = {k: np.concatenate([v[..., :half], v[..., :half][..., ::-1]], -1) for k, v in planes.items()}
@@ -143,15 +148,15 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
 
 
-def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> Grid:
+def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> CellGrid:
     x_range, y_range = throw_ranges_mm(scene, target)
     planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
     return plan_grid(x_range, y_range, planes, resolution_mm, extent)
 
 
-def _fractions(grid: Grid, layers: Sequence[Layer]) -> dict[str, Array]:
+def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:
     """Filled fraction of every cell by each kind of section."""
-    result = {kind: np.zeros(grid.cells) for kind in ("fixed", "design", "pin", "web")}
+    result = {kind: np.zeros(grid.cells) for kind in ("passive_fraction", "design_fraction", "pin", "web")}
     for layer in layers:
         filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
         for kind, section in layer.sections.items():
@@ -159,7 +164,7 @@ def _fractions(grid: Grid, layers: Sequence[Layer]) -> dict[str, Array]:
     return result
 
 
-def _filled(grid: Grid, layer: Layer, section: Section) -> Array:
+def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
     """Filled fraction of every cell by a section of a layer."""
     low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
     shares = (high - low) / np.diff(grid.z_mm)
@@ -184,9 +189,9 @@ def _check_touches(scene: Scene, domain: Domain) -> None:
         ("throw.crankpin", int(np.argmin(np.abs(z - stop))), -1),
     )
     for key, plane, side in faces:
-        journal = domain.fixed[:, :, plane - 1 if side == 0 else plane]
+        journal = domain.passive_fraction[:, :, plane - 1 if side == 0 else plane]
         layer = plane if side == 0 else plane - 1
-        web = domain.design[:, :, layer] + domain.fixed[:, :, layer]
+        web = domain.design_fraction[:, :, layer] + domain.passive_fraction[:, :, layer]
         contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
         if contact < 0.1:
             raise invalid(

@@ -13,16 +13,15 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.spans import Section, common, holds, together, without
-from cranktopo.bodies.cells.envelope_section import envelope_section
-from cranktopo.bodies.cells.grid import Grid
-from cranktopo.bodies.cells.layers import Layer
+from cranktopo.base.spans import Section, common, holds, section_difference, together
+from cranktopo.bodies.cells.grid import CellGrid
+from cranktopo.bodies.cells.layers import AxialLayer
 from cranktopo.bodies.cells.plane_fractions import slab_fractions
+from cranktopo.bodies.envelope_file import envelope_section
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling import Channel, channels
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.table import drill_bores
 
-WALL = 1.0
-"""Thickness of the wall over the drilling's radius."""
 _ROUNDING = 1e-6
 """Largest fraction that is left of a cell by rounding."""
 _HEIGHTS = 24
@@ -30,23 +29,23 @@ _HEIGHTS = 24
 
 
 def drill_cells(
-    scene: Scene, grid: Grid, layers: Sequence[Layer], fractions: dict[str, Array]
+    scene: Scene, grid: CellGrid, layers: Sequence[AxialLayer], fractions: dict[str, Array]
 ) -> dict[str, Array]:
     """Fractions of the cells after drilling; the same ones where the scene has no drilling.
 
     Args:
         layers: of the half throw.
-        fractions: `fixed`, `design`, `pin` and `web`, each (nx, ny, nz).
+        fractions: those of the domain, each (nx, ny, nz).
 
     Raises:
         CranktopoError: a drilling leaves the design envelope.
     """
-    found = channels(scene)
+    found = drill_bores(scene)
     if not found:
         return fractions
     if any(layer.design for layer in layers):
-        for channel in found:
-            _check_held(scene, channel)
+        for bore in found:
+            _check_held(scene, bore)
     drilled = {kind: fraction.copy() for kind, fraction in fractions.items()}
     for layer in layers:
         for slab in _slabs(grid, found, layer.z_mm):
@@ -73,34 +72,34 @@ class _Slab:
     y: slice
     cells: int
 
-    def gains(self, grid: Grid, found: Sequence[Channel], layer: Layer) -> dict[str, Array]:
-        """What is added to each kind of fraction in its cells, negative where it is taken away."""
-        hole = together(*(channel.section(channel.radius_mm) for channel in found))
-        wall = together(*(channel.section((1 + WALL) * channel.radius_mm) for channel in found))
-        kinds = {kind: section for kind, section in layer.sections.items() if kind != "design"}
+    def gains(self, grid: CellGrid, found: Sequence[DrillBore], layer: AxialLayer) -> dict[str, Array]:
+        """Return what is added to each kind of fraction in its cells, negative where it is taken away."""
+        hole = together(*(bore.section(bore.radius_mm) for bore in found))
+        wall = together(*(bore.section(bore.wall_mm) for bore in found))
+        kinds = {kind: section for kind, section in layer.sections.items() if kind != "design_fraction"}
         known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
         gains = {kind: -known[section] for kind, section in kinds.items()}
         if layer.design:
-            kept = self._fractions(grid, common(layer.design, without(wall, hole)))
-            gains["design"] = -self._fractions(grid, common(layer.design, wall))
-            gains["fixed"] = gains.get("fixed", 0.0) + kept
+            kept = self._fractions(grid, common(layer.design, section_difference(wall, hole)))
+            gains["design_fraction"] = -self._fractions(grid, common(layer.design, wall))
+            gains["passive_fraction"] = gains.get("passive_fraction", 0.0) + kept
         return gains
 
-    def _fractions(self, grid: Grid, section: Section) -> Array:
+    def _fractions(self, grid: CellGrid, section: Section) -> Array:
         x, y = (nodes[s.start : s.stop + 1] for nodes, s in ((grid.x_mm, self.x), (grid.y_mm, self.y)))
         return slab_fractions(x, y, self.z_mm, section) * self.share
 
 
-def _slabs(grid: Grid, found: Sequence[Channel], z_mm: tuple[float, float]) -> Iterator[_Slab]:
+def _slabs(grid: CellGrid, found: Sequence[DrillBore], z_mm: tuple[float, float]) -> Iterator[_Slab]:
     """Slabs between two heights that drillings or their walls reach."""
-    tools = [(channel, share * channel.radius_mm) for channel in found for share in (1, 1 + WALL)]
-    ends = [float(end[2]) for channel, radius in tools for end in channel.box_mm(radius)]
+    tools = [(bore, radius) for bore in found for radius in (bore.radius_mm, bore.wall_mm)]
+    ends = [float(end[2]) for bore, radius in tools for end in bore.box_mm(radius)]
     low, high = max(z_mm[0], min(ends)), min(z_mm[1], max(ends))
     planes = sorted({low, high, *(z for z in (*grid.z_mm.tolist(), *ends) if low < z < high)})
     for start, end in pairwise(planes if low < high else ()):
         cells = int(np.searchsorted(grid.z_mm, (start + end) / 2)) - 1
         share = (end - start) / float(grid.z_mm[cells + 1] - grid.z_mm[cells])
-        corners = np.array([channel.box_mm(radius, (start, end)) for channel, radius in tools])
+        corners = np.array([bore.box_mm(radius, (start, end)) for bore, radius in tools])
         first, last = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
         x, y = (_cells(nodes, first[i], last[i]) for i, nodes in enumerate((grid.x_mm, grid.y_mm)))
         yield _Slab((start, end), share, x, y, cells)
@@ -114,10 +113,10 @@ def _cells(nodes: Array, low: float, high: float) -> slice:
     return slice(first, min(max(last, first + 1), len(nodes) - 1))
 
 
-def _check_held(scene: Scene, channel: Channel) -> None:
+def _check_held(scene: Scene, bore: DrillBore) -> None:
     """The envelope must hold a drilling and the wall around it between the web's faces."""
     (start, end), envelope = scene.web_z_mm, scene.envelope
-    points = channel.surface_mm((1 + WALL) * channel.radius_mm)
+    points = bore.surface_mm(bore.wall_mm)
     edges = np.linspace(start, end, _HEIGHTS + 1)
     assert envelope is not None  # or there is nothing to design
     for low, high in pairwise(edges.tolist()):
@@ -126,6 +125,6 @@ def _check_held(scene: Scene, channel: Channel) -> None:
             raise invalid(
                 "envelope",
                 envelope.shape,
-                f"does not hold {channel.key} and the wall of {WALL * channel.radius_mm:.3g} mm around it",
+                f"does not hold {bore.key} and the wall of {bore.wall_mm - bore.radius_mm:.3g} mm around it",
                 "Enlarge the envelope, or move the drilling.",
             )

@@ -17,7 +17,7 @@ Extent = Literal["quarter", "half", "full"]
 
 
 @dataclass(frozen=True)
-class Grid:
+class CellGrid:
     """Node coordinates of a structured grid; uniform along x and y, one cell height per layer along z.
 
     Attributes:
@@ -62,7 +62,7 @@ def plan_grid(
     z_planes: tuple[float, ...],
     resolution_mm: float,
     extent: Extent = "half",
-) -> Grid:
+) -> CellGrid:
     """A grid whose cells are no larger than the resolution and whose planes meet the given ranges.
 
     The half throw is planned, whatever the extent, so that quarter, half and full model have the same
@@ -87,7 +87,7 @@ def plan_grid(
     first = 0 if extent == "quarter" else left
     pad_x, pad_y = -(first + right) % factor, -along % factor
     dy = (y_range[1] - y_range[0]) / along
-    return Grid(
+    return CellGrid(
         x_mm=(step * np.arange(-first, right + pad_x + 1)).astype(np.float64),
         y_mm=y_range[0] + dy * np.arange(along + pad_y + 1).astype(np.float64),
         z_mm=_axial_nodes(z_planes, grown, extent == "full"),

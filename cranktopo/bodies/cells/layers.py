@@ -13,40 +13,40 @@ from manifold3d import Manifold
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.polygons import polygon_section
-from cranktopo.base.spans import Section, common, disc, without
-from cranktopo.bodies.cells.envelope_section import (
+from cranktopo.base.spans import Section, common, disc_section, section_difference
+from cranktopo.bodies.envelope_file import (
     SECTIONS,
     envelope_bounds_mm,
+    envelope_from_file,
     envelope_section,
     envelope_sections,
 )
-from cranktopo.bodies.envelope_file import envelope_from_file
-from cranktopo.design.checks.web import check_counterweight_inside
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
+from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.feature import Body
-from cranktopo.throw.geometry import Envelope, Journal
-from cranktopo.throw.web import kept_bodies, web_bodies, web_spans
+from cranktopo.throw.geometry import Journal
+from cranktopo.throw.web import check_inside, kept_bodies, web_bodies, web_spans
 
 ORIGINAL_KEY = "original.file"
 GridContent = Literal["envelope", "web"]
 
 
 @dataclass(frozen=True)
-class Layer:
+class AxialLayer:
     """What fills the plane between two heights of the half throw; None for nothing.
 
     Attributes:
         z_mm: the heights.
         changes: whether its sections change between them; otherwise it is a prism.
-        fixed: undesignable solid.
+        passive: undesignable solid.
         design: what is designable.
         pin: the crankpin.
         web: the web when full.
     """
 
     z_mm: tuple[float, float]
-    fixed: Section | None
+    passive: Section | None
     design: Section | None
     pin: Section | None
     web: Section | None
@@ -55,26 +55,31 @@ class Layer:
     @property
     def sections(self) -> dict[str, Section]:
         """Those that hold something, by the names of the domain's fractions."""
-        named = {"fixed": self.fixed, "design": self.design, "pin": self.pin, "web": self.web}
+        named = {
+            "passive_fraction": self.passive,
+            "design_fraction": self.design,
+            "pin": self.pin,
+            "web": self.web,
+        }
         return {name: section for name, section in named.items() if section is not None}
 
 
-def half_throw_layers(scene: Scene, target: GridContent) -> list[Layer]:
+def half_throw_layers(scene: Scene, target: GridContent) -> list[AxialLayer]:
     """The half throw as layers along z: main journal, web (cut where its section changes), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
-    layers = [Layer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
+    layers = [AxialLayer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
     layers += _own_web(scene) if target == "web" else _design_space(scene)
-    layers.append(Layer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
+    layers.append(AxialLayer((stop, scene.pitch_mm / 2), pin_shape, None, pin_shape, None))
     return layers
 
 
 def _annulus(journal: Journal, y_mm: float) -> Section:
-    outer, bore = disc(journal.radius_mm, y_mm), disc(journal.bore_radius_mm, y_mm)
-    return without(outer, bore) if journal.bore_radius_mm else outer
+    outer, bore = disc_section(journal.radius_mm, y_mm), disc_section(journal.bore_radius_mm, y_mm)
+    return section_difference(outer, bore) if journal.bore_radius_mm else outer
 
 
-def _own_web(scene: Scene) -> list[Layer]:
+def _own_web(scene: Scene) -> list[AxialLayer]:
     """The web of the scene, or the body named as the original."""
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
@@ -82,17 +87,17 @@ def _own_web(scene: Scene) -> list[Layer]:
     section, changing = _section(bodies), [ends for body in bodies for ends in body.changing_z_mm]
     cuts = [z for ends in (*changing, *(body.z_mm for body in bodies)) for z in ends]
     return [
-        Layer(z, section, None, None, section, any(low < sum(z) / 2 < high for low, high in changing))
+        AxialLayer(z, section, None, None, section, any(low < sum(z) / 2 < high for low, high in changing))
         for z in _ranges_mm(scene, cuts)
     ]
 
 
-def _body_from_file(scene: Scene, body: Manifold) -> list[Layer]:
+def _body_from_file(scene: Scene, body: Manifold) -> list[AxialLayer]:
     """A body of triangles as thin layers with the section in their middle."""
     found = []
     for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
         shape = polygon_section([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
-        found.append(Layer(z, fixed=shape, design=None, pin=None, web=shape))
+        found.append(AxialLayer(z, passive=shape, design=None, pin=None, web=shape))
     return found
 
 
@@ -100,27 +105,29 @@ def _section(bodies: Sequence[Body]) -> Section:
     return lambda y_mm, z_mm: list(zip(*web_spans(bodies, y_mm, z_mm), strict=True))
 
 
-def _design_space(scene: Scene) -> list[Layer]:
-    """The envelope less the bores as layers, a counterweight solid; in a clearance the journal alone."""
+def _design_space(scene: Scene) -> list[AxialLayer]:
+    """The envelope less the bores as layers, what is kept solid; in a clearance the journal alone."""
     (start, stop), envelope, throw = scene.web_z_mm, design_envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
-    bores = [disc(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0]
-    weights, found = kept_bodies(scene), []
+    bores = [
+        disc_section(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0
+    ]
+    kept, found = kept_bodies(scene), []
     heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
-    for z in _ranges_mm(scene, [*heights, *(z for body in weights for z in body.z_mm)]):
+    for z in _ranges_mm(scene, [*heights, *(z for body in kept for z in body.z_mm)]):
         middle = sum(z) / 2
         if low < middle < high:
             outline = _turning_free(scene, envelope_section(envelope, middle))
-            check_counterweight_inside(scene, outline, middle)
-            web = without(outline, *bores)
-            here = [body for body in weights if body.z_mm[0] < middle < body.z_mm[1]]
-            fixed = without(_section(here), *bores) if here else None
-            design = without(web, fixed) if fixed else web
-            found.append(Layer(z, fixed=fixed, design=design, pin=None, web=web))
+            check_inside(scene, outline, middle)
+            web = section_difference(outline, *bores)
+            here = [body for body in kept if body.z_mm[0] < middle < body.z_mm[1]]
+            passive = section_difference(_section(here), *bores) if here else None
+            design = section_difference(web, passive) if passive else web
+            found.append(AxialLayer(z, passive=passive, design=design, pin=None, web=web))
             continue
         journal, y = throw.journals[0 if middle < low else 1]
-        shape = without(disc(journal.radius_mm, y), *bores)
-        found.append(Layer(z, fixed=shape, design=None, pin=None, web=shape))
+        shape = section_difference(disc_section(journal.radius_mm, y), *bores)
+        found.append(AxialLayer(z, passive=shape, design=None, pin=None, web=shape))
     return found
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, Span
-from cranktopo.bodies.web_moments import gauss_rule
+from cranktopo.throw.moments import gauss_rule
 
 _PARTS, _PLACES = 4, 5
 """Parts of a cell along the throw to begin with, and points of the quadrature in each, with its ends."""

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
-from cranktopo.bodies.mesh.drilling_sizes import drilling_size_mm, drilling_size_terms
+from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.throw import SolidProperties, add_full_throw, add_half_throw, solid_properties
-from cranktopo.bodies.solid.web import DimTags
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.scale import usual_scale
@@ -22,6 +21,8 @@ from cranktopo.design.symmetry import may_mirror, web_asymmetry
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.tetrahedra.curving import straighten_folded
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.throw.drilling.element_sizes import size_mm, size_terms
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.fillet import FilletSection
 
 _TET10 = 11
@@ -56,11 +57,11 @@ class MeshedThrow:
 
     @property
     def copies(self) -> int:
-        """How many of the body make the throw."""
+        """Number of such bodies in the throw."""
         return 1 if self.whole else 2
 
     def span(self, parity: Parity) -> Span:
-        """What a motion of a parity is condensed from: a whole throw has no parity."""
+        """Return what a motion of a parity is condensed from: a whole throw has no parity."""
         return "whole" if self.whole else parity
 
 
@@ -183,7 +184,10 @@ def _set_sizes(
     if graded:
         rings = _rings(scene, full)
         terms += [_ring_size(_finest(scene, size, ring[-1], fillet_fraction), *ring) for ring in rings]
-    terms += drilling_size_terms(scene, size, fillet_fraction, full)
+    heights = ("z", f"({scene.pitch_mm!r}-z)")[: 1 + full]
+    for z, half in zip(heights, halves(scene), strict=False):
+        for bore in drill_bores(half):
+            terms += size_terms(bore, size, fillet_fraction, z)
     text = terms[0]
     for term in terms[1:]:
         text = f"Min({text}, {term})"
@@ -218,7 +222,9 @@ def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletS
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
     """Element size at points of the half throw, (n,), mm: finer toward fillets, sharp rings and drillings."""
     x, y, z = points_mm.T
-    result = drilling_size_mm(scene, size, points_mm)
+    result = np.full(len(points_mm), size)
+    for bore in drill_bores(scene):
+        result = np.minimum(result, size_mm(bore, size, points_mm))
     for axis_y, radius, centre_z, fillet in _rings(scene, full=False):
         away = np.abs(fillet.off_mm(np.hypot(x, y - axis_y) - radius, z - centre_z))
         result = np.minimum(result, _finest(scene, size, fillet) + _GROWTH * away)

@@ -11,17 +11,19 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.bodies.solid.drilling import add_drillings, drill
 from cranktopo.bodies.solid.orientation import orient_outward
+from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.step_text import StepLabel, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
     add_crankshaft,
+    add_drillings,
     add_full_throw,
     add_half_throw,
+    add_web,
     check_body,
+    cut,
 )
-from cranktopo.bodies.solid.web import DimTags, add_web
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.web import check_solid
 from cranktopo.design.halves import halves
@@ -102,8 +104,8 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
     if part in ("web", "second_web"):
-        near, far = halves(scene)
-        body = _web(occ, near if part == "web" else mirror_image(far))
+        first, second = halves(scene)
+        body = _web(occ, first if part == "web" else mirror_image(second))
         if part == "second_web":
             occ.rotate(body, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     else:
@@ -115,7 +117,7 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
 
 def _web(occ: Any, half: Scene) -> DimTags:
     check_solid(half)
-    body = drill(occ, add_web(occ, half), add_drillings(occ, half))
+    body = cut(occ, add_web(occ, half), add_drillings(occ, half))
     check_body(occ, body, web_volume_mm3(half), "web")
     return body
 

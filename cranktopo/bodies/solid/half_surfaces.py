@@ -18,6 +18,6 @@ def half_surfaces(scene: Scene, facet_mm: float | None = None) -> tuple[SurfaceM
         CranktopoError: impossible dimensions.
     """
     throw, middle = solid_of(surface_of(scene, "throw", facet_mm), "throw"), halves(scene)[0].pitch_mm / 2
-    near = throw.trim_by_plane((0.0, 0.0, -1.0), -middle)
-    far = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
-    return mesh_of(near), mesh_of(far.translate((0.0, 0.0, scene.pitch_mm)))
+    first = throw.trim_by_plane((0.0, 0.0, -1.0), -middle)
+    second = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
+    return mesh_of(first), mesh_of(second.translate((0.0, 0.0, scene.pitch_mm)))

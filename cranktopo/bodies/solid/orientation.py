@@ -54,7 +54,7 @@ def _volumes(points: NDArray[np.float64], triangles: Tags) -> NDArray[np.float64
 
 
 def _turned(tags: dict[int, Tags]) -> dict[int, bool]:
-    """Which faces run against the first one of their body."""
+    """Return which faces run against the first one of their body."""
     neighbours = _neighbours(tags)
     turned: dict[int, bool] = {}
     for first in tags:

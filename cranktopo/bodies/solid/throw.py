@@ -6,18 +6,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.solid.drilling import add_drillings, drill
-from cranktopo.bodies.solid.web import DimTags, add_solid, add_web
+from cranktopo.bodies.solid.primitives import DimTags, add_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
 from cranktopo.design.checks.web import check_solid
 from cranktopo.design.halves import drilled_alike, halves, require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.symmetry import mirror_image
+from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.feature import Body
 from cranktopo.throw.geometry import Journal
 from cranktopo.throw.web import web_bodies
 
@@ -63,7 +65,7 @@ def _add_half(occ: Any, scene: Scene) -> DimTags:
     main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1)
     pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
     body, _ = occ.fuse(add_web(occ, scene), main + pin)
-    body = drill(occ, body, tools)
+    body = cut(occ, body, tools)
     check_body(occ, body, expected, "half throw")
     return list(body)
 
@@ -71,19 +73,19 @@ def _add_half(occ: Any, scene: Scene) -> DimTags:
 def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     """The throw between its two mid-main-journal planes as one checked body.
 
-    The far half is a half throw mirrored in x and turned half a revolution about the throw direction:
+    The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
     drilled with may reach into the other, and comes last.
 
     Raises:
         CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
-    near, far = halves(scene)
-    half, other = _add_half(occ, drilled_alike(near)), _add_half(occ, mirror_image(drilled_alike(far)))
-    tools, more = add_drillings(occ, near, alone=True), add_drillings(occ, mirror_image(far), alone=True)
+    first, second = halves(scene)
+    half, other = _add_half(occ, drilled_alike(first)), _add_half(occ, mirror_image(drilled_alike(second)))
+    tools, more = add_drillings(occ, first, alone=True), add_drillings(occ, mirror_image(second), alone=True)
     occ.rotate([*other, *more], 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     body, _ = occ.fuse(half, other)
-    body = drill(occ, body, [*tools, *more])
+    body = cut(occ, body, [*tools, *more])
     check_body(occ, body, throw_volume_mm3(scene), "full throw")
     return list(body)
 
@@ -149,6 +151,36 @@ def solid_properties(occ: Any, body: DimTags) -> SolidProperties:
     return SolidProperties(volume, (x, y, z), about_centre + volume * (x**2 + y**2))
 
 
+def add_web(occ: Any, scene: Scene) -> DimTags:
+    """Add the web between its two faces, bores and features cut out; return (dimension, tag) pairs."""
+    return add_bodies(occ, web_bodies(scene))
+
+
+def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
+    """Add the material that bodies leave; return (dimension, tag) pairs."""
+    web, *more = _solids(occ, [body for body in bodies if body.adds])
+    material = [web] if not more else list(occ.fuse([web], more)[0])
+    return cut(occ, material, _solids(occ, [body for body in bodies if not body.adds]))
+
+
+def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
+    """Take solids away from material; the material itself where there are none."""
+    return list(occ.cut(material, tools)[0]) if tools else material
+
+
+def add_drillings(occ: Any, scene: Scene, *, alone: bool = False) -> DimTags:
+    """Add the tools that drill the half throw; none for most throws.
+
+    Args:
+        alone: only those of drillings that the other half has no mirror image of.
+    """
+    return _solids(occ, [bore for bore in drill_bores(scene) if bore.alone or not alone])
+
+
+def _solids(occ: Any, bodies: Sequence[Body]) -> DimTags:
+    return [pair for body in bodies for solid in body.solids() for pair in add_solid(occ, solid)]
+
+
 def _add_journal(
     occ: Any, scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int
 ) -> DimTags:
@@ -169,9 +201,7 @@ def _add_journal(
     if journal.bore_diameter_mm:
         length = z_mm[1] - z_mm[0]
         tools.append((3, occ.addCylinder(0, y, z_mm[0], 0, 0, length, journal.bore_radius_mm)))
-    if tools:
-        body, _ = occ.cut(body, tools)
-    return body
+    return cut(occ, body, tools)
 
 
 def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, toward: int) -> tuple[int, int]:
@@ -211,7 +241,7 @@ def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: floa
     cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
     for body in cuts if journal.bore_radius_mm < reach else ():
         if 0 < body.distance_mm(y, face) < reach:
-            column = [add_solid(occ, solid) for solid in body.continued(z)]
+            column = [pair for solid in body.continued(z) for pair in add_solid(occ, solid)]
             core = [(3, occ.addCylinder(0, y, z[0], 0, 0, z[1] - z[0], journal.radius_mm))]
             tools += occ.cut(column, core)[0] if column else []
     return tools

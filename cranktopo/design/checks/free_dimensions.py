@@ -18,7 +18,7 @@ from cranktopo.design.free_dimensions import (
     with_dimensions,
 )
 from cranktopo.design.schema import Scene
-from cranktopo.throw.counterweight import LEAST_HALF_ANGLE_DEG
+from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
 from cranktopo.throw.feature import ROUNDING_MM
 
 M53_FILLET = (0.03, 0.13)
@@ -117,7 +117,7 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
 
 
 def _stays_round(scene: Scene, name: DimensionName) -> bool:
-    """Whether the axial semi-axis of a fillet follows its radius."""
+    """Tell whether the axial semi-axis of a fillet follows its radius."""
     return free_range_mm(scene, AXIAL[name]) is None and journal_of(scene, name).fillet_axial_mm is None
 
 

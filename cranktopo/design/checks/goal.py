@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cranktopo.base.errors import invalid, shown
+from cranktopo.base.errors import invalid, quoted
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.quantities import QUANTITIES, Optimiser, QuantityName
 from cranktopo.design.goal.wanted import no_safety, wanted
@@ -75,7 +75,7 @@ def _limit_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
 def _written(scene: Scene, name: QuantityName) -> str:
     """A limit as the scene gives it."""
     assert scene.goal is not None
-    return f"goal.limits.{name} = {shown(getattr(scene.goal.limits, name))}"
+    return f"goal.limits.{name} = {quoted(getattr(scene.goal.limits, name))}"
 
 
 def _cannot_tell(scene: Scene, name: QuantityName) -> str:

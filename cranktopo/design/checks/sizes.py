@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from cranktopo.base.errors import invalid
 from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET
 
-SMALLEST, LARGEST = 1 / 500, 50.0
-"""Dimensions of the throw over its size, throw radius plus larger journal radius."""
-SMALLEST_FILLET = 1 / 5000
+LARGEST = 50.0
+"""Largest dimension of the throw over its size, throw radius plus larger journal radius."""
 ENVELOPE = 10.0
 """Reach of the design space over the size of the throw; counterweights need about 2."""
 _UNITS = {25.4: "inches", 1000.0: "metres", 10.0: "centimetres"}
@@ -73,14 +73,11 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
         yield f"throw.{name}.length_mm", journal.length_mm, SMALLEST
         yield f"throw.{name}.fillet_mm", journal.fillet_mm, SMALLEST_FILLET
         yield f"throw.{name}.fillet_axial_mm", journal.fillet_axial_mm or 0.0, SMALLEST_FILLET
-    for index, drilling in enumerate(throw.drilling):
-        yield f"throw.drilling[{index}].diameter_mm", drilling.diameter_mm, SMALLEST
-        yield f"throw.drilling[{index}].outlet_radius_mm", drilling.outlet_radius_mm, SMALLEST_FILLET
+    for key, feature in throw.features():
+        yield from feature.dimensions_mm(key)
     yield "web.thickness_mm", scene.web.thickness_mm, SMALLEST
-    if scene.web.counterweight is not None:
-        yield "web.counterweight.outer_radius_mm", scene.web.counterweight.outer_radius_mm, SMALLEST
-        yield "web.counterweight.thickness_mm", scene.web.counterweight.thickness_mm or 0.0, SMALLEST
-        yield "web.counterweight.fillet_mm", scene.web.counterweight.fillet_mm or 0.0, SMALLEST_FILLET
+    for key, feature in scene.web.features():
+        yield from feature.dimensions_mm(key)
 
 
 def _check(scene: Scene, key: str, value: float, smallest: float) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.spans import Section, holds
-from cranktopo.design.checks.drilling import check_drillings
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.checks import check_apart
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import ROUNDING_MM, least_shoulder_mm
 from cranktopo.throw.geometry import Journal
 
@@ -29,52 +29,9 @@ def check_solid(scene: Scene) -> None:
     _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
     for key, feature in features:
         feature.check_in_web(scene, key)
-    check_drillings(scene)
-
-
-def check_counterweight(scene: Scene) -> None:
-    """Check a counterweight against web, journal and a design space whose sections are all alike.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
-    weight, envelope = scene.web.counterweight, scene.envelope
-    if weight is None:
-        return
-    weight.check_alone(scene, "web.counterweight")
-    weight.check_in_web(scene, "web.counterweight")
-    if envelope is not None and envelope.stl_file is None:
-        check_counterweight_inside(scene, envelope.spans)
-
-
-def check_counterweight_inside(scene: Scene, section: Section, z_mm: float | None = None) -> None:
-    """Check that a section of the design space holds the counterweight: no optimiser takes it away.
-
-    Args:
-        section: of the design space.
-        z_mm: height of the section; None where all are alike.
-
-    Raises:
-        CranktopoError: a part of it lies outside.
-    """
-    weight = scene.web.counterweight
-    if weight is None:
-        return
-    sector = weight.sector(scene)
-    if z_mm is not None and not sector.z_mm[0] < z_mm < sector.z_mm[1]:
-        return
-    x, y = sector.rim_mm()
-    inward = 1 - 1e-6
-    spans = section(inward * y, np.full_like(y, sum(sector.z_mm) / 2 if z_mm is None else z_mm))
-    outside = ~(holds(spans, inward * x) & holds(spans, -inward * x))
-    if outside.any():
-        at = int(np.flatnonzero(outside)[0])
-        raise invalid(
-            "web.counterweight.outer_radius_mm",
-            weight.outer_radius_mm,
-            f"reaches beyond the design space [envelope] at x = {x[at]:.4g}, y = {y[at]:.4g} mm",
-            "Enlarge the envelope, or make the counterweight smaller.",
-        )
+    for key, drilling in scene.throw.features():
+        drilling.check_in_web(scene, key)
+    check_apart(scene, drill_bores(scene))
 
 
 def shoulder_mm(scene: Scene, y_mm: float) -> float:

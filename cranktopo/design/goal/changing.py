@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, ExitCode, shown
+from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 from cranktopo.design.checks.goal import check_goal
 from cranktopo.design.goal.quantities import QUANTITIES, nearest_quantity
 from cranktopo.design.goal.table import GoalTable
@@ -58,8 +58,10 @@ def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]
         match = _LIMIT.fullmatch(text)
         name, rest = match.groups() if match else ("", text)
         if name not in QUANTITIES:
-            what = f"unknown quantity {shown(name, 60)}" if name else "must begin with the name of a quantity"
-            message = f"limit {shown(text)}: {what}."
+            what = (
+                f"unknown quantity {quoted(name, 60)}" if name else "must begin with the name of a quantity"
+            )
+            message = f"limit {quoted(text)}: {what}."
             raise CranktopoError(message, hint=nearest_quantity(name), code=ExitCode.USAGE)
         found[name] = (*found.get(name, ()), rest.strip())
     return {name: rest[0] if len(rest) == 1 else rest for name, rest in found.items()}

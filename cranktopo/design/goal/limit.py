@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic_core import PydanticCustomError
 
-from cranktopo.base.errors import shown, suggest
+from cranktopo.base.errors import quoted, suggest
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.quantities import QUANTITIES, GoalQuantity, Optimiser, QuantityName, unit_size
 
@@ -215,7 +215,7 @@ def _check_together(limits: tuple[Limit, ...]) -> None:
 
 def _clipped(text: str) -> str:
     """Return what the user wrote, for a message: on one line and not too long."""
-    return shown(text, 50)[1:-1]
+    return quoted(text, 50)[1:-1]
 
 
 def _example(quantity: GoalQuantity, number: str = "100") -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.drilling_moments import drilled
-from cranktopo.bodies.web_moments import bolted_mass, moments
+from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import fillet_ring
+from cranktopo.throw.drilling.moments import drilled
+from cranktopo.throw.moments import body_moments
 from cranktopo.throw.web import web_bodies
 
 
@@ -31,7 +32,7 @@ def _half(scene: Scene) -> complex:
     Main journals are about the axis and add nothing but what is drilled out of them.
     """
     plane_mm, density = scene.pitch_mm / 2, density_kg_per_mm3(scene.material.density_kg_m3)
-    web = (moments(web_bodies(scene), plane_mm) - drilled(scene, None, plane_mm)).times(density)
+    web = (body_moments(web_bodies(scene), plane_mm) - drilled(scene, None, plane_mm)).times(density)
     web = web + bolted_mass(scene, plane_mm)
     return complex(web.first_y + density * _crankpin_mm5(scene), web.first_x)
 

@@ -13,11 +13,12 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.drilling_moments import drilled
-from cranktopo.bodies.web_moments import Moments, bolted_mass, counterweight_mass, web_moments
+from cranktopo.bodies.web_moments import bolted_mass, counterweight_mass, web_moments
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.geometry import Journal
+from cranktopo.throw.moments import Moments
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.checks.shaft import shaft_warnings
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import ShaftTable
+from cranktopo.design.shaft import ShaftTable, shaft_warnings
 from cranktopo.engine.vibration.run_up import RunUp, run_up
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import CriticalSpeed, Vibration

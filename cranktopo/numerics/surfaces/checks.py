@@ -66,7 +66,7 @@ def surface_refusal(what: str, remedy: str) -> CranktopoError:
 
 
 def _pinched_vertices(surface: Any) -> int:
-    """How many more fans of faces there are than vertices: 0 for a 2-manifold."""
+    """Return how many more fans of faces there are than vertices: 0 for a 2-manifold."""
     faces = np.asarray(surface.faces)
     links = []
     for end in (0, 1):

@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from cranktopo.base.errors import CranktopoError, shown
+from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import write_bytes
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.reading import GEOMETRY_LIMIT_MIB, check_input
@@ -71,7 +71,7 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
             surface = _of_stl(file)
     except Exception as error:  # trimesh raises what its parsers raise, all meaning this
         raise CranktopoError(
-            f"{name}: cannot be read as STL: {shown(str(error))}.", hint="Export it again as STL, mm."
+            f"{name}: cannot be read as STL: {quoted(str(error))}.", hint="Export it again as STL, mm."
         ) from None
     if not (np.abs(surface.vertices_mm) <= _FARTHEST_MM).all():  # false for NaN as well
         raise CranktopoError(

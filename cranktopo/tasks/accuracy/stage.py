@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.files import write_json
-from cranktopo.design.assumed import EVALUATED, among, assumed_json
+from cranktopo.design.assumed import EVALUATED, assumed_json, filter_by_table
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder
 from cranktopo.runs.directories import RUNS
@@ -55,7 +55,7 @@ def study_accuracy(
     print_assumed([resolved], EVALUATED, info)
     result = pareto_front(run_studies(resolved, budget_s, info)).as_json()
     kept = store_study(key_of(resolved), result)
-    result["assumed"] = assumed_json(among(resolved.assumed, EVALUATED))
+    result["assumed"] = assumed_json(filter_by_table(resolved.assumed, EVALUATED))
     return AccuracyStudy(result, _write(result, folder), kept)
 
 

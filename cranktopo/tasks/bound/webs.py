@@ -122,9 +122,9 @@ def webs_of(scene: Scene, domain: Domain, model: ThrowModel) -> AdmissibleDensit
     design = np.asarray(designable(scene, domain))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     sums = {name: known[name] for name in LINEAR}
-    values, slopes = _values_and_slopes(tuple(sums.values()), domain.fixed)
+    values, slopes = _values_and_slopes(tuple(sums.values()), domain.passive_fraction)
     return AdmissibleDensities(
-        fixed=domain.fixed,
+        fixed=domain.passive_fraction,
         design=design,
         layers=layers,
         amounts={name: by[:, :, layers] * design for name, by in zip(sums, slopes, strict=True)},

@@ -28,8 +28,8 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
         CranktopoError: the solve failed.
     """
     first, last = domain.web_layers
-    solid = domain.fixed.copy()
-    solid[:, :, first:last] += domain.design[:, :, first:last] * density
+    solid = domain.passive_fraction.copy()
+    solid[:, :, first:last] += domain.design_fraction[:, :, first:last] * density
     moduli = np.asarray(_moduli(problem.density_chain, density))
     return _assess(problem.model, scene, domain, moduli, solid)
 
@@ -37,7 +37,7 @@ def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array
 def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessment:
     """Return the scene's own web on the same grid, in the same model."""
     original = build_domain(scene, scene.optimise.resolution_mm, "web", domain.extent, domain.grid)
-    return _assess(model, scene, domain, original.fixed, original.fixed)
+    return _assess(model, scene, domain, original.passive_fraction, original.passive_fraction)
 
 
 def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
@@ -61,7 +61,7 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
         )
         for case, value, residual in zip(model.cases, work, solution.relative_residual, strict=True)
     )
-    kg = solid * domain.volume_mm3 / domain.share
+    kg = solid * domain.volume_mm3 / domain.symmetry_fraction
     kg *= density_kg_per_mm3(scene.material.density_kg_m3)
     first, last = domain.web_layers
     design = Design(jnp.asarray(moduli), jnp.asarray(solid), found, found, solution.displacements)

@@ -154,7 +154,9 @@ def _boundary_correction(density_filter: Block, scene: Scene, domain: Domain) ->
     if scene.optimise.min_member_mm is None or not isinstance(density_filter, ConeFilter):
         return None
     (first, last), reach = domain.web_layers, density_filter.kernel.shape[2] // 2
-    main, pin = (np.repeat(domain.fixed[:, :, layer, None], reach, axis=2) for layer in (first - 1, last))
+    main, pin = (
+        np.repeat(domain.passive_fraction[:, :, layer, None], reach, axis=2) for layer in (first - 1, last)
+    )
     return boundary_correction(
-        density_filter, np.concatenate([main, domain.fixed[:, :, first:last], pin], axis=2)
+        density_filter, np.concatenate([main, domain.passive_fraction[:, :, first:last], pin], axis=2)
     )

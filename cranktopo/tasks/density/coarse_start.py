@@ -38,7 +38,7 @@ def coarse_scene(scene: Scene, domain: Domain) -> Scene | None:
     cell, radius = 2 * scene.optimise.resolution_mm, filter_radius_mm(scene, domain)
     lengths = (scene.optimise.min_member_mm, scene.optimise.min_gap_mm)
     fits = (
-        domain.design.size >= _FINE_CELLS
+        domain.design_fraction.size >= _FINE_CELLS
         and cell * _LEAST_RADIUS <= radius
         and cell * WALL_CELLS <= thinnest_wall_mm(scene)
         and all(length is None or cell * LEAST_CELLS <= length for length in lengths)

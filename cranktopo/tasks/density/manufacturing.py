@@ -47,7 +47,7 @@ def tool_radius_mm(scene: Scene) -> float:
 def designable(scene: Scene, domain: Domain) -> Array:
     """Return the designable fraction of the web's cells (nx, ny, nw), less what no die half reaches."""
     first, last = domain.web_layers
-    design = domain.design[:, :, first:last]
+    design = domain.design_fraction[:, :, first:last]
     if not is_manufactured(scene) or scene.optimise.process in ("cast", "milled"):
         return design
     axis = pull_axis(scene)
@@ -58,7 +58,7 @@ def unreachable_share(scene: Scene, domain: Domain) -> float:
     """Share of the design space that no die half reaches past the voids of the envelope, 0 to 1."""
     first, last = domain.web_layers
     kept = designable(scene, domain) * domain.volume_mm3[:, :, first:last]
-    return float(1 - kept.sum() / (domain.design * domain.volume_mm3)[:, :, first:last].sum())
+    return float(1 - kept.sum() / (domain.design_fraction * domain.volume_mm3)[:, :, first:last].sum())
 
 
 def process_block(scene: Scene, domain: Domain) -> ForgingConstraint | ToolAccess | None:
@@ -89,7 +89,7 @@ def open_cells(scene: Scene, domain: Domain) -> Cells:
     bored = np.zeros((len(x), len(y)), bool)
     for journal, centre in scene.throw.journals:
         bored |= np.hypot(x[:, None], y[None, :] - centre) < journal.bore_radius_mm
-    filled = (domain.design > 0) | (domain.fixed > 0)
+    filled = (domain.design_fraction > 0) | (domain.passive_fraction > 0)
     holes = [
         holds(polygon_section(contours)(y, np.full_like(y, height)), x[:, None])
         for contours, height in zip(through_holes(scene, z.tolist()), z, strict=True)
@@ -149,7 +149,7 @@ def _tool_disc(radius_mm: float, step_a_mm: float, step_b_mm: float) -> Offsets:
 def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> Array:
     """Return 1 where nothing stands, `margin` cells around the web; journals go on beyond its faces."""
     first, last = domain.web_layers
-    standing = free | (domain.fixed[:, :, first:last] >= _SOLID)
+    standing = free | (domain.passive_fraction[:, :, first:last] >= _SOLID)
     (mx, my, mz), (x, y, _) = margin, centres_mm(domain)
     before = (mx, 0) if domain.mirrored_x else (0, 0)
     standing = np.pad(standing, (before, (0, 0), (0, 0)), mode="symmetric")

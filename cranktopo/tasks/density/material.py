@@ -69,10 +69,10 @@ def build_interpolation(
         design: designable fraction of the cells of the web's layers, by default the domain's.
     """
     first, last = domain.web_layers
-    free = jnp.asarray(domain.design[:, :, first:last] if design is None else design)
+    free = jnp.asarray(domain.design_fraction[:, :, first:last] if design is None else design)
     kernel = jnp.asarray(cone_kernel(web_cell_mm(domain), filter_radius_mm))
     return MaterialInterpolation(
-        passive_fraction=jnp.asarray(domain.fixed),
+        passive_fraction=jnp.asarray(domain.passive_fraction),
         design_fraction=free,
         web_layers=(first, last),
         density_filter=cone_filter(free, kernel, domain.mirrored_x),

@@ -94,7 +94,7 @@ def build_model(
         forces=jnp.asarray(forces / modulus),
         cases=tuple(cases),
         modulus_MPa=modulus,
-        share=domain.share,
+        share=domain.symmetry_fraction,
         spin=tuple(_spin(scene, case) for case in cases),
         arms_mm=(domain.grid.x_mm[:, None, None], domain.grid.y_mm[None, :, None]),
     )
@@ -166,8 +166,8 @@ def _pin_forces(domain: Domain, case: LoadCase) -> Array:
     """Return uniform body force on the crankpin's material, its total the model's share of the pin force."""
     weights = pin_weights(domain)
     forces = np.zeros((3, *weights.shape))
-    forces[0] = case.tangential_N * domain.share * weights
-    forces[1] = -case.radial_N * domain.share * weights
+    forces[0] = case.tangential_N * domain.symmetry_fraction * weights
+    forces[1] = -case.radial_N * domain.symmetry_fraction * weights
     return forces
 
 

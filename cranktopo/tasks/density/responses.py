@@ -18,7 +18,6 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.bodies.web_moments import Moments
 from cranktopo.design.goal.quantities import MOTIONS
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.tasks.density.material import MaterialInterpolation
@@ -32,6 +31,7 @@ from cranktopo.tasks.density.response import (
     throw_mass_kg,
     throw_unbalance_kg_mm,
 )
+from cranktopo.throw.moments import Moments
 
 
 class Design(NamedTuple):

@@ -14,7 +14,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import read_json
 from cranktopo.base.result import Result
 from cranktopo.design.loading import builtin_designs, load_scene
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.one_web import WebName, one_web
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
@@ -98,7 +98,7 @@ def web_target(text: str, web: WebName | None = None) -> WebTarget:
     if not (path.is_dir() or named):
         return WebTarget(one_web(load_scene(text, whole=True), web))
     run = open_run(text)
-    return WebTarget(scene_of_run(run), run_web(run), run)
+    return WebTarget(design_from_run(run), run_web(run), run)
 
 
 def parametric_scene(text: str, target: WebTarget) -> Scene:
@@ -171,7 +171,7 @@ def _of_remodel(folder: Path) -> WebTarget:
     for place in (beside, beside / str(name), RUNS / str(name)):
         if place.name == name and (place / "manifest.json").is_file():
             run = open_run(str(place))
-            return WebTarget(scene_of_run(run), _design_of(folder), run)
+            return WebTarget(design_from_run(run), _design_of(folder), run)
     file = shlex.quote(str(_design_of(folder)))
     raise CranktopoError(
         f"re-model '{folder}': the run '{name}' that it was made of is gone, so its original is not known.",

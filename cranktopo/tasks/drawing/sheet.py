@@ -139,19 +139,8 @@ def _journal_lines(sheet: Sheet) -> list[str]:
         lines.append(f"{'':13}length {journal.length_mm:g}{fillet}")
     long = f"this half {scene.pitch_mm / 2:g} long" if sheet.half else f"pitch {scene.pitch_mm:g}"
     throw = f"{'THROW':13}radius {scene.throw.radius_mm:g}, {long}"
-    return [*lines, throw, *_drilling_lines(scene), ""]
-
-
-def _drilling_lines(scene: Scene) -> list[str]:
-    """Oil drillings with both their ends: journal, angle about its axis, distance from its middle."""
-    lines = []
-    for drilling in scene.throw.drilling:
-        rounding = f", outlets R{drilling.outlet_radius_mm:g}" if drilling.outlet_radius_mm else ", sharp"
-        lines.append(f"{'DRILLING':13}⌀{drilling.diameter_mm:g}{rounding}")
-        for word, end in (("from", drilling.start), ("to", drilling.end)):
-            place = f"{end.on.replace('_', ' ')} {end.angle_deg:g}°, {end.place_mm:g} off its middle"
-            lines.append(f"   {word:5}{place}")
-    return lines
+    drilled = [line for _, one in scene.throw.features() for line in one.drawing(scene).lines]
+    return [*lines, throw, *drilled, ""]
 
 
 def _outline_lines(scene: Scene) -> list[str]:

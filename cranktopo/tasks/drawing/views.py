@@ -5,7 +5,6 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,8 +15,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.bodies.prisms import web_region
 from cranktopo.design.schema import Scene
 from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
-from cranktopo.throw.drilling import channels
-from cranktopo.throw.primitives import Circle, Dimension, FeatureDrawing, Polyline
+from cranktopo.throw.primitives import Circle, DimensionLine, FeatureDrawing, Polyline
 from cranktopo.throw.profile import ProfileWeb
 
 if TYPE_CHECKING:
@@ -124,8 +122,9 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     _journals(axes, sheet.scene)
     for stroke in (stroke for feature in sheet.features for stroke in feature.front):
         _edges(axes, stroke)
-    for stroke in _drilled_edges(sheet.scene):
-        _edges(axes, stroke)
+    for _, drilling in sheet.scene.throw.features():
+        for stroke in drilling.drawing(sheet.scene).front:
+            _edges(axes, stroke)
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
@@ -254,20 +253,7 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=width, ls=style)
 
 
-def _drilled_edges(scene: Scene) -> list[Polyline]:
-    """Hidden edges of the oil drillings along the crank axis, between the surfaces that they join."""
-    edges = []
-    for channel in channels(scene):
-        (x0, y0, _), (x1, y1, _) = (mouth.point_mm for mouth in channel.mouths)
-        level = math.hypot(x1 - x0, y1 - y0)
-        across = channel.radius_mm * (y0 - y1) / level, channel.radius_mm * (x1 - x0) / level
-        for side in (1, -1):
-            dx, dy = side * across[0], side * across[1]
-            edges.append(Polyline(((x0 + dx, y0 + dy), (x1 + dx, y1 + dy)), hidden=True))
-    return edges
-
-
-def _dimensions(axes: Any, found: tuple[Dimension, ...], span: tuple[float, float], away: float) -> None:
+def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
     """Dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
         shift = one.shift

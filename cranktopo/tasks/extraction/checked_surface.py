@@ -67,7 +67,7 @@ def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array
         that go on through a clearance count as solid.
     """
     first, last = domain.web_layers
-    fixed, free = domain.fixed[:, :, first:last], domain.design[:, :, first:last]
+    fixed, free = domain.passive_fraction[:, :, first:last], domain.design_fraction[:, :, first:last]
     usable = fixed + free
     share = np.divide(free, usable, out=np.zeros_like(free), where=usable > 0)
     solid = np.where(usable > 0, 1.0 - share, 0.0)

@@ -16,14 +16,14 @@ from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.density_grid import DensityGrid, is_x_symmetric
 from cranktopo.bodies.prisms import (
     ON_MIRROR_MM,
-    counterweight_solid,
     envelope_solid,
     is_mirror_image,
     journal_stubs,
+    kept_solid,
     snapped_to_mirror_plane,
     web_bores,
 )
-from cranktopo.bodies.undercuts import way_of
+from cranktopo.bodies.undercuts import withdrawal_of
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, resample, unsmoothed_solid
 from cranktopo.tasks.extraction.release import released
@@ -90,7 +90,7 @@ def build_cutter(
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
     symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
-    return Cutter(envelope, web_bores(scene), journal_stubs(scene) + counterweight_solid(scene), symmetric)
+    return Cutter(envelope, web_bores(scene), journal_stubs(scene) + kept_solid(scene), symmetric)
 
 
 def fine_field(
@@ -100,7 +100,7 @@ def fine_field(
     usable = cutter.usable(grid) if solid_fraction is None else solid_fraction > 0
     made = scene.effects.manufacturing_constraint == "on"
     release = partial(released, scene=scene) if made else None
-    ways = way_of(scene).axes if made else ()
+    ways = withdrawal_of(scene).axes if made else ()
     return resample(grid if smooth is None else replace(grid, density=smooth), usable, release, ways)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Y
-from cranktopo.bodies.undercuts import Way, way_of
+from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
 from cranktopo.design.schema import Scene
 
 
@@ -26,7 +26,7 @@ def released(
         field: (nx, ny, nz) on a lattice whose first point is at `first_mm`.
         usable: points that can hold material; the others are no obstacle.
     """
-    way = way_of(scene)
+    way = withdrawal_of(scene)
     if way.parting_mm is not None:
         return _by_die(field, first_mm, spacing_mm, way, scene)
     main, pin = _journal_sections(field, first_mm, spacing_mm, scene)
@@ -46,8 +46,8 @@ def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: S
     return main, pin
 
 
-def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Way, scene: Scene) -> Array:
-    """Raise each side to what lies further out.
+def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Withdrawal, scene: Scene) -> Array:
+    """Each side raised to what lies further out.
 
     What ends at the parting plane goes on to the first points beyond it: its edge, which smoothing rounds,
     would otherwise be caught in its own half.

@@ -13,7 +13,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.bodies.web_moments import bolted_mass
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.precision import double_precision
@@ -73,7 +73,7 @@ def extract_surface(
 
 def _checked(run: RunStore, iteration: int | None) -> tuple[Scene, int, CheckedSurface]:
     """Return the scene of a run as it was simulated, and the number and surface of one of its designs."""
-    scene = planned_scene(scene_of_run(run))
+    scene = planned_scene(design_from_run(run))
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
     return scene, number, checked_surface(scene, domain, design)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Z
-from cranktopo.bodies.undercuts import Way, way_of
+from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.extraction.iso_distance import distances_mm
@@ -87,8 +87,8 @@ def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
     return found.where(distances_mm(found.points_mm, mesh_of(envelope)) > _ON_MM)
 
 
-def drafts_deg(walls: Walls, way: Way) -> Array:
-    """Return angle between each wall and the way it is left; negative where a die half would be held, deg."""
+def drafts_deg(walls: Walls, way: Withdrawal) -> Array:
+    """Angle between each wall and the way it is left; negative where a die half would be held, deg."""
     along = walls.normals[:, way.axis or 0]
     if way.parting_mm is None:
         outward = np.abs(along)
@@ -97,8 +97,8 @@ def drafts_deg(walls: Walls, way: Way) -> Array:
     return np.asarray(np.degrees(np.arcsin(np.clip(outward, -1.0, 1.0))))
 
 
-def from_parting_mm(walls: Walls, way: Way) -> Array:
-    """Return the distance of each wall from where the halves part, (n,), mm.
+def from_parting_mm(walls: Walls, way: Withdrawal) -> Array:
+    """Distance of each wall from where the halves part, (n,), mm.
 
     A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill. What
     is less than 1 deg off its way belongs to neither half and makes no edge.
@@ -144,7 +144,7 @@ def measure(
     """
     body = walls_of(half_throw, cell_mm)
     walls = shaped(body, envelope, scene)
-    way = way_of(scene)
+    way = withdrawal_of(scene)
     drafted = walls.where(from_parting_mm(walls, way) > _PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
     draft = least(drafts_deg(drafted, way), drafted.areas_mm2) if leaves else None

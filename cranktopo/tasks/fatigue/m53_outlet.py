@@ -16,7 +16,8 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.throw.drilling import Channel, Mouth, channels
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.table import drill_bores
 
 LARGEST_BORE = 0.2
 """Largest bore over the pin's diameter for which the factors are given."""
@@ -95,8 +96,8 @@ def check_outlets(
     half = half or scene
     outlets = [
         (channel, mouth)
-        for channel in channels(half)
-        for mouth in channel.mouths
+        for channel in drill_bores(half)
+        for mouth in channel.outlets
         if mouth.journal == "crankpin" and not mouth.in_bore
     ]
     if not outlets:
@@ -108,8 +109,8 @@ def check_outlets(
 def _check(
     scene: Scene,
     share: float,
-    channel: Channel,
-    mouth: Mouth,
+    channel: DrillBore,
+    mouth: DrillOutlet,
     kind: HistoryKind,
     history: LoadHistory,
     torque_Nmm: float,
@@ -132,7 +133,7 @@ def _check(
 
 
 def _alternating_moment_Nmm(
-    scene: Scene, share: float, mouth: Mouth, kind: HistoryKind, history: LoadHistory
+    scene: Scene, share: float, mouth: DrillOutlet, kind: HistoryKind, history: LoadHistory
 ) -> float:
     """Alternating moment at the outlet: triangular diagrams of radial and tangential force."""
     aside, along, _ = mouth.normal
@@ -146,7 +147,7 @@ def _alternating_moment_Nmm(
     return float(lever * (radial * abs(along) + tangential * abs(aside)) / 2)
 
 
-def _outside(bore: float, mouth: Mouth) -> tuple[str, ...]:
+def _outside(bore: float, mouth: DrillOutlet) -> tuple[str, ...]:
     found = []
     if bore > LARGEST_BORE:
         found.append(f"oil bore / pin diameter = {bore:.3g} (valid 0 to {LARGEST_BORE:g})")

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json
-from cranktopo.design.assumed import Assumption, among, assumed_json
+from cranktopo.design.assumed import Assumption, assumed_json, filter_by_table
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
@@ -120,7 +120,7 @@ def assess_fatigue(
         if target.scene.fatigue.treatment:
             info(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target, info) for target in resolved]
-    assumed = tuple(among(target.assumed, USED) for target in resolved)
+    assumed = tuple(filter_by_table(target.assumed, USED) for target in resolved)
     if method == "m53":
         return _by_rule(resolved, loads, baseline, fillet_fraction, assumed, info)
     chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)

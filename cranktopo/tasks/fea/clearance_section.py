@@ -7,7 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.clearance import clearance_limit, obstacles, rooms_of_points_mm, rooms_text
+from cranktopo.design.clearance import (
+    clearance_limit,
+    clearances_of_points_mm,
+    clearances_text,
+    turning_limits,
+)
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.report.page import Section
@@ -27,15 +32,16 @@ def clearance_sections(scene: Scene, bodies: Sequence[ShownBody]) -> tuple[Secti
         return ()
     silhouettes = {body.name: _silhouette(body) + _bolted(scene) for body in bodies}
     points = {name: np.concatenate([_along(loop) for loop in loops]) for name, loops in silhouettes.items()}
-    rooms = {name: rooms_of_points_mm(scene, *at.T) for name, at in points.items()}
-    limits, name = obstacles(scene), bodies[0].name
+    rooms = {name: clearances_of_points_mm(scene, *at.T) for name, at in points.items()}
+    limits, name = turning_limits(scene), bodies[0].name
     text = (
-        f"The {name} leaves {rooms_text(rooms[name])}; at least {envelope.clearance.least_gap_mm:g} mm stay. "
+        f"The {name} leaves {clearances_text(rooms[name])}; "
+        f"at least {envelope.clearance.least_gap_mm:g} mm stay. "
         "Limits are drawn in the frame of the web, the piston where it comes nearest during a turn. "
         f"Rods run beside the web: {envelope.rod_clearance_mm:g} mm along the crank axis are kept free of "
         "material there (envelope.rod_clearance_mm)."
     )
-    alt = "; ".join(f"{body}: {rooms_text(room)}" for body, room in rooms.items())
+    alt = "; ".join(f"{body}: {clearances_text(room)}" for body, room in rooms.items())
     drawn = picture("clearance", alt, draw_clearance, silhouettes, limits, clearance_limit(scene))
     return (Section("clearance", "Room of the turning web", text, (("Room", _table(rooms)),), (drawn,)),)
 

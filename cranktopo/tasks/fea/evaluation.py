@@ -14,8 +14,8 @@ from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
 from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.bodies.web_moments import Moments, bolted_mass
-from cranktopo.design.assumed import EVALUATED, Assumption, among, assumed_json
+from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.design.assumed import EVALUATED, Assumption, assumed_json, filter_by_table
 from cranktopo.design.halves import halves, of_halves
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
@@ -31,6 +31,7 @@ from cranktopo.tasks.fea.support_stiffness import (
     torsional_stiffness_Nm_per_rad,
 )
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.throw.moments import Moments
 
 SCHEMA_VERSION = 1
 RATIO = 1.5
@@ -309,7 +310,7 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
         torsion_error_percent=torsion,
         bending_error_percent=bending,
         total_seconds=seconds,
-        assumed=among(target.assumed, EVALUATED),
+        assumed=filter_by_table(target.assumed, EVALUATED),
         triangles=target.triangles,
     )
 

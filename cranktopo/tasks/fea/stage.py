@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.design.assumed import EVALUATED, among, assumed_text
+from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
 from cranktopo.tasks.fea.error_target import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
 from cranktopo.tasks.fea.level import EVALUATION
@@ -78,7 +78,7 @@ def evaluate_targets(
 def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Info) -> None:
     """One line per target of what it does not say and a command uses of these tables of its scene."""
     for target in targets:
-        found = among(target.assumed, tables)
+        found = filter_by_table(target.assumed, tables)
         if found:
             info(f"{target.name}: {assumed_text(found)}")
 

@@ -19,7 +19,7 @@ from cranktopo.design.assumed import (
     stored_assumptions,
 )
 from cranktopo.design.loading import builtin_designs, load_scene
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
@@ -124,7 +124,7 @@ def _run(run: RunStore) -> Target:
             hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
         )
     assumed = stored_assumptions(run.manifest().get("assumed", ()))
-    return Target(run.name, planned_scene(scene_of_run(run)), surface, run.path, assumed=assumed)
+    return Target(run.name, planned_scene(design_from_run(run)), surface, run.path, assumed=assumed)
 
 
 def simulated(scene: Scene, fillets: bool = False) -> Scene:

@@ -12,7 +12,7 @@ from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene
 from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.surfaces.files import read_stl
@@ -82,7 +82,7 @@ def continue_loop(reference: str, info: Info = lambda _: None) -> LoopRun:
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
-    scene, settings = scene_of_run(run), Settings.from_json(run.manifest()["options"][LOOP])
+    scene, settings = design_from_run(run), Settings.from_json(run.manifest()["options"][LOOP])
     return _worked(run, scene, settings, info, resume=True)
 
 

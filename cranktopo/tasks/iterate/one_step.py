@@ -37,7 +37,7 @@ from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 from cranktopo.tasks.refit.fit import fit_web
 from cranktopo.tasks.refit.shape_error import shape_error
-from cranktopo.throw.geometry import StlEnvelope
+from cranktopo.throw.envelope import StlEnvelope
 
 _STEP_FILE = "step.json"
 _MOST_KEPT = 0.98
@@ -126,7 +126,7 @@ def _bounded(folder: Path, number: int, webs: Sequence[StepWeb], settings: Setti
 def _envelope_mm3(scene: Scene) -> float:
     """Return the designable volume of one web."""
     domain = stage.prepare(scene).domain
-    return float((domain.design * domain.volume_mm3).sum()) / domain.share / 2
+    return float((domain.design_fraction * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
 
 
 def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.clearance import clearance_text, rooms_mm
+from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse
 from cranktopo.engine.balance.throw import throw_balance
@@ -54,7 +54,7 @@ def loads_json(scene: Scene, enabled: frozenset[str]) -> dict[str, Any]:
         "indicated_work_per_cylinder_J": cycle.indicated_work_J if cycle else None,
         "series_difference_percent": cycle.series_difference_percent if cycle else None,
         "balance": throw_balance(scene).as_json(),
-        "clearance": {"room_mm": rooms_mm(scene), "told": clearance_text(scene)},
+        "clearance": {"room_mm": clearances_mm(scene), "told": clearance_text(scene)},
         "load_cases": [case.as_json() for case in load_cases(scene, enabled)],
         "extreme_states": [state.as_json() for state in extreme_states(scene, enabled)],
     }

@@ -239,13 +239,17 @@ def _column_name(name: str, unit: str) -> str:
 
 def _write_density(run: RunStore, domain: Domain, design: loop.WebDensities) -> None:
     first, last = domain.web_layers
-    physical = domain.fixed.copy()
-    physical[:, :, first:last] += domain.design[:, :, first:last] * design.physical
+    physical = domain.passive_fraction.copy()
+    physical[:, :, first:last] += domain.design_fraction[:, :, first:last] * design.physical
     write_density_vtu(
         run.path / _DENSITY,
         domain.grid.x_mm,
         domain.grid.y_mm,
         domain.grid.z_mm,
-        {"density": physical, "designable_fraction": domain.design, "fixed_fraction": domain.fixed},
-        (domain.fixed + domain.design) > 0,
+        {
+            "density": physical,
+            "designable_fraction": domain.design_fraction,
+            "fixed_fraction": domain.passive_fraction,
+        },
+        (domain.passive_fraction + domain.design_fraction) > 0,
     )

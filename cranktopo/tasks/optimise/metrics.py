@@ -112,7 +112,7 @@ def _grid(domain: Domain) -> GridSummary:
         cell_mm=domain.grid.largest_edge_mm,
         cell_size_mm=CellSize(x=float(dx[0]), y=float(dy[0]), z_min=float(dz.min()), z_max=float(dz.max())),
         padding_cells=list(domain.grid.padding),
-        design_cells=int(np.count_nonzero(domain.design)),
+        design_cells=int(np.count_nonzero(domain.design_fraction)),
         symmetry=["x = 0"] * domain.mirrored_x + ["mid-pin plane"] * domain.mirrored_z,
         extent=domain.extent,
     )
@@ -183,8 +183,8 @@ def is_connected(domain: Domain, density: NDArray[np.float64]) -> bool:
     from scipy.ndimage import label
 
     first, last = domain.web_layers
-    solid = domain.fixed >= SOLID
-    solid[:, :, first:last] |= (density >= SOLID) & (domain.design > 0)[:, :, first:last]
+    solid = domain.passive_fraction >= SOLID
+    solid[:, :, first:last] |= (density >= SOLID) & (domain.design_fraction > 0)[:, :, first:last]
     labels, _ = label(solid)
     start, end = labels[:, :, 0][solid[:, :, 0]], labels[:, :, -1][solid[:, :, -1]]
     return bool(np.intersect1d(start, end).size > 0)

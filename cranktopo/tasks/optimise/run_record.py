@@ -14,7 +14,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.density_grid import DensityGrid
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import LoadAnalysis, analyse
 from cranktopo.engine.plan.planning import planned_scene
@@ -87,7 +87,7 @@ def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord
             f"run '{run.path}': not finished, metrics.json is missing.",
             hint=f"Continue it with: {resume_command(run)}",
         )
-    scene = planned_scene(scene_of_run(run))
+    scene = planned_scene(design_from_run(run))
     surface = metrics.files.get("stl")
     mesh = read_stl(run.path / surface) if surface else None
     stress = _stress(run, scene, surface, stress_progress) if surface else None

@@ -26,7 +26,7 @@ from cranktopo.design.assumed import (
 from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
@@ -166,7 +166,7 @@ def resume_optimisation(
     run = open_run(reference)
     require_kind(run, "optimise")
     run.require_same_inputs()
-    scene = scene_of_run(run).with_optimise(max_iterations=max_iterations)
+    scene = design_from_run(run).with_optimise(max_iterations=max_iterations)
     prepared = prepare(scene)
     announce(prepared, stored_assumptions(run.manifest().get("assumed", ())), info)
     with double_precision():

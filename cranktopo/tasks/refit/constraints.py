@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
@@ -12,7 +11,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import named_parts
-from cranktopo.throw.drilling import Channel, channels
+from cranktopo.throw.drilling.walls import drilling_rules
 from cranktopo.throw.feature import least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,
@@ -25,8 +24,6 @@ from cranktopo.throw.fitted import (
 )
 from cranktopo.throw.flank import Flank
 
-_AXIS_POINTS = 33
-"""Points along the axis of a drilling."""
 _NamedBox = tuple[str, Array]
 
 _CHECKS, _POINTS = 8, 16
@@ -121,54 +118,3 @@ def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, f
 def _apart(one: Array, other: Array) -> Any:
     """Return the distance of two boxes along the axis that parts them most, mm; negative where they meet."""
     return np.maximum(one[0] - other[1], other[0] - one[1]).max()
-
-
-def drilling_rules(around: Surroundings, boxes: Sequence[_NamedBox]) -> Iterator[Rule]:
-    """Yield a rule for each drilling and each of outline, bevels and boxes; none without a drilling.
-
-    Args:
-        boxes: titles of pockets and the corners of the box around each, (2, 3), z from the journal face.
-    """
-    start, end = around.scene.web_z_mm
-    least = around.limits.min_wall_mm
-    for channel in channels(around.scene):
-        axis = _axis(channel, start, end)
-        needed = channel.radius_mm + around.wall_mm
-        own = f"{channel.key} and the"
-        if not len(axis):
-            continue
-        yield wall_rule(f"between {own} outline", least), needed - _in_outline_mm(axis, around.points_mm)
-        for arc in around.arcs:
-            depth = axis[:, 2] if arc.outward > 0 else end - start - axis[:, 2]
-            away = arc.distance_mm(depth, arc.outward * axis[:, 1]).min()
-            yield wall_rule(f"between {own} {arc.title}", least), needed - away
-        both = np.concatenate([axis, axis * [-1.0, 1.0, 1.0]])  # a feature has its mirror image
-        for title, (low, high) in boxes:
-            yield wall_rule(f"between {own} {title}", least), needed - _off_box_mm(both, low, high)
-
-
-def _axis(channel: Channel, start: float, end: float) -> Array:
-    """Return the points of the axis within the web, (n, 3), z from its journal face."""
-    (_, _, foot), (_, _, rise) = channel.mouths[0].point_mm, channel.direction
-    ends = np.sort((np.array([start, end]) - foot) / rise) if rise else np.zeros(0)
-    low, high = channel.extent_mm
-    if not len(ends) or ends[0] > high or ends[1] < low:
-        return np.zeros((0, 3))
-    places = np.linspace(max(ends[0], low), min(ends[1], high), _AXIS_POINTS)[:, None]
-    points = np.array(channel.mouths[0].point_mm) + places * channel.direction
-    return np.asarray(points - [0.0, 0.0, start])
-
-
-def _in_outline_mm(axis: Array, points: Array) -> float:
-    """Return the minimum distance of the axis inside the outline, negative where it is outside."""
-    x, y = np.abs(axis[:, 0]), axis[:, 1]
-    away = np.hypot(x[:, None] - points[:, 0], y[:, None] - points[:, 1]).min(axis=1)
-    half = np.interp(y, points[:, 1], points[:, 0], left=0.0, right=0.0)
-    return float(np.where(x < half, away, -away).min())
-
-
-def _off_box_mm(points: Array, low: Array, high: Array) -> float:
-    """Return the minimum distance of points from a box, negative inside."""
-    off = np.maximum(low - points, points - high)
-    outside = np.sqrt((np.maximum(off, 0.0) ** 2).sum(axis=1))
-    return float(np.where(outside > 0, outside, off.max(axis=1)).min())

@@ -14,10 +14,15 @@ from cranktopo.numerics.derivatives import central_difference
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.refit.model_fill import between_mm
-from cranktopo.throw.counterweight import Sector
+from cranktopo.throw.counterweight.sector import Sector
+from cranktopo.throw.counterweight.tangent_circle import (
+    OutlineSection,
+    TangentCircle,
+    flank_directions,
+    tangent_circle,
+)
 from cranktopo.throw.fitted import CLEAR_MM, Axes, Rule
 from cranktopo.throw.flank import flank_half_width_mm
-from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, flank_directions, tangent_circle
 
 _STEP = 1e-6
 """Step of central differences of the half-width by its stations, mm."""

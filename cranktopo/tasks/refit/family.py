@@ -102,7 +102,7 @@ def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[A
 def web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
     """Return the `[web]` table of a parameter vector, rounded to 0.01 mm, as plain data."""
     web = _rounded(exact_web_of(layout, values, scene))
-    return {**web, "thickness_mm": scene.web.thickness_mm, **_counterweight(scene)}
+    return {**web, "thickness_mm": scene.web.thickness_mm, **_unchanged(scene)}
 
 
 def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
@@ -118,14 +118,14 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
         "stations_mm": [float(y) for y in flank.points_mm[:, 1]],
         "half_widths_mm": [float(h) for h in flank.points_mm[:, 0]],
         **features,
-        **_counterweight(scene),
+        **_unchanged(scene),
     }
 
 
-def _counterweight(scene: Scene) -> dict[str, Any]:
-    """Return the scene's counterweight, which no fit to a body changes."""
-    weight = scene.web.counterweight
-    return {} if weight is None else {"counterweight": weight.model_dump(exclude_none=True)}
+def _unchanged(scene: Scene) -> dict[str, Any]:
+    """The scene's features that no fit to a body changes."""
+    found = {key: getattr(scene.web, key) for key in scene.web.single_keys}
+    return {key: one.model_dump(exclude_none=True) for key, one in found.items() if one is not None}
 
 
 def surroundings_of(flank: Flank) -> Frame:

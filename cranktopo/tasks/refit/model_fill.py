@@ -6,6 +6,7 @@ without bias at any width.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 
 import numpy as np
@@ -14,8 +15,9 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import own_values
-from cranktopo.throw.counterweight import Sector
+from cranktopo.throw.feature import Body
 from cranktopo.throw.fitted import Axes, FittedFeature
+from cranktopo.throw.web import kept_bodies
 
 _TINY = 1e-12
 ADDED, FILLET = -1, -2
@@ -74,18 +76,18 @@ class Fill:
 
 
 def added_mm(scene: Scene, axes: Axes) -> Array | None:
-    """Return the signed distance of cells from a counterweight in one piece with the web, mm."""
-    weight = scene.web.counterweight
-    if weight is None or weight.bolted:
-        return None
-    sector, (x, y, z) = weight.sector(scene), axes
-    flat = sector.inside_mm(x[:, None], y[None, :])[:, :, None]
-    return np.asarray(np.minimum(flat, between_mm(scene, sector, z)))
+    """Signed distance of cells from what no fit takes away, (nx, ny, nz), mm."""
+    x, y, z = axes
+    found = [
+        np.minimum(body.inside_mm(x[:, None], y[None, :])[:, :, None], between_mm(scene, body, z))
+        for body in kept_bodies(scene)
+    ]
+    return functools.reduce(np.maximum, found) if found else None
 
 
-def between_mm(scene: Scene, sector: Sector, z_mm: Array) -> Array:
-    """Return the distance of heights from the nearer face of a counterweight, positive between both."""
-    (start, end), (low, high) = scene.web_z_mm, sector.z_mm
+def between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
+    """Distance of heights from the nearer face of a body, positive between both."""
+    (start, end), (low, high) = scene.web_z_mm, body.z_mm
     # The web's own faces bound the cells already.
     below, above = z_mm - low if low > start else np.inf, high - z_mm if high < end else np.inf
     return np.broadcast_to(np.minimum(below, above), z_mm.shape)

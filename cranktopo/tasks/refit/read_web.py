@@ -87,7 +87,9 @@ def _line_through(shares: Array, places: Array) -> tuple[float, float, float]:
 def _features(scene: Scene, frame: Frame) -> Iterator[tuple[str, tuple[FittedFeature, Array] | None]]:
     """Return every feature of the web with its key, as one of the family or None; a pair counts as one."""
     waiting = [
-        (key, feature) for key, feature in scene.web.features() if feature is not scene.web.counterweight
+        (key, feature)
+        for key, feature in scene.web.features()
+        if key.removeprefix("web.") not in scene.web.single_keys
     ]
     while waiting:
         key, feature = waiting.pop(0)

@@ -12,7 +12,7 @@ from cranktopo.base.files import write_json, write_text
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.balance.throw import throw_balance
@@ -68,7 +68,7 @@ def remodel_run(
     target = resolve_target(str(run.path))
     folder = out or run.path / "remodel"
     check_destination(folder)
-    scene = scene_of_run(run)
+    scene = design_from_run(run)
     limits = usual_limits(scene, **(given or {}))
     surface = _surface(target, scene)
     info(f"{run.name}: fitting a parametric web")

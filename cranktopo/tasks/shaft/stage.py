@@ -10,7 +10,7 @@ from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
-from cranktopo.design.assumed import LOADS, SHAFT, Assumption, among, assumed_json
+from cranktopo.design.assumed import LOADS, SHAFT, Assumption, assumed_json, filter_by_table
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
@@ -101,7 +101,7 @@ def evaluate_shaft(
     inertia = throw_inertia_kg_mm2(meshed, scene)
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * meshed_throw_kg(meshed, scene)
-    assumed = among(target.assumed, shaft_tables(scene, bearings))
+    assumed = filter_by_table(target.assumed, shaft_tables(scene, bearings))
     return ShaftEvaluation(target.name, angles, bearings, mass, inertia, stiffness, error, disks, assumed)
 
 

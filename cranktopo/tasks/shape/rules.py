@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import holds
-from cranktopo.bodies.cells.envelope_section import envelope_bounds_mm, envelope_section, envelope_sections
+from cranktopo.bodies.envelope_file import envelope_bounds_mm, envelope_section, envelope_sections
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.schema import Scene
@@ -18,8 +18,8 @@ from cranktopo.tasks.refit.constraints import NO_LENGTHS
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.fitted import CLEAR_MM
-from cranktopo.throw.geometry import BoxEnvelope, CylinderEnvelope, Envelope
 
 _RIM = 25
 """Points of a counterweight's arc, and of its fillet's."""
@@ -81,14 +81,9 @@ class EnvelopeClearance:
 
     def _outside(self, envelope: Envelope, points: Array) -> tuple[Array, Array]:
         """Return excesses (constraints, n) and their derivatives by each point (constraints, n, 2)."""
-        if isinstance(envelope, BoxEnvelope):
-            _, wide, low, high = envelope.bounds_mm
-            outside = np.stack([points[:, 0] - wide, low - points[:, 1], points[:, 1] - high])
-            unit = np.array([[1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
-            return outside, np.broadcast_to(unit[:, None, :], (3, *points.shape))
-        if isinstance(envelope, CylinderEnvelope):
-            reach = np.hypot(points[:, 0], points[:, 1])
-            return (reach - envelope.radius_mm)[None], (points / np.maximum(reach, 1e-12)[:, None])[None]
+        known = envelope.outside_mm(points)
+        if known is not None:
+            return known
         x, y, distance = self._field
         return _interpolated(x, y, distance, points)
 

@@ -26,7 +26,7 @@ from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import scene_of_run
+from cranktopo.design.of_run import design_from_run
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
@@ -131,7 +131,7 @@ def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
     options = run.manifest()["options"]
     data, begun = options[SHAPE], options.get(_BEGUN)
     settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
-    scene = scene_of_run(run)
+    scene = design_from_run(run)
     first = None if begun is None else scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
     return _worked(run, scene, settings, scene_start(scene, settings.limits, first), info)

@@ -18,8 +18,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.derivatives import central_difference
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.throw.counterweight import Sector
-from cranktopo.throw.drilling import channels
+from cranktopo.throw.counterweight.sector import Sector
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.fillet import FilletSection
 
 DistanceOf = Callable[[Scene, Array], Array]
@@ -153,7 +153,7 @@ def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[t
     for k, (journal, _) in enumerate(scene.throw.journals):
         if journal.bore_radius_mm:
             yield "bore", partial(_off_bore, k)
-    for k in range(len(channels(scene))):
+    for k in range(len(drill_bores(scene))):
         yield "drilling", partial(_off_drilling, k)
     yield from _counterweight_faces(scene)
     if with_journals:
@@ -192,8 +192,8 @@ def _off_bore(number: int, scene: Scene, at: Array) -> Array:
 
 
 def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
-    channel = channels(scene)[number]
-    return channel.distance_mm(at[0], at[1], at[2]) - channel.radius_mm
+    bore = drill_bores(scene)[number]
+    return bore.off_axis_mm(at[0], at[1], at[2]) - bore.radius_mm
 
 
 def _off_journal(number: int, scene: Scene, at: Array) -> Array:

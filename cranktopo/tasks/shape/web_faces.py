@@ -28,9 +28,9 @@ from cranktopo.tasks.shape.throw_faces import (
     sector_of,
     throw_faces,
 )
+from cranktopo.throw.counterweight.tangent_circle import flank_directions
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.flank import Flank
-from cranktopo.throw.tangent_circle import flank_directions
 
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""

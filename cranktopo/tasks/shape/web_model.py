@@ -96,8 +96,8 @@ class WebModel:
         """
         inside, which = web.inside_mm(values)
         fill, slope = smooth_step(inside, self.domain.grid.largest_edge_mm)
-        design, layers = self.domain.design[:, :, self.layers], self.layers
-        moduli, solid = self.domain.fixed.copy(), self.domain.fixed.copy()
+        design, layers = self.domain.design_fraction[:, :, self.layers], self.layers
+        moduli, solid = self.domain.passive_fraction.copy(), self.domain.passive_fraction.copy()
         moduli[:, :, layers] += design * (CONTRAST + (1 - CONTRAST) * fill)
         solid[:, :, layers] += design * fill
         left, by_bores = self.bores.left(web.layout, values)
@@ -150,7 +150,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     effects = plan(scene).enabled - {"tangential", "centrifugal"} | {"bending", "torsion"}
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
-    own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).fixed
+    own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}
     return WebModel(scene, limits, domain, model, known, original, FreeBores(scene, domain))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid, shown, suggest
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.reproducible import SEED
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import (
@@ -156,7 +156,7 @@ def sweep_plan(
 def _one_of(key: str, value: str, words: tuple[Any, ...]) -> Any:
     if value not in words:
         near = suggest(value[:100], list(words))
-        raise CranktopoError(f"{key} = {shown(value)}: unknown choice.", hint=near, code=ExitCode.USAGE)
+        raise CranktopoError(f"{key} = {quoted(value)}: unknown choice.", hint=near, code=ExitCode.USAGE)
     return value
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid, shown
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
 from cranktopo.design.varying import key_parts
 
 Value = str | float | int | bool
@@ -52,7 +52,7 @@ def read_option(text: str) -> Variation:
     """
     key, equals, rest = text.partition("=")
     if not equals or not key.strip() or not rest.strip():
-        raise _refused(f"--vary {shown(text)}")
+        raise _refused(f"--vary {quoted(text)}")
     return read_text(key.strip(), rest.strip())
 
 
@@ -84,7 +84,7 @@ def read_entry(key: str, entry: object) -> Variation:
     values: list[Any] = list(entry) if isinstance(entry, list | tuple) else [entry]
     key_parts(key)
     if not values or not all(isinstance(value, str | int | float) for value in values):
-        raise _refused(f"vary.{key} = {shown(entry)}")
+        raise _refused(f"vary.{key} = {quoted(entry)}")
     return Variation(key, _finite(key, values))
 
 

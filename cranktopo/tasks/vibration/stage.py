@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.files import replacing
-from cranktopo.design.assumed import LOADS, SHAFT, VIBRATION, among, assumed_json
+from cranktopo.design.assumed import LOADS, SHAFT, VIBRATION, assumed_json, filter_by_table
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
 from cranktopo.engine.vibration.study import VibrationStudy, study_vibration
@@ -69,7 +69,7 @@ def shaft_vibration(
 
 def vibration_json(target: Target, study: VibrationStudy) -> dict[str, Any]:
     """The object that `vibration --json` prints."""
-    assumed = among(target.assumed, (*SHAFT, LOADS, VIBRATION))
+    assumed = filter_by_table(target.assumed, (*SHAFT, LOADS, VIBRATION))
     return {**study.as_json(), "assumed": assumed_json(assumed)}
 
 

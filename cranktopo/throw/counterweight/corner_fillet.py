@@ -8,9 +8,9 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
+from cranktopo.throw.counterweight.tangent_circle import TangentCircle
 from cranktopo.throw.feature import MirroredPrism
-from cranktopo.throw.primitives import Arc, Extrusion, Line, Point, Solid
-from cranktopo.throw.tangent_circle import TangentCircle
+from cranktopo.throw.primitives import Arc, Extrusion, LineSegment, Point, Solid
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,10 @@ class CornerFillet(MirroredPrism):
         )
         bottom: Point = (0.0, -self.circle.reach_mm, low)
         contour = (
-            Line(bottom, right_flank),
+            LineSegment(bottom, right_flank),
             Arc(right_flank, at(self.circle.centre, 1.0), right_outline),
-            Line(right_outline, left_outline),
+            LineSegment(right_outline, left_outline),
             Arc(left_outline, at(self.circle.centre, -1.0), left_flank),
-            Line(left_flank, bottom),
+            LineSegment(left_flank, bottom),
         )
         return (Extrusion(contour, (0.0, 0.0, high - low)),)

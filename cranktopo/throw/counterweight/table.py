@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +14,24 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import Length
-from cranktopo.throw.corner_fillet import CornerFillet
-from cranktopo.throw.feature import Body, Face, Feature, MirroredPrism, least_shoulder_mm
-from cranktopo.throw.primitives import Arc, Extrusion, FeatureDrawing, Line, Point, Solid, number_lines
-from cranktopo.throw.tangent_circle import OutlineSection, TangentCircle, largest_radius_mm, tangent_circle
+from cranktopo.throw.counterweight.corner_fillet import CornerFillet
+from cranktopo.throw.counterweight.sector import Sector
+from cranktopo.throw.counterweight.tangent_circle import (
+    OutlineSection,
+    TangentCircle,
+    largest_radius_mm,
+    tangent_circle,
+)
+from cranktopo.throw.feature import (
+    SMALLEST,
+    SMALLEST_FILLET,
+    Body,
+    Face,
+    Feature,
+    Reach,
+    least_shoulder_mm,
+)
+from cranktopo.throw.primitives import FeatureDrawing, number_lines
 
 if TYPE_CHECKING:
     from cranktopo.throw.throw_view import ThrowView
@@ -51,7 +65,7 @@ class Counterweight(Feature):
 
     @property
     def bolted(self) -> bool:
-        """Whether it is a part of its own, which has mass and no stiffness."""
+        """True if it is a part of its own, which has mass and no stiffness."""
         return self.density_kg_m3 is not None
 
     def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
@@ -91,6 +105,14 @@ class Counterweight(Feature):
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         return () if self.bolted else self.parts(scene, key)
+
+    @override
+    def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
+        return (self.sector(scene, key),)
+
+    @override
+    def reach_mm(self, scene: ThrowView, key: str) -> Iterator[Reach]:
+        yield f"{key}.outer_radius_mm", self.outer_radius_mm, self.outer_mm(scene)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
@@ -158,6 +180,12 @@ class Counterweight(Feature):
                 )
 
     @override
+    def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
+        yield f"{key}.outer_radius_mm", self.outer_radius_mm, SMALLEST
+        yield f"{key}.thickness_mm", self.thickness_mm or 0.0, SMALLEST
+        yield f"{key}.fillet_mm", self.fillet_mm or 0.0, SMALLEST_FILLET
+
+    @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
         x, y = self.outer_mm(scene, _DRAWN)
         right = list(zip(x.tolist(), y.tolist(), strict=True))
@@ -173,72 +201,6 @@ class Counterweight(Feature):
         return FeatureDrawing(added=edge, lines=(*number_lines(title, numbers), *filter(None, [part])))
 
 
-@dataclass(frozen=True)
-class Sector(MirroredPrism):
-    """A sector about the crank axis, symmetric about the direction away from the crankpin.
-
-    Attributes:
-        radius_mm: of its arc.
-        half_angle: of each flank to that direction, rad, at most a right angle.
-    """
-
-    radius_mm: float
-    half_angle: float
-
-    @override
-    def half_width_mm(self, y_mm: Array) -> Array:
-        chord = np.sqrt(np.maximum(self.radius_mm**2 - y_mm**2, 0.0))
-        return np.asarray(np.minimum(chord, np.maximum(-y_mm, 0.0) * math.tan(self.half_angle)))
-
-    def inside_mm(self, x_mm: Array, y_mm: Array) -> Array:
-        """Signed distance of points of a section from the nearer of flank and arc, positive inside."""
-        return np.minimum(self.below_rim_mm(x_mm, y_mm), self.inside_flank_mm(x_mm, y_mm))
-
-    def below_rim_mm(self, x_mm: Array, y_mm: Array) -> Array:
-        """Distance from the outer cylinder, positive inside it."""
-        return np.asarray(self.radius_mm - np.hypot(x_mm, y_mm))
-
-    def inside_flank_mm(self, x_mm: Array, y_mm: Array) -> Array:
-        """Distance from the flank on the points' side of x = 0, positive between both flanks."""
-        return np.asarray(-y_mm * math.sin(self.half_angle) - np.abs(x_mm) * math.cos(self.half_angle))
-
-    def rim_mm(self, points: int = _SAMPLES) -> tuple[Array, Array]:
-        """Points of its arc at x >= 0, from the bottom to the flank."""
-        angle = self.half_angle * np.linspace(0.0, 1.0, points)
-        return self.radius_mm * np.sin(angle), -self.radius_mm * np.cos(angle)
-
-    @property
-    @override
-    def y_range_mm(self) -> tuple[float, float]:
-        return -self.radius_mm, 0.0
-
-    @property
-    @override
-    def y_breaks_mm(self) -> tuple[float, ...]:
-        return -self.radius_mm, -self.radius_mm * math.cos(self.half_angle), 0.0
-
-    @property
-    @override
-    def x_range_mm(self) -> tuple[float, float]:
-        half = self.radius_mm * math.sin(self.half_angle)
-        return -half, half
-
-    @override
-    def solids(self) -> tuple[Solid, ...]:
-        low, high = self.z_mm
-        x, y = self.radius_mm * math.sin(self.half_angle), -self.radius_mm * math.cos(self.half_angle)
-        apex, bottom = (0.0, 0.0, low), (0.0, -self.radius_mm, low)
-        left: Point = (-x, y, low)
-        right: Point = (x, y, low)
-        contour = (
-            Line(apex, left),
-            Arc(left, apex, bottom),
-            Arc(bottom, apex, right),
-            Line(right, apex),
-        )
-        return (Extrusion(contour, (0.0, 0.0, high - low)),)
-
-
 @lru_cache(maxsize=16)
 def _outline(web: Any, throw_radius_mm: float) -> OutlineSection:
     """The outline of a web table."""
@@ -251,7 +213,7 @@ def _circle(web: Any, throw_radius_mm: float, half_angle: float, radius_mm: floa
 
 
 def _meets(slot: Body, part: Sector | CornerFillet) -> bool:
-    """Whether the tool of a side pocket ends in a part of the counterweight."""
+    """Tell whether the tool of a side pocket ends in a part of the counterweight."""
     low, high = (max(slot.z_mm[0], part.z_mm[0]), min(slot.z_mm[1], part.z_mm[1]))
     if low >= high:
         return False

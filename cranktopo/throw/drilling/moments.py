@@ -16,11 +16,10 @@ from typing import Literal, cast
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.web_moments import Moments, integrate
-from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference
-from cranktopo.throw.drilling import Channel, Mouth, channels
-from cranktopo.throw.drilling_outlet import ring_points
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.moments import Moments, integrate
 from cranktopo.throw.throw_view import ThrowView
 
 Part = Literal["main_journal", "web", "crankpin"]
@@ -34,7 +33,7 @@ _TOLERANCE = 1e-8
 """Of a drilling's integrals; it is less than a hundredth of the throw."""
 
 
-def drilled(scene: Scene, part: Part | None = None, before_z_mm: float | None = None) -> Moments:
+def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | None = None) -> Moments:
     """Moments of what the drillings take out of the half throw, or of one part of it.
 
     One that only this half has counts as a whole where it reaches across the middle of the crankpin.
@@ -43,23 +42,23 @@ def drilled(scene: Scene, part: Part | None = None, before_z_mm: float | None = 
         before_z_mm: a height; volume and first moments are then weighted by the distance before it, mm.
     """
     total = Moments(0.0, 0.0, 0.0, 0.0)
-    for channel in channels(scene):
+    for bore in drill_bores(scene):
         for name in PARTS if part is None else (part,):
-            total = total + _bored(scene, channel, name, before_z_mm)
-            total = total + _rounded(scene, channel, name, before_z_mm)
+            total = total + _bored(scene, bore, name, before_z_mm)
+            total = total + _rounded(scene, bore, name, before_z_mm)
     return total
 
 
 @lru_cache(maxsize=64)
-def _bored(scene: Scene, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
-    """What the cylinder of a drilling takes out of a part."""
-    slice_at = _Slices(scene, channel, part, before_z_mm)
-    kinks = np.clip(np.array(slice_at.kinks_mm) / channel.radius_mm, -1, 1)
+def _bored(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
+    """Return what the cylinder of a drilling takes out of a part."""
+    slice_at = _Slices(scene, bore, part, before_z_mm)
+    kinks = np.clip(np.array(slice_at.kinks_mm) / bore.radius_mm, -1, 1)
     turns = np.arcsin(np.unique(np.concatenate([[-1.0, 0.0, 1.0], kinks])))
 
     def across(turn: Array) -> Array:
-        places = channel.radius_mm * np.sin(turn)
-        widths = channel.radius_mm * np.cos(turn)
+        places = bore.radius_mm * np.sin(turn)
+        widths = bore.radius_mm * np.cos(turn)
         values = [slice_at(v, w) for v, w in zip(places.tolist(), widths.tolist(), strict=True)]
         return np.array(values) * widths[:, None]
 
@@ -69,18 +68,18 @@ def _bored(scene: Scene, channel: Channel, part: Part, before_z_mm: float | None
 class _Slices:
     """Sections of a part of the half throw and a drilling, in planes beside each other along the crank."""
 
-    def __init__(self, scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> None:
+    def __init__(self, scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> None:
         self._before = before_z_mm
-        self._start = np.array(channel.mouths[0].point_mm)
-        direction = channel.direction
+        self._start = np.array(bore.outlets[0].point_mm)
+        direction = bore.direction
         level = float(np.hypot(*direction[:2]))
         self._way = np.array([level, direction[2]])
         self._along = direction[:2] / level
         self._aside = np.array([-self._along[1], self._along[0]])
-        self._ends = channel.extent_mm
+        self._ends = bore.extent_mm
         throw, (low, high) = scene.throw, scene.web_z_mm
         (main, _), (pin, radius) = throw.journals
-        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, _end(scene, channel))}[
+        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, _end(scene, bore))}[
             part
         ]
         bores = {"main_journal": (main, 0.0), "crankpin": (pin, radius)}
@@ -162,36 +161,41 @@ def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[A
     return kept
 
 
-def _rounded(scene: ThrowView, channel: Channel, part: Part, before_z_mm: float | None) -> Moments:
-    """What the roundings of its outlets take out of a part."""
+def _rounded(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
+    """Return what the roundings of its outlets take out of a part."""
     total = Moments(0.0, 0.0, 0.0, 0.0)
-    for mouth in channel.mouths:
-        if mouth.rounding_mm and mouth.journal == part:
-            ends = (0.0, _end(scene, channel))
-            total = total + Moments(*_ring(channel.radius_mm, mouth, ends, before_z_mm))
+    for outlet in bore.outlets:
+        if outlet.rounding_mm and outlet.journal == part:
+            ends = (0.0, _end(scene, bore))
+            total = total + Moments(*_ring(bore.radius_mm, outlet, ends, before_z_mm))
     return total
 
 
-def _end(scene: ThrowView, channel: Channel) -> float:
+def _end(scene: ThrowView, bore: DrillBore) -> float:
     """Height at which what a drilling takes out of its half throw ends, mm."""
-    return math.inf if channel.alone else scene.pitch_mm / 2
+    return math.inf if bore.alone else scene.pitch_mm / 2
 
 
 @lru_cache(maxsize=64)
 def _ring(
-    radius_mm: float, mouth: Mouth, z_mm: tuple[float, float], before_z_mm: float | None
+    radius_mm: float, outlet: DrillOutlet, z_mm: tuple[float, float], before_z_mm: float | None
 ) -> tuple[float, ...]:
     """Integrals over the ring of a rounding between two heights."""
     share, weight = np.polynomial.legendre.leggauss(_GAUSS)
     share, weight = (share + 1) / 2, weight / 2
     turn, arc = (v.ravel() for v in np.meshgrid(2 * np.pi * np.arange(_AROUND) / _AROUND, share))
-    low, high = _inside(radius_mm, mouth, turn, arc, z_mm)
+    low, high = _inside(radius_mm, outlet, turn, arc, z_mm)
     out = low[:, None] + (high - low)[:, None] * share
     at = [np.broadcast_to(v[:, None], out.shape).ravel() for v in (turn, arc)] + [out.ravel()]
-    points = ring_points(radius_mm, mouth, *at)
-    edges = np.moveaxis(
-        central_difference(lambda moved: ring_points(radius_mm, mouth, *moved), np.stack(at), _STEP), -1, 0
-    )
+    points = ring_points(radius_mm, outlet, *at)
+    edges = []
+    for axis in range(3):
+        step = [_STEP * (axis == other) for other in range(3)]
+        above, below = (
+            ring_points(radius_mm, outlet, *(a + sign * s for a, s in zip(at, step, strict=True)))
+            for sign in (1, -1)
+        )
+        edges.append((above - below) / (2 * _STEP))
     size = np.abs(np.einsum("ni,ni->n", edges[0], np.cross(edges[1], edges[2]))).reshape(out.shape)
     section = np.repeat(weight, _AROUND)[:, None] * weight * (high - low)[:, None]
     volume = (size * section).ravel() * 2 * np.pi / _AROUND
@@ -202,10 +206,10 @@ def _ring(
 
 
 def _inside(
-    radius_mm: float, mouth: Mouth, turn: Array, arc: Array, z_mm: tuple[float, float]
+    radius_mm: float, outlet: DrillOutlet, turn: Array, arc: Array, z_mm: tuple[float, float]
 ) -> tuple[Array, Array]:
     """From where to where lines from the edge to the rounding lie between two heights, in shares of them."""
-    z0, z1 = (ring_points(radius_mm, mouth, turn, arc, np.full(turn.shape, end))[:, 2] for end in (0.0, 1.0))
+    z0, z1 = (ring_points(radius_mm, outlet, turn, arc, np.full(turn.shape, end))[:, 2] for end in (0.0, 1.0))
     rise = np.where(np.abs(z1 - z0) < 1e-12, 1e-12, z1 - z0)
     one, other = (z_mm[0] - z0) / rise, (z_mm[1] - z0) / rise
     low, high = (np.clip(v, 0.0, 1.0) for v in (np.minimum(one, other), np.maximum(one, other)))

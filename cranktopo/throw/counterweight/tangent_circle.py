@@ -57,14 +57,14 @@ class TangentCircle:
         return x / away, y / away
 
     def behind(self, x_mm: Array, y_mm: Array) -> NDArray[np.bool_]:
-        """Whether points are seen from the centre between both places where it touches."""
+        """Tell whether points are seen from the centre between both places where it touches."""
         x, y = self._from_centre(x_mm, y_mm)
         (x1, y1), (x2, y2) = ((a - self.centre[0], b - self.centre[1]) for a, b in self.ends)
         return np.asarray((x1 * y - y1 * x <= 0) & (x * y2 - y * x2 <= 0))
 
     @property
     def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Where it touches the flank and the outline."""
+        """Places at which it touches the flank and the outline."""
         return self.on_flank, self.on_outline
 
     def arc_mm(self, points: int) -> tuple[Array, Array]:

@@ -11,10 +11,10 @@ from typing import cast
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.throw.drilling import Mouth, across
+from cranktopo.throw.drilling.bore import DrillOutlet, across
 
 
-def ring_points(radius_mm: float, mouth: Mouth, turn: Array, arc: Array, out: Array) -> Array:
+def ring_points(radius_mm: float, outlet: DrillOutlet, turn: Array, arc: Array, out: Array) -> Array:
     """Points (n, 3) of the ring, mm.
 
     Args:
@@ -23,23 +23,23 @@ def ring_points(radius_mm: float, mouth: Mouth, turn: Array, arc: Array, out: Ar
         arc: 0 where the ball touches the drilling, 1 where it touches the journal.
         out: 0 on the edge of the sharp outlet, 1 on the rounding.
     """
-    one, other = across(np.array(mouth.outward))
+    one, other = across(np.array(outlet.outward))
     spoke = np.cos(turn)[:, None] * one + np.sin(turn)[:, None] * other
-    edge = _at(mouth, radius_mm * spoke, mouth.surface_mm)
-    wide, deep = radius_mm + mouth.rounding_mm, mouth.surface_mm - mouth.rounding_mm
-    ball = _at(mouth, wide * spoke, deep)
-    normal = ball - np.array([0.0, mouth.y_mm, 0.0])
+    edge = _at(outlet, radius_mm * spoke, outlet.surface_mm)
+    wide, deep = radius_mm + outlet.rounding_mm, outlet.surface_mm - outlet.rounding_mm
+    ball = _at(outlet, wide * spoke, deep)
+    normal = ball - np.array([0.0, outlet.y_mm, 0.0])
     normal[:, 2] = 0.0
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    rounding = ball + mouth.rounding_mm * _between(-spoke, normal, arc)
+    rounding = ball + outlet.rounding_mm * _between(-spoke, normal, arc)
     straight = edge + out[:, None] * (rounding - edge)
-    return (1 - arc)[:, None] * straight + arc[:, None] * _around(mouth.y_mm, edge, rounding, out)
+    return (1 - arc)[:, None] * straight + arc[:, None] * _around(outlet.y_mm, edge, rounding, out)
 
 
-def _at(mouth: Mouth, offsets_mm: Array, radius_mm: float) -> Array:
+def _at(outlet: DrillOutlet, offsets_mm: Array, radius_mm: float) -> Array:
     """Points of lines beside the axis on a cylinder about the journal."""
-    heights = mouth.height_mm(offsets_mm, radius_mm)
-    return cast(Array, np.array(mouth.point_mm) + offsets_mm + heights[:, None] * np.array(mouth.outward))
+    heights = outlet.height_mm(offsets_mm, radius_mm)
+    return cast(Array, np.array(outlet.point_mm) + offsets_mm + heights[:, None] * np.array(outlet.outward))
 
 
 def _between(first: Array, second: Array, share: Array) -> Array:

@@ -1,0 +1,1 @@
+"""The counterweight of a web: table, sector, the fillet in its corners, its distances."""

@@ -1,0 +1,241 @@
+"""The body of an oil drilling: a straight hole between the surfaces of journals, its outlets rounded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from typing_extensions import override
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.spans import Section, Span
+from cranktopo.throw.feature import Body
+from cranktopo.throw.primitives import Cylinder, Point, RoundedOutlet, Solid
+
+WALL = 1.0
+"""Thickness of the wall that stays around a drilling over its radius."""
+_PARALLEL = 1e-9
+"""Sine of an angle that counts as none."""
+_CIRCLE = 180
+_ALL = -math.inf, math.inf
+_BEYOND = 0.25
+"""What the tool reaches beyond the surface over the drilling's radius."""
+
+
+@dataclass(frozen=True)
+class DrillOutlet:
+    """Where a drilling meets the surface of a journal or the wall of a bore.
+
+    Attributes:
+        point_mm: (x, y, z) where the axis meets the surface.
+        outward: unit vector of the axis, away from the rest of the drilling.
+        y_mm: place of the journal's axis along the throw.
+        surface_mm: radius of the surface; 0 where the axial bore is left out.
+        in_bore: whether it is the wall of an axial bore.
+        rounding_mm: radius of its rounding.
+        journal: key of the journal in the throw.
+    """
+
+    point_mm: tuple[float, float, float]
+    outward: tuple[float, float, float]
+    y_mm: float
+    surface_mm: float
+    in_bore: bool
+    rounding_mm: float
+    journal: str
+
+    @property
+    def normal(self) -> Array:
+        """Unit vector (x, y, z) out of the material."""
+        radial = np.array([self.point_mm[0], self.point_mm[1] - self.y_mm, 0.0])
+        length = float(np.hypot(*radial[:2]))
+        if not length:  # a bore that is left out: the drilling ends at its axis
+            return np.array(self.outward)
+        return radial / (-length if self.in_bore else length)
+
+    @property
+    def obliquity_deg(self) -> float:
+        """Angle between the drilling and the normal of the surface; above 90 it lies outside the material."""
+        return math.degrees(math.acos(float(np.clip(self.normal @ np.array(self.outward), -1, 1))))
+
+    def in_second_half(self, pitch_mm: float) -> DrillOutlet:
+        """Return it as one of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
+        (x, y, z), (dx, dy, dz) = self.point_mm, self.outward
+        return replace(self, point_mm=(x, y, pitch_mm - z), outward=(dx, dy, -dz))
+
+    def height_mm(self, offsets_mm: Array, radius_mm: float) -> Array:
+        """Return how far beyond `point_mm` lines parallel to the axis pass a cylinder about the journal.
+
+        Args:
+            offsets_mm: (n, 3) of the lines from the axis.
+            radius_mm: of that cylinder.
+        """
+        foot = np.array(self.point_mm) + offsets_mm - np.array([0.0, self.y_mm, 0.0])
+        across = np.array(self.outward)[:2]
+        a, b = float(across @ across), foot[:, :2] @ across
+        c = (foot[:, :2] ** 2).sum(axis=1) - radius_mm**2
+        root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
+        return cast(Array, (-b + (-root if self.in_bore else root)) / a)
+
+
+@dataclass(frozen=True)
+class DrillBore(Body):
+    """A drilling as a body: a cylinder that reaches just beyond the surfaces at both its ends.
+
+    Attributes:
+        alone: the other half has no mirror image of it, so that it does not end at the mid-pin plane.
+    """
+
+    radius_mm: float
+    outlets: tuple[DrillOutlet, DrillOutlet]
+    alone: bool = False
+
+    @classmethod
+    def between(
+        cls, key: str, radius_mm: float, outlets: tuple[DrillOutlet, DrillOutlet], alone: bool
+    ) -> DrillBore:
+        """Return the bore of a radius between two outlets."""
+        bore = cls(key, (0.0, 0.0), radius_mm, outlets, alone)
+        if not bore.length_mm:  # the checks refuse it
+            return bore
+        low, high = (float(end[2]) for end in bore.box_mm(radius_mm))
+        return replace(bore, z_mm=(low, high))
+
+    @property
+    def wall_mm(self) -> float:
+        """Radius of the wall around it that no optimiser takes away."""
+        return (1 + WALL) * self.radius_mm
+
+    @property
+    def direction(self) -> Array:
+        """Unit vector (x, y, z) from its first end to its second."""
+        return np.array(self.outlets[1].outward)
+
+    @property
+    def length_mm(self) -> float:
+        """Length of its axis between the two surfaces."""
+        return math.dist(self.outlets[0].point_mm, self.outlets[1].point_mm)
+
+    @property
+    def reach_mm(self) -> float:
+        """Radius with the larger rounding: what it needs of a surface."""
+        return self.radius_mm + max(outlet.rounding_mm for outlet in self.outlets)
+
+    @property
+    def around(self) -> Array:
+        """Unit vectors (n, 3) all around its axis."""
+        angle = np.linspace(0, 2 * np.pi, _CIRCLE, endpoint=False)[:, None]
+        one, other = across(self.direction)
+        return np.asarray(np.cos(angle) * one + np.sin(angle) * other)
+
+    @property
+    def extent_mm(self) -> tuple[float, float]:
+        """Places along the axis where the tool begins and ends, from the first end on."""
+        before, after = (self._beyond_mm(outlet) for outlet in self.outlets)
+        return -before, self.length_mm + after
+
+    def _beyond_mm(self, outlet: DrillOutlet) -> float:
+        if not outlet.surface_mm:
+            return 0.0
+        heights = outlet.height_mm(self.radius_mm * self.around, outlet.surface_mm)
+        return float(heights.max()) + _BEYOND * self.radius_mm
+
+    def in_second_half(self, pitch_mm: float) -> DrillBore:
+        """Return it as one of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
+        one, other = (outlet.in_second_half(pitch_mm) for outlet in self.outlets)
+        return DrillBore.between(self.key, self.radius_mm, (one, other), self.alone)
+
+    def surface_mm(self, radius_mm: float, steps: int = 200) -> Array:
+        """Points (n, 3) on a cylinder about its axis, over the whole tool."""
+        places = np.linspace(*self.extent_mm, steps)[:, None, None]
+        start = np.array(self.outlets[0].point_mm)
+        points = start + places * self.direction + radius_mm * self.around[None]
+        return points.reshape(-1, 3)
+
+    def section(self, radius_mm: float) -> Section:
+        """Section of a cylinder of a radius about its axis, as long as the tool."""
+        (x0, y0, z0), (dx, dy, dz) = self.outlets[0].point_mm, self.direction.tolist()
+        across, (first, last) = max(1 - dx**2, _PARALLEL), self.extent_mm
+
+        def spans(y_mm: Array, z_mm: Array) -> list[Span]:
+            along = (y_mm - y0) * dy + (z_mm - z0) * dz
+            middle = dx * along / across
+            free = radius_mm**2 - (y_mm - y0) ** 2 - (z_mm - z0) ** 2 + along**2
+            half = np.sqrt(np.maximum(free / across + middle**2, 0.0))
+            low, high = _between(dx, first - along, last - along)
+            return [(x0 + np.maximum(middle - half, low), x0 + np.minimum(middle + half, high))]
+
+        return spans
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        return self.section(self.radius_mm)(y_mm, z_mm)
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        low, high = self.box_mm(self.radius_mm)
+        return float(low[1]), float(high[1])
+
+    @property
+    @override
+    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
+        return (self.z_mm,)
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        low, high = self.extent_mm
+        start = np.array(self.outlets[0].point_mm) + low * self.direction
+        hole = Cylinder(_point(start), _point((high - low) * self.direction), self.radius_mm)
+        return hole, *(
+            RoundedOutlet(
+                self.key, o.journal, hole, o.point_mm, o.outward, o.y_mm, o.surface_mm, o.rounding_mm
+            )
+            for o in self.outlets
+            if o.rounding_mm
+        )
+
+    def box_mm(self, radius_mm: float, z_mm: tuple[float, float] = _ALL) -> tuple[Array, Array]:
+        """Least and largest x, y and z of such a cylinder between two heights, in which it must be."""
+        start, along = np.array(self.outlets[0].point_mm), self.direction
+        reach = radius_mm * np.sqrt(np.maximum(1 - along**2, 0.0))
+        ends = start + np.outer(self.extent_mm, along)
+        low, high = ends.min(axis=0) - reach, ends.max(axis=0) + reach
+        heights = np.clip(z_mm, low[2], high[2])
+        if abs(along[2]) > _PARALLEL:
+            middles = start + np.outer((heights - start[2]) / along[2], along)
+            wide = radius_mm * np.hypot(1.0, along / along[2])
+            low = np.maximum(low, middles.min(axis=0) - wide)
+            high = np.minimum(high, middles.max(axis=0) + wide)
+        return low, high
+
+    def off_axis_mm(self, x_mm: Array, y_mm: Array, z_mm: Array) -> Array:
+        """Distance of points from the axis of the tool, broadcastable."""
+        start, along = np.array(self.outlets[0].point_mm), self.direction
+        offset = [np.asarray(p) - s for p, s in zip((x_mm, y_mm, z_mm), start, strict=True)]
+        place = np.clip(sum(o * d for o, d in zip(offset, along, strict=True)), *self.extent_mm)
+        square = sum((o - place * d) ** 2 for o, d in zip(offset, along, strict=True))
+        return cast(Array, np.sqrt(square))
+
+
+def _between(slope: float, low: Array, high: Array) -> tuple[Array, Array]:
+    """Interval in which slope times a value lies between two ends."""
+    if abs(slope) < _PARALLEL:
+        inside = (low <= 0) & (high >= 0)
+        return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
+    ends = low / slope, high / slope
+    return np.minimum(*ends), np.maximum(*ends)
+
+
+def _point(place: Array) -> Point:
+    return cast(Point, tuple(place.tolist()))
+
+
+def across(direction: Array) -> tuple[Array, Array]:
+    """Two unit vectors at right angles to a direction and to each other."""
+    one = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
+    one /= np.linalg.norm(one)
+    return one, np.cross(direction, one)

@@ -1,0 +1,260 @@
+"""Do the oil drillings run inside the throw? Refusals of those that break out of it or into each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.feature import Body, least_shoulder_mm
+from cranktopo.throw.web import web_bodies
+
+if TYPE_CHECKING:
+    from cranktopo.throw.drilling.table import Drilling
+    from cranktopo.throw.geometry import Journal
+    from cranktopo.throw.throw_view import ThrowView
+
+LARGEST_SHARE = 0.4
+"""Largest diameter of a drilling over that of the thinnest journal it opens in."""
+LARGEST_OBLIQUITY_DEG = 50.0
+"""Most that a drilling leans from the normal of a surface; beyond, its outlet becomes a knife's edge."""
+_BORE_SHARE = 0.9
+_ENDS = ("from", "to")
+_BORES = "throw."
+"""How the keys of the bodies begin that are bores."""
+
+
+def check_ends(scene: ThrowView, key: str, drilling: Drilling) -> None:
+    """Check the dimensions of a drilling against those of its journals.
+
+    Raises:
+        CranktopoError: first inconsistency found, with its key.
+    """
+    for name, end in drilling.ends:
+        journal: Journal = getattr(scene.throw, end.journal_key)
+        if end.in_bore and not journal.bore_diameter_mm:
+            allowed = f"throw.{end.journal_key} has no bore (bore_diameter_mm = 0)"
+            raise invalid(f"{key}.{name}.on", end.on, allowed, f"Write '{end.journal_key}', or give a bore.")
+        if end.place_mm > journal.length_mm / 2:
+            allowed = f"must be at most half the journal's length ({journal.length_mm / 2:g} mm)"
+            raise invalid(f"{key}.{name}.place_mm", end.place_mm, allowed)
+        largest = LARGEST_SHARE * journal.outer_diameter_mm
+        if drilling.diameter_mm > largest:
+            allowed = f"must be at most {largest:.4g} mm, {LARGEST_SHARE:g} of throw.{end.journal_key}"
+            raise invalid(f"{key}.diameter_mm", drilling.diameter_mm, allowed)
+    if drilling.outlet_radius_mm > drilling.diameter_mm:
+        allowed = f"must be at most diameter_mm = {drilling.diameter_mm:g} mm"
+        raise invalid(f"{key}.outlet_radius_mm", drilling.outlet_radius_mm, allowed)
+
+
+def check_bore(scene: ThrowView, drilling: Drilling, bore: DrillBore) -> None:
+    """Check that a drilling joins its two surfaces inside the throw.
+
+    Raises:
+        CranktopoError: first inconsistency found, with the key of the drilling.
+    """
+    _check_lean(bore)
+    _check_outlets(scene, drilling, bore)
+    _check_in_journals(scene, bore)
+    _check_in_web(scene, bore)
+    _check_bores(scene, bore)
+
+
+def check_apart(scene: ThrowView, bores: Sequence[DrillBore]) -> None:
+    """Check that no drilling meets another.
+
+    Raises:
+        CranktopoError: two of them do.
+    """
+    for one, other in combinations(bores, 2):
+        _check_apart(scene, one, other)
+
+
+def check_across_pin(
+    halves: tuple[ThrowView, ThrowView], bores: tuple[Sequence[DrillBore], Sequence[DrillBore]]
+) -> None:
+    """Check drillings that one half of the throw has against the pin beyond its middle and what is there.
+
+    Args:
+        halves: first and second half of the throw.
+        bores: those of each half, by their keys in the whole scene.
+
+    Raises:
+        CranktopoError: first inconsistency found.
+    """
+    for own, other, found, facing in zip(halves, halves[::-1], bores, bores[::-1], strict=True):
+        beyond = [bore.in_second_half(own.pitch_mm) for bore in facing]
+        for bore in (one for one in found if one.alone):
+            _check_crossing(own, other, bore)
+            for one in beyond:
+                _check_apart(own, bore, one)
+
+
+def _check_crossing(own: ThrowView, other: ThrowView, bore: DrillBore) -> None:
+    """Return what of an outlet reaches across the middle of the pin stays on its straight part there."""
+    pin = other.throw.crankpin
+    room = pin.length_mm / 2 - pin.fillet.axial_mm - least_shoulder_mm(own.throw)
+    over = float(bore.surface_mm(bore.reach_mm)[:, 2].max()) - own.pitch_mm / 2
+    if over > room:
+        raise CranktopoError(
+            f"{bore.key}: reaches {over:.4g} mm beyond the crankpin's middle, where {room:.4g} mm are "
+            "free before its fillet.",
+            hint="Move its end toward its own web (place_mm), or reduce diameter_mm or outlet_radius_mm.",
+        )
+
+
+def _check_lean(bore: DrillBore) -> None:
+    if not bore.length_mm:
+        raise CranktopoError(f"{bore.key}: begins where it ends.", hint="Give 'from' and 'to' two places.")
+    for name, outlet in zip(_ENDS, bore.outlets, strict=True):
+        angle = outlet.obliquity_deg
+        if angle > 90:
+            raise CranktopoError(
+                f"{bore.key}.{name}: the drilling lies outside the {_words(outlet)} there.",
+                hint="Move that end to the side of the journal that faces away from the other end.",
+            )
+        if angle > LARGEST_OBLIQUITY_DEG:
+            raise CranktopoError(
+                f"{bore.key}.{name}: the drilling leans {angle:.0f} deg from the normal of the "
+                f"{_words(outlet)}, at most {LARGEST_OBLIQUITY_DEG:g} deg.",
+                hint="Change an angle_deg or a place_mm.",
+            )
+
+
+def _words(outlet: DrillOutlet) -> str:
+    return outlet.journal.replace("_", " ") + ("'s bore" if outlet.in_bore else "")
+
+
+def _check_outlets(scene: ThrowView, drilling: Drilling, bore: DrillBore) -> None:
+    """Outlets with their rounding stay on the cylinder of the journal, clear of the fillet."""
+    for (name, end), outlet in zip(drilling.ends, bore.outlets, strict=True):
+        over = _over_fillet_mm(scene, bore, outlet)
+        if over > 0 and not outlet.in_bore:
+            raise invalid(
+                f"{bore.key}.{name}.place_mm",
+                end.place_mm,
+                f"the outlet runs into the fillet beside it; must be at most {end.place_mm - over:.4g} mm",
+                "Move it to the middle of the journal, or reduce diameter_mm or outlet_radius_mm.",
+            )
+
+
+def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> float:
+    """Return how far an outlet and its tool reach beyond the journal's straight part, mm."""
+    journal, toward, face = _end_of(scene, outlet)
+    turn = np.linspace(0, 2 * np.pi, 181)
+    if outlet.rounding_mm:
+        rim = ring_points(bore.radius_mm, outlet, turn, np.ones(181), np.ones(181))[:, 2]
+    else:
+        offsets = bore.radius_mm * bore.around
+        heights = outlet.height_mm(offsets, outlet.surface_mm)
+        rim = outlet.point_mm[2] + offsets[:, 2] + heights * outlet.outward[2]
+    tool = bore.surface_mm(bore.radius_mm)
+    outside = np.hypot(tool[:, 0], tool[:, 1] - outlet.y_mm) > outlet.surface_mm
+    near = np.linalg.norm(tool - np.array(outlet.point_mm), axis=1) < 4 * bore.radius_mm
+    z = np.concatenate([rim, tool[outside & near, 2]])
+    limit = toward * face - journal.fillet.axial_mm - least_shoulder_mm(scene.throw)
+    return float((toward * z).max() - limit)
+
+
+def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[Journal, int, float]:
+    """A journal, on which side of it the web lies, and the height of that face."""
+    start, end = scene.web_z_mm
+    if outlet.journal == "main_journal":
+        return scene.throw.main_journal, 1, start
+    return scene.throw.crankpin, -1, end
+
+
+def _check_in_journals(scene: ThrowView, bore: DrillBore) -> None:
+    """Beside the web a drilling is inside the journal, so that no fillet is cut."""
+    start, end = scene.web_z_mm
+    points = bore.surface_mm(bore.radius_mm)
+    least = least_shoulder_mm(scene.throw)
+    sides = ((start, 1), (end, -1))
+    for (journal, y), (face, toward), name in zip(
+        scene.throw.journals, sides, ("main journal", "crankpin"), strict=True
+    ):
+        depth = toward * (face - points[:, 2])
+        passing = (depth >= 0) & (depth <= max(journal.fillet.axial_mm, bore.radius_mm))
+        off = np.hypot(points[:, 0], points[:, 1] - y)
+        if passing.any() and off[passing].max() > journal.radius_mm - least:
+            raise CranktopoError(
+                f"{bore.key}: breaks through the fillet of the {name}: it passes the web's face "
+                f"{off[passing].max():.4g} mm from the axis, the journal has {journal.radius_mm:.4g} mm.",
+                hint="Move its end on that journal to the journal's middle, or its other end to the web.",
+            )
+
+
+def _check_in_web(scene: ThrowView, bore: DrillBore) -> None:
+    """A drilling is inside the web's outline and clear of its pockets and bevels."""
+    least = least_shoulder_mm(scene.throw)
+    x, y, z = bore.surface_mm(bore.radius_mm + least).T
+    start, end = scene.web_z_mm
+    inside = (z >= start) & (z <= end)
+    if not inside.any():
+        return
+    held = np.zeros(x.shape, dtype=bool)
+    for body in web_bodies(scene):
+        here = inside & (z >= body.z_mm[0]) & (z <= body.z_mm[1])
+        if body.key.startswith(_BORES) or not here.any():
+            continue
+        holds = _holds(body, x[here], y[here], z[here])
+        if body.adds:
+            held[here] |= holds
+        elif holds.any():
+            raise _refusal(bore, f"runs into {body.key}", least)
+    if not held[inside].all():
+        raise _refusal(bore, "breaks out of the web's outline", least)
+
+
+def _refusal(bore: DrillBore, what: str, least: float) -> CranktopoError:
+    hint = f"Keep at least {least:.3g} mm of web around the drilling."
+    return CranktopoError(f"{bore.key}: {what}.", hint=hint)
+
+
+def _holds(body: Body, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
+    """Tell whether a body holds points, each at its own height."""
+    low, high = body.y_range_mm
+    parts = [(x >= left) & (x <= right) & (left < right) for left, right in body.spans(y, z)]
+    return np.asarray(np.any(parts, axis=0) & (y >= low) & (y <= high))
+
+
+def _check_bores(scene: ThrowView, bore: DrillBore) -> None:
+    """A drilling opens into an axial bore with its whole section, or passes beside it."""
+    along = bore.direction[:2] / np.hypot(*bore.direction[:2])
+    start, end = scene.web_z_mm
+    ranges = ((0.0, end), (start, scene.pitch_mm / 2))
+    heights = sorted(outlet.point_mm[2] for outlet in bore.outlets)
+    least = least_shoulder_mm(scene.throw)
+    for (journal, y), (low, high), name in zip(
+        scene.throw.journals, ranges, ("main_journal", "crankpin"), strict=True
+    ):
+        off = np.array([0.0, y]) - np.array(bore.outlets[0].point_mm[:2])
+        aside = abs(float(off[0] * along[1] - off[1] * along[0]))
+        radius = journal.bore_radius_mm
+        meets = radius and heights[0] <= high and heights[1] >= low
+        if meets and _BORE_SHARE * radius - bore.radius_mm < aside < radius + bore.radius_mm + least:
+            raise CranktopoError(
+                f"{bore.key}: grazes the bore of throw.{name}: its axis passes {aside:.3g} mm beside that "
+                f"of the bore of {2 * radius:g} mm.",
+                hint="Let it run through the bore's axis, or clear of the bore.",
+            )
+
+
+def _check_apart(scene: ThrowView, one: DrillBore, other: DrillBore) -> None:
+    least = least_shoulder_mm(scene.throw)
+    places = np.linspace(*one.extent_mm, 400)[:, None]
+    points = np.array(one.outlets[0].point_mm) + places * one.direction
+    gap = float(other.off_axis_mm(*points.T).min())
+    if gap < one.reach_mm + other.reach_mm + least:
+        raise CranktopoError(
+            f"{one.key}: meets {other.key}: their axes are {gap:.3g} mm apart, at least "
+            f"{one.reach_mm + other.reach_mm + least:.3g} mm with the outlets.",
+            hint="Move them apart; a drilling from journal to journal may be one instead of two.",
+        )

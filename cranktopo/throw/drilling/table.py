@@ -1,0 +1,202 @@
+"""Oil drillings of a throw: straight holes between the surfaces of its journals, their outlets rounded.
+
+A drilling is described in the half throw of its web and is in both halves, the second one the mirror image,
+or in one of them alone: then its outlet may reach across the middle of the crankpin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, Literal, Self, cast
+
+import numpy as np
+from pydantic import Field
+from typing_extensions import override
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.table import Length, LengthOrZero, SceneTable
+from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.checks import check_bore, check_ends
+from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, Feature
+from cranktopo.throw.primitives import FeatureDrawing, Polyline
+
+if TYPE_CHECKING:
+    from cranktopo.throw.geometry import Journal, ThrowTable
+    from cranktopo.throw.throw_view import ThrowView
+
+Surface = Literal["main_journal", "crankpin", "main_journal_bore", "crankpin_bore"]
+_BORE = "_bore"
+_DIGITS = 6
+
+
+class DrillingEnd(SceneTable):
+    """One end of a drilling: a point on a journal, or on the wall of its axial bore."""
+
+    on: Surface = Field(examples=["main_journal"])
+    """The surface: of a journal, or of its axial bore, where the drilling ends in that."""
+    angle_deg: float = Field(ge=-360, le=360, examples=[180.0])
+    """Angle about that journal's axis: 0 points from the crank axis to the crankpin, 90 to +x, 180 back."""
+    place_mm: LengthOrZero = Field(examples=[5.0])
+    """Distance from the middle of that journal toward the web."""
+
+    @property
+    def in_bore(self) -> bool:
+        """True if it lies on the wall of an axial bore."""
+        return self.on.endswith(_BORE)
+
+    @property
+    def journal_key(self) -> str:
+        """Key of its journal in the throw."""
+        return self.on.removesuffix(_BORE)
+
+
+class DrillingSecondEnd(DrillingEnd):
+    """The other end of a drilling, given in the same way."""
+
+    on: Surface = Field(examples=["crankpin"])
+    """The surface, as of the first end."""
+    angle_deg: float = Field(ge=-360, le=360, examples=[0.0])
+    """Angle about that journal's axis, as of the first end."""
+
+
+class Drilling(Feature):
+    """A straight oil drilling through one web and its journals, or through either web alike.
+
+    It joins two surfaces of the journals. No optimiser fills it, and a wall as thick as half its diameter
+    stays around it.
+    """
+
+    start: DrillingEnd = Field(
+        default=DrillingEnd(on="main_journal", angle_deg=180.0, place_mm=0.0), alias="from"
+    )
+    """Where it begins; by default in the middle of the main journal, away from the crankpin."""
+    end: DrillingSecondEnd = Field(
+        default=DrillingSecondEnd(on="crankpin", angle_deg=0.0, place_mm=0.0), alias="to"
+    )
+    """Where it ends; by default in the middle of the crankpin, away from the crank axis."""
+    diameter_mm: Length = Field(examples=[5.0])
+    """Its diameter."""
+    outlet_radius_mm: LengthOrZero = 0.0
+    """Radius of the rounding of its outlets on the journals; 0 = sharp. Ends in a bore stay sharp."""
+    web: Literal["both", "first", "second"] = "both"
+    """The web that it runs through; `both`: the half throw beyond the crankpin has its mirror image."""
+
+    @override
+    def bodies(self, scene: ThrowView, key: str) -> tuple[DrillBore, ...]:
+        return (_bore(scene.throw, scene.pitch_mm, self, key),)
+
+    @override
+    def check_alone(self, scene: ThrowView, key: str) -> None:
+        check_ends(scene, key, self)
+
+    @override
+    def check_in_web(self, scene: ThrowView, key: str) -> None:
+        check_bore(scene, self, *self.bodies(scene, key))
+
+    @override
+    def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
+        yield f"{key}.diameter_mm", self.diameter_mm, SMALLEST
+        yield f"{key}.outlet_radius_mm", self.outlet_radius_mm, SMALLEST_FILLET
+
+    @override
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+        """Hidden edges along the crank axis, between the surfaces that it joins."""
+        (bore,) = self.bodies(scene, "")
+        (x0, y0, _), (x1, y1, _) = (outlet.point_mm for outlet in bore.outlets)
+        level = math.hypot(x1 - x0, y1 - y0)
+        dx, dy = bore.radius_mm * (y0 - y1) / level, bore.radius_mm * (x1 - x0) / level
+        edges = tuple(
+            Polyline(((x0 + side * dx, y0 + side * dy), (x1 + side * dx, y1 + side * dy)), hidden=True)
+            for side in (1, -1)
+        )
+        return FeatureDrawing(front=edges, lines=self._lines)
+
+    @property
+    def _lines(self) -> tuple[str, ...]:
+        rounding = f", outlets R{self.outlet_radius_mm:g}" if self.outlet_radius_mm else ", sharp"
+        places = (
+            f"   {word:5}{end.on.replace('_', ' ')} {end.angle_deg:g}°, {end.place_mm:g} off its middle"
+            for word, end in self.ends
+        )
+        return (f"{'DRILLING':13}⌀{self.diameter_mm:g}{rounding}", *places)
+
+    @property
+    def ends(self) -> tuple[tuple[str, DrillingEnd], tuple[str, DrillingEnd]]:
+        """Its ends with their keys."""
+        return ("from", self.start), ("to", self.end)
+
+    @override
+    def mirrored(self) -> Self:
+        ends = {
+            name: end.model_copy(update={"angle_deg": -end.angle_deg})
+            for name, end in (("start", self.start), ("end", self.end))
+        }
+        return self.model_copy(update=ends)
+
+
+def drill_bores(scene: ThrowView) -> tuple[DrillBore, ...]:
+    """The drillings of the half throw as bodies; none for most throws."""
+    return _bores(scene.throw, scene.web_z_mm, scene.pitch_mm) if scene.throw.drilling else ()
+
+
+@lru_cache(maxsize=16)
+def _bores(throw: ThrowTable, web_z_mm: tuple[float, float], pitch_mm: float) -> tuple[DrillBore, ...]:
+    return tuple(
+        _bore(throw, pitch_mm, drilling, f"throw.drilling[{index}]")
+        for index, drilling in enumerate(throw.drilling)
+    )
+
+
+def _bore(throw: ThrowTable, pitch_mm: float, drilling: Drilling, key: str) -> DrillBore:
+    ends = drilling.start, drilling.end
+    first, second = (np.array(_point(throw, pitch_mm, end)) for end in ends)
+    length = float(np.linalg.norm(second - first))
+    along = (second - first) / length if length else np.zeros(3)
+    outlets = tuple(
+        _outlet(throw, end, point, sign * along, drilling.outlet_radius_mm)
+        for end, point, sign in zip(ends, (first, second), (-1, 1), strict=True)
+    )
+    return DrillBore.between(key, drilling.diameter_mm / 2, (outlets[0], outlets[1]), drilling.web != "both")
+
+
+def _point(throw: ThrowTable, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:
+    journal, y = _journal(throw, end)
+    radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
+    angle = math.radians(end.angle_deg)
+    z = end.place_mm if end.journal_key == "main_journal" else pitch_mm / 2 - end.place_mm
+    x, along = (round(value, 12) + 0.0 for value in (radius * math.sin(angle), y + radius * math.cos(angle)))
+    return x, along, z
+
+
+def _outlet(
+    throw: ThrowTable, end: DrillingEnd, point: Array, outward: Array, rounding: float
+) -> DrillOutlet:
+    journal, y = _journal(throw, end)
+    radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
+    place, way = (cast(tuple[float, float, float], tuple(v.tolist())) for v in (point, outward))
+    return DrillOutlet(place, way, y, radius, end.in_bore, 0.0 if end.in_bore else rounding, end.journal_key)
+
+
+def _journal(throw: ThrowTable, end: DrillingEnd) -> tuple[Journal, float]:
+    (main, _), (pin, radius) = throw.journals
+    return (main, 0.0) if end.journal_key == "main_journal" else (pin, radius)
+
+
+def drilling_asymmetry(scene: ThrowView) -> str:
+    """Key of the first drilling that has no mirror image in x = 0; empty when there is none."""
+    found = drill_bores(scene)
+    places = {_signature(bore, 1) for bore in found}
+    lonely = (bore.key for bore in found if _signature(bore, -1) not in places)
+    return next(lonely, "")
+
+
+def _signature(bore: DrillBore, side: int) -> tuple[object, ...]:
+    """Return what tells a drilling from another; `side` -1: of its mirror image."""
+    ends = []
+    for outlet in bore.outlets:
+        x, y, z = outlet.point_mm
+        place = tuple(round(value, _DIGITS) + 0.0 for value in (side * x, y, z))
+        ends.append((outlet.in_bore, outlet.rounding_mm, place))
+    return round(bore.radius_mm, _DIGITS), frozenset(ends)
