@@ -58,7 +58,7 @@ class Timed:
 
 def timed(target: Target, steps: int) -> Timed:
     """A target on one mesh."""
-    taken, own = [], evaluation.missed_energies
+    taken, own = [], evaluation.discretisation_errors
 
     def missed(*args: Any) -> Any:
         began = time.perf_counter()

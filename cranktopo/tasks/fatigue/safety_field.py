@@ -21,7 +21,7 @@ from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
 from cranktopo.tasks.fatigue.local_stress import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
-from cranktopo.tasks.fatigue.superposition import Extremes, extremes
+from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_range
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
@@ -186,7 +186,7 @@ def fatigue_field(
 def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) -> FatigueField:
     """Safety at every surface node of every image of the model."""
     loads = unit_loads(history, model.kinds)
-    found = [extremes(model.stress, loads * image.signs) for image in model.images]
+    found = [signed_von_mises_range(model.stress, loads * image.signs) for image in model.images]
     safety = np.stack([_point_safety(model.scene, method, e.local)[0] for e in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
@@ -254,7 +254,7 @@ def _critical(
     model: StressModel,
     method: FieldMethod,
     history: LoadHistory,
-    found: list[Extremes],
+    found: list[SignedVonMisesRange],
     safety: Array,
     among: NDArray[np.bool_],
 ) -> Critical:

@@ -21,7 +21,7 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Condensed, Lateral, condense
+from cranktopo.tasks.fea.condense import Lateral, Superelement, condense
 from cranktopo.tasks.fea.node_gradients import moments
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, exact_web_of
@@ -127,7 +127,7 @@ class MeshModel:
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
 
-        def block(kind: str) -> Condensed | None:
+        def block(kind: str) -> Superelement | None:
             asked = quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
             return self._condensed(model, scene, kind, mirrored) if safety or asked else None
 
@@ -142,7 +142,7 @@ class MeshModel:
             found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.slopes
         return found
 
-    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
+    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
         """The block of a stiffness."""
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)

@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.tasks.fea.condense import RZ, Condensed
+from cranktopo.tasks.fea.condense import RZ, Superelement
 from cranktopo.tasks.fea.node_gradients import mean_slopes, section_slopes, work_slopes
 from cranktopo.tasks.fea.support_stiffness import (
     bending_motion,
@@ -21,7 +21,7 @@ from cranktopo.tasks.fea.support_stiffness import (
 from cranktopo.tasks.fea.unit_fields import support_spring
 
 
-def torsion_slopes(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+def torsion_slopes(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
     """Torsional stiffness, N m/rad, with the scene's support, and its derivative by the nodes, (3, nodes).
 
     Args:
@@ -36,7 +36,7 @@ def torsion_slopes(model: Elasticity, scene: Scene, block: Condensed) -> tuple[f
     return value, value / twist * block.parts * _work(model, scene, field)
 
 
-def bending_slopes(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+def bending_slopes(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
     """Bending stiffness, N/mm, with the scene's support, and its derivative by the nodes, (3, nodes).
 
     Args:
