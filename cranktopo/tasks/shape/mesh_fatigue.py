@@ -28,8 +28,8 @@ from cranktopo.numerics.tetrahedra.stressed_surface import (
     surface_stress,
 )
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
-from cranktopo.tasks.fatigue.lsa import lsa
-from cranktopo.tasks.fatigue.safety_field import load_kinds, lsa_strength, unit_loads
+from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
+from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fea.condense import Superelement
