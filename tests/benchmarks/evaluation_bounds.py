@@ -66,7 +66,7 @@ def timed(target: Target, steps: int) -> Timed:
         taken.append(time.perf_counter() - began)
         return energies
 
-    with patch.object(evaluation, "missed_energies", missed):
+    with patch.object(evaluation, "discretisation_errors", missed):
         found = evaluate_on_mesh(target, default_element_size_mm(target.scene) * RATIO**steps)
     return Timed(found, taken[0])
 
