@@ -58,7 +58,7 @@ class Timed:
 
 def timed(target: Target, steps: int) -> Timed:
     """A target on one mesh."""
-    taken, own = [], evaluation.missed_energies
+    taken, own = [], evaluation.discretisation_errors
 
     def missed(*args: Any) -> Any:
         began = time.perf_counter()
@@ -66,7 +66,7 @@ def timed(target: Target, steps: int) -> Timed:
         taken.append(time.perf_counter() - began)
         return energies
 
-    with patch.object(evaluation, "missed_energies", missed):
+    with patch.object(evaluation, "discretisation_errors", missed):
         found = evaluate_on_mesh(target, default_element_size_mm(target.scene) * RATIO**steps)
     return Timed(found, taken[0])
 

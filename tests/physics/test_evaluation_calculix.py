@@ -18,7 +18,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import RZ, Condensed, condense
+from cranktopo.tasks.fea.condense import RZ, Superelement, condense
 from cranktopo.tasks.fea.support_stiffness import (
     BendingSupport,
     TorsionSupport,
@@ -42,8 +42,8 @@ class Case:
     model: Elasticity
     order: np.ndarray
     """Number in the evaluation's model of each node of the mesh."""
-    twist: Condensed
-    bend: Condensed
+    twist: Superelement
+    bend: Superelement
 
 
 @pytest.fixture(scope="module", params=["sharp", "lopsided"])

@@ -49,7 +49,7 @@ def peaks(model: Elasticity, scene: Scene, mirrored: bool, share: float) -> dict
     models = 2 if mirrored else 1
     load = -mean_displacement(model, 1, start, start + share * (end - start)) / models
     block = condense(model, scene, "whole", "even" if mirrored else "none", load[:, None])
-    motion = bending_motion(block, block.further[:, 0], "pinned")
+    motion = bending_motion(block, block.extra_loads[:, 0], "pinned")
     field = block.displacement[:, -1] + block.displacement[:, : len(block.motions)] @ motion
     material = scene.material
     found = nodal_stress(model, field[None], 1e3 * material.E_GPa, material.poisson)

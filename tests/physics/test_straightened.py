@@ -13,7 +13,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.condense import Superelement, condense
 from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
 from cranktopo.tasks.fea.straightened import straightened
 from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
@@ -33,7 +33,7 @@ def partly_straight(mesh: TetMesh, below_mm: float) -> TetMesh:
     return replace(mesh, points_mm=mesh.points_mm - way, off_surface_mm=way)
 
 
-def solved(mesh: TetMesh, scene: Scene) -> tuple[Elasticity, Condensed, Condensed]:
+def solved(mesh: TetMesh, scene: Scene) -> tuple[Elasticity, Superelement, Superelement]:
     model = elastic(mesh, scene)
     twist = condense(model, scene, "antisymmetric", "odd" if mesh.mirrored else "none")
     return model, twist, condense(model, scene, "symmetric", "even" if mesh.mirrored else "none")

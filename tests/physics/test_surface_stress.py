@@ -11,7 +11,7 @@ from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, 
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import hooke, nodal_stress
 from cranktopo.numerics.tetrahedra.stressed_surface import SurfaceStress, outer_surface, surface_stress
-from cranktopo.tasks.fatigue.superposition import extremes
+from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 
 YOUNGS, POISSON = 2.1e5, 0.3
 
@@ -124,7 +124,7 @@ def test_extremes_are_those_of_every_state_one_by_one() -> None:
     unit[..., [0, 1, 3]] = rng.standard_normal((3, 50, 3))
     depth = -1.5 * unit
     loads = rng.standard_normal((40, 3)) * [1, 3, 0.5]
-    found = extremes(SurfaceStress(unit, depth, np.zeros((3, 50))), loads)
+    found = signed_von_mises_range(SurfaceStress(unit, depth, np.zeros((3, 50))), loads)
     signed = np.stack([signed_von_mises(np.einsum("f,fnc->nc", load, unit)) for load in loads])
     assert found.local.amplitude_MPa == pytest.approx(np.ptp(signed, axis=0) / 2)
     assert found.local.mean_MPa == pytest.approx((signed.max(axis=0) + signed.min(axis=0)) / 2)

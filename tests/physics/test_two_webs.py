@@ -24,7 +24,7 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.condense import Superelement, condense
 from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from tests.physics.calculix import displacements, handles
 from tests.physics.evaluation_cases import elastic
@@ -98,17 +98,17 @@ def meshed() -> TetMesh:
 
 
 @pytest.fixture(scope="module")
-def block(meshed: TetMesh) -> Condensed:
+def block(meshed: TetMesh) -> Superelement:
     return condense(elastic(meshed, lopsided()), lopsided(), "whole", "none")
 
 
-def stiffnesses(block: Condensed) -> list[float]:
+def stiffnesses(block: Superelement) -> list[float]:
     torsion = [torsional_stiffness_Nm_per_rad(block, support, 1e6) for support in ("free", "held", "spring")]
     bending = [bending_stiffness_N_per_mm(block, support, 1e6) for support in ("pinned", "clamped", "spring")]
     return torsion + bending
 
 
-def test_webs_in_the_other_order_have_the_same_stiffness(meshed: TetMesh, block: Condensed) -> None:
+def test_webs_in_the_other_order_have_the_same_stiffness(meshed: TetMesh, block: Superelement) -> None:
     """The throw seen from its other end, on the mirror image of the mesh."""
     scene = lopsided()
     near, far = halves(scene)
@@ -122,7 +122,7 @@ def test_webs_in_the_other_order_have_the_same_stiffness(meshed: TetMesh, block:
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_stiffness_against_calculix(meshed: TetMesh, block: Condensed, tmp_path: Path) -> None:
+def test_stiffness_against_calculix(meshed: TetMesh, block: Superelement, tmp_path: Path) -> None:
     """The same mesh between two rigid bodies of CalculiX: torsion with free ends, bending on two bearings."""
     scene = lopsided()
     (near, tilt), (far, turn) = (handles(meshed, end) for end in (0, 1))

@@ -15,9 +15,14 @@ from scipy.sparse.linalg import LinearOperator, cg
 from skfem import Basis, ElementTetP2
 
 from cranktopo.base.units import MPA_PER_GPA
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, beyond, mean_displacement
+from cranktopo.numerics.tetrahedra.elasticity import (
+    Elasticity,
+    assemble,
+    basis_above_plane,
+    mean_displacement,
+)
 from cranktopo.numerics.tetrahedra.linear_solve import two_level_cycle
-from cranktopo.tasks.fea.condense import Condensed, condense
+from cranktopo.tasks.fea.condense import Superelement, condense
 from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
 from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.straightened import straightened
@@ -91,7 +96,7 @@ class _Cubic:
         forces = np.matmul(self.matrices, field[self.unknowns][:, :, None])
         return np.asarray(self.gather @ forces.ravel())
 
-    def condensed(self, block: Condensed, pin_from_mm: float) -> Condensed:
+    def condensed(self, block: Superelement, pin_from_mm: float) -> Superelement:
         """The block with cubic displacements."""
         quadratic, motions = 3 * self.nodes, len(block.motions)
         fields = np.vstack(
@@ -112,7 +117,7 @@ class _Cubic:
             block, stiffness=stiffness, load=block.load + added[:motions], load_compliance=compliance
         )
 
-    def _gain(self, block: Condensed, residual: Array) -> Array:
+    def _gain(self, block: Superelement, residual: Array) -> Array:
         """Residuals times the displacements that answer them, with what the block holds at zero."""
         free = np.setdiff1d(np.arange(self.count), self._held(block))
         nodal = free[free < 3 * self.nodes]
@@ -173,7 +178,7 @@ class _Cubic:
     def _pin_load(self, pin_from_mm: float) -> Array:
         """Mean of -u_y over the pin's material."""
         model = self.model
-        basis, inside = beyond(model, pin_from_mm)
+        basis, inside = basis_above_plane(model, pin_from_mm)
         corner = np.vstack([1 - basis.X.sum(axis=0), basis.X])
         values = [corner[a] * corner[b] * (corner[a] - corner[b]) for a, b in EDGES]
         values += [corner[a] * corner[b] * corner[c] for a, b, c in FACES]
@@ -184,7 +189,7 @@ class _Cubic:
         np.add.at(load, 3 * numbers + 1, -weights / inside.sum())
         return load
 
-    def _held(self, block: Condensed) -> NDArray[np.intp]:
+    def _held(self, block: Superelement) -> NDArray[np.intp]:
         """Held unknowns: a function is held like all nodes of its edge or face."""
         mesh = self.model.mesh
         fixed = np.zeros(3 * self.nodes, dtype=bool)

@@ -103,14 +103,14 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: f
         axis: 0, 1, 2 for x, y, z.
         z_from_mm, z_to_mm: start and end of the material.
     """
-    basis, inside = beyond(model, z_from_mm, z_to_mm)
+    basis, inside = basis_above_plane(model, z_from_mm, z_to_mm)
     weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
     np.add.at(mean, 3 * basis.element_dofs + axis, weights)
     return np.asarray(mean / inside.sum(), dtype=np.float64)
 
 
-def beyond(model: Elasticity, z_from_mm: float, z_to_mm: float = math.inf) -> tuple[Any, Array]:
+def basis_above_plane(model: Elasticity, z_from_mm: float, z_to_mm: float = math.inf) -> tuple[Any, Array]:
     """Basis of the elements that reach beyond z, and the weights of its quadrature points there, mm3."""
     from skfem import Basis
 

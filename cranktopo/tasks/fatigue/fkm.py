@@ -13,7 +13,11 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
 from cranktopo.tasks.fatigue.local_stress import LocalStress
+
+_HALVINGS = 60
 
 
 @dataclass(frozen=True)
@@ -88,3 +92,32 @@ def _mean_factor(rules: Any, stress: LocalStress, sensitivity: Array) -> Array:
     ratio = lowest / np.where(np.abs(highest) < 1e-12, 1e-12, highest)
     factor: Array = rules.sm_factor(ratio, sensitivity, stress.mean_MPa / amplitude)
     return np.asarray(factor)
+
+
+def _strength(scene: Scene) -> FkmStrength:
+    """Return the strength of a scene whose material is checked."""
+    material, settings = scene.material, scene.fatigue
+    return FkmStrength(
+        material.ultimate_MPa or 0.0,
+        material.fkm_group,
+        settings.roughness_um,
+        settings.surface_treatment_factor,
+    )
+
+
+def _point_safety(scene: Scene, stress: LocalStress) -> PointSafety:
+    found = fkm(stress, _strength(scene))
+    factors = {"n": found.support_factor, "K_WK": found.design_factor, "K_AK": found.mean_factor}
+    share = np.minimum(found.mean_factor, 1.0)
+    return PointSafety(found.safety, found.reversed_MPa / found.design_factor, share, factors)
+
+
+def _haigh_limit_MPa(scene: Scene, strength_MPa: float, gradient_per_mm: float, mean_MPa: Array) -> Array:
+    amplitude = np.full(mean_MPa.shape, strength_MPa)
+    for _ in range(_HALVINGS):  # the limit holds at a constant stress ratio: iterate to the point on the line
+        stress = LocalStress(amplitude, mean_MPa, np.full(mean_MPa.shape, gradient_per_mm))
+        amplitude = (amplitude + fkm(stress, _strength(scene)).limit_MPa) / 2
+    return amplitude
+
+
+FKM = FatigueCriterion("fkm", ("ultimate_MPa",), _point_safety, _haigh_limit_MPa)

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
 from cranktopo.tasks.fatigue.local_stress import LocalStress
 
 
@@ -66,3 +68,37 @@ def lsa(stress: LocalStress, strength: LsaStrength) -> LsaResult:
     amplitude = stress.amplitude_MPa / point
     mean = np.maximum(stress.mean_MPa, 0.0) / s.ultimate_MPa
     return LsaResult(1 / np.maximum(amplitude + mean, 1e-12), amplitude, mean, support, notch, point)
+
+
+def lsa_strength(scene: Scene) -> LsaStrength:
+    """Return the strength for method "lsa" of a scene whose material is checked."""
+    material, settings = scene.material, scene.fatigue
+    return LsaStrength(
+        material.fatigue_tension_MPa or 0.0,
+        material.fatigue_bending_MPa or 0.0,
+        material.yield_MPa or 0.0,
+        material.ultimate_MPa or 0.0,
+        settings.specimen_diameter_mm,
+        settings.size_factor,
+        settings.survival_factor,
+        settings.surface_treatment_factor,
+    )
+
+
+def _point_safety(scene: Scene, stress: LocalStress) -> PointSafety:
+    found = lsa(stress, lsa_strength(scene))
+    factors = {"fG": found.support_factor, "beta_over_alpha": found.notch_ratio}
+    return PointSafety(found.safety, found.strength_MPa, found.amplitude_term * found.safety, factors)
+
+
+def _haigh_limit_MPa(scene: Scene, strength_MPa: float, gradient_per_mm: float, mean_MPa: Array) -> Array:
+    ultimate = scene.material.ultimate_MPa or np.nan
+    return np.asarray(strength_MPa * (1 - np.maximum(mean_MPa, 0.0) / ultimate))
+
+
+LSA = FatigueCriterion(
+    "lsa",
+    ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa"),
+    _point_safety,
+    _haigh_limit_MPa,
+)

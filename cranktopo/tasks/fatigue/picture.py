@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.files import write_bytes
 from cranktopo.design.halves import halves
 from cranktopo.report.png import png
-from cranktopo.tasks.fatigue.haigh import haigh_limit_MPa
+from cranktopo.tasks.fatigue.criteria import CRITERIA
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.vtu import throw_surface
 
@@ -100,11 +100,14 @@ def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> Sh
 
 def _draw_haigh(axes: Any, field: FatigueField) -> None:
     """Amplitude over mean stress: the critical point, every fillet node, and the line of safety 1."""
-    c, ultimate = field.critical, field.model.scene.material.ultimate_MPa or np.nan
+    c, scene = field.critical, field.model.scene
     on = field.model.on_fillet
     axes.plot(field.mean_MPa[:, on].ravel(), field.amplitude_MPa[:, on].ravel(), ",", color="0.6")
-    means = np.linspace(min(0.0, float(field.mean_MPa[:, on].min())), ultimate, 200)
-    axes.plot(means, haigh_limit_MPa(field, means), color="#1f6fb4", label="safety 1 at the critical point")
+    means = np.linspace(
+        min(0.0, float(field.mean_MPa[:, on].min())), scene.material.ultimate_MPa or np.nan, 200
+    )
+    limit = CRITERIA[field.method].haigh_limit_MPa(scene, c.strength_MPa, c.gradient_per_mm, means)
+    axes.plot(means, limit, color="#1f6fb4", label="safety 1 at the critical point")
     scale = c.safety
     axes.plot([0, c.mean_MPa * scale], [0, c.amplitude_MPa * scale], "--", color="0.4", lw=1)
     axes.plot([c.mean_MPa], [c.amplitude_MPa], "o", color="#d1632a", label=f"critical point, {c.safety:.3f}")

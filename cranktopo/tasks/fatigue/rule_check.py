@@ -55,9 +55,9 @@ class RuleCheck:
     Attributes:
         size: the throw in the symbols of the rule, mm.
         outside: dimensions outside the validity of the rule's polynomials.
-        closed, elements: concentration factors by polynomial and by finite elements.
+        scf_rule, scf_fem: concentration factors by polynomial and by finite elements.
         web: which one of two that differ; empty where they are alike.
-        closed_checks, element_checks: pin and journal fillet with either set of factors.
+        rule_checks, fem_checks: pin and journal fillet with either set of factors.
     """
 
     name: str
@@ -65,11 +65,11 @@ class RuleCheck:
     size: Dimensions
     loads: AlternatingLoads
     outside: tuple[str, ...]
-    closed: Factors
-    elements: Factors
+    scf_rule: Factors
+    scf_fem: Factors
     nominal: Nominal
-    closed_checks: dict[str, FilletCheck]
-    element_checks: dict[str, FilletCheck]
+    rule_checks: dict[str, FilletCheck]
+    fem_checks: dict[str, FilletCheck]
     quality: Quality
     outlets: tuple[OutletCheck, ...] = ()
     web: str = ""
@@ -77,7 +77,7 @@ class RuleCheck:
     @property
     def places(self) -> dict[str, FilletCheck]:
         """Every place that is checked: fillets with factors from elements, outlets with those of the rule."""
-        return self.element_checks | {outlet.place: outlet.check for outlet in self.outlets}
+        return self.fem_checks | {outlet.place: outlet.check for outlet in self.outlets}
 
     @property
     def safety(self) -> float:
@@ -103,11 +103,11 @@ class RuleCheck:
             "least_acceptability": LEAST_FACTOR,
             "alternating": vars(self.loads),
             "outside_validity": list(self.outside),
-            "factors": {"closed_form": vars(self.closed), "finite_elements": vars(self.elements)},
+            "factors": {"closed_form": vars(self.scf_rule), "finite_elements": vars(self.scf_fem)},
             "nominal": vars(self.nominal),
             "fillets": {
-                "closed_form": checks(self.closed_checks),
-                "finite_elements": checks(self.element_checks),
+                "closed_form": checks(self.rule_checks),
+                "finite_elements": checks(self.fem_checks),
             },
             "outlets": [outlet.as_json() for outlet in self.outlets],
             "quality": vars(self.quality),
@@ -165,18 +165,18 @@ def _check(
     nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
     progress(f"{target.name}: four-point bending, three-point bending and torsion")
     model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
-    closed, elements = concentration_factors(size), element_factors(model)
+    scf_rule, scf_fem = concentration_factors(size), element_factors(model)
     return RuleCheck(
         target.name,
         model.throw_kg,
         size,
         AlternatingLoads(force, moment / NMM_PER_NM, torque),
         outside_validity(size),
-        closed,
-        elements,
+        scf_rule,
+        scf_fem,
         nominal,
-        _checks(scene, size, closed, nominal),
-        _checks(scene, size, elements, nominal),
+        _checks(scene, size, scf_rule, nominal),
+        _checks(scene, size, scf_fem, nominal),
         model.quality,
         check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
         web,

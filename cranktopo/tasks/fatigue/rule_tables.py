@@ -68,7 +68,7 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
     The band of an element factor is what the stress jumps between the elements at the peak.
     """
     rows: list[dict[str, Cell]] = []
-    for by, checks in (("elements", check.element_checks), ("polynomials", check.closed_checks)):
+    for by, checks in (("elements", check.fem_checks), ("polynomials", check.rule_checks)):
         for place, found in checks.items():
             band = found.acceptability * check.quality.jump_percent / 100 if by == "elements" else None
             valid = by == "elements" or not check.outside

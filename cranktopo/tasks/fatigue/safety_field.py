@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,19 +16,14 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan
+from cranktopo.tasks.fatigue.criteria import CRITERIA
 from cranktopo.tasks.fatigue.fillets import Place, place
-from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
 from cranktopo.tasks.fatigue.local_stress import LocalStress
-from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
-from cranktopo.tasks.fatigue.superposition import Extremes, extremes
+from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_range
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
-
-FieldMethod = Literal["lsa", "fkm"]
-PointSafety = tuple[Array, Array, Array, dict[str, Array]]
-"""Safety, fully reversed strength, share of the amplitude, and factors by name, each of shape (n,)."""
 
 _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
     "bending": lambda h: h.radial_N,
@@ -98,7 +93,7 @@ class FatigueField:
     """
 
     model: StressModel
-    method: FieldMethod
+    method: str
     history: LoadHistory
     safety: Array
     amplitude_MPa: Array
@@ -115,8 +110,7 @@ def check_method(scene: Scene, method: str) -> None:
     Raises:
         CranktopoError: a strength is missing, or an elliptical fillet, of which the rule has no strength.
     """
-    needed = {"lsa": ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa")}
-    for key in needed.get(method, ("ultimate_MPa",)):
+    for key in ("ultimate_MPa",) if method == "m53" else CRITERIA[method].needs:
         if getattr(scene.material, key) is None:
             raise CranktopoError(
                 f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
@@ -166,7 +160,7 @@ def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[L
 
 def fatigue_field(
     target: Target,
-    method: FieldMethod,
+    method: str,
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
     progress: Info = lambda _: None,
@@ -183,11 +177,11 @@ def fatigue_field(
     return safety_field(solve_stresses(target, kinds, fillet_fraction), method, history)
 
 
-def safety_field(model: StressModel, method: FieldMethod, history: LoadHistory) -> FatigueField:
+def safety_field(model: StressModel, method: str, history: LoadHistory) -> FatigueField:
     """Safety at every surface node of every image of the model."""
     loads = unit_loads(history, model.kinds)
-    found = [extremes(model.stress, loads * image.signs) for image in model.images]
-    safety = np.stack([_point_safety(model.scene, method, e.local)[0] for e in found])
+    found = [signed_von_mises_range(model.stress, loads * image.signs) for image in model.images]
+    safety = np.stack([CRITERIA[method].point_safety(model.scene, e.local).safety for e in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
@@ -213,48 +207,11 @@ def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
     return np.stack([_UNIT_OF[kind](history) for kind in kinds], axis=1)
 
 
-def _point_safety(scene: Scene, method: FieldMethod, stress: LocalStress) -> PointSafety:
-    if method == "lsa":
-        by_lsa = lsa(stress, lsa_strength(scene))
-        factors = {"fG": by_lsa.support_factor, "beta_over_alpha": by_lsa.notch_ratio}
-        return by_lsa.safety, by_lsa.strength_MPa, by_lsa.amplitude_term * by_lsa.safety, factors
-    by_fkm = fkm(stress, fkm_strength(scene))
-    factors = {"n": by_fkm.support_factor, "K_WK": by_fkm.design_factor, "K_AK": by_fkm.mean_factor}
-    strength, share = by_fkm.reversed_MPa / by_fkm.design_factor, np.minimum(by_fkm.mean_factor, 1.0)
-    return by_fkm.safety, strength, share, factors
-
-
-def lsa_strength(scene: Scene) -> LsaStrength:
-    """Strength for method "lsa" of a scene whose material is checked."""
-    material, settings = scene.material, scene.fatigue
-    return LsaStrength(
-        material.fatigue_tension_MPa or 0.0,
-        material.fatigue_bending_MPa or 0.0,
-        material.yield_MPa or 0.0,
-        material.ultimate_MPa or 0.0,
-        settings.specimen_diameter_mm,
-        settings.size_factor,
-        settings.survival_factor,
-        settings.surface_treatment_factor,
-    )
-
-
-def fkm_strength(scene: Scene) -> FkmStrength:
-    """Strength for method "fkm" of a scene whose material is checked."""
-    material, settings = scene.material, scene.fatigue
-    return FkmStrength(
-        material.ultimate_MPa or 0.0,
-        material.fkm_group,
-        settings.roughness_um,
-        settings.surface_treatment_factor,
-    )
-
-
 def _critical(
     model: StressModel,
-    method: FieldMethod,
+    method: str,
     history: LoadHistory,
-    found: list[Extremes],
+    found: list[SignedVonMisesRange],
     safety: Array,
     among: NDArray[np.bool_],
 ) -> Critical:
@@ -263,7 +220,7 @@ def _critical(
     e = found[image]
     local = e.local
     one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-    _, strength, share, factors = _point_safety(model.scene, method, one)
+    made = CRITERIA[method].point_safety(model.scene, one)
     point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
     return Critical(
         place(model.scene, point),
@@ -271,8 +228,8 @@ def _critical(
         float(one.amplitude_MPa[0]),
         float(one.mean_MPa[0]),
         float(one.gradient_per_mm[0]),
-        float(strength[0]),
-        float(share[0]),
-        {name: float(value[0]) for name, value in factors.items()},
+        float(made.strength_MPa[0]),
+        float(made.amplitude_share[0]),
+        {name: float(value[0]) for name, value in made.factors.items()},
         (history.labels[e.highest[node]], history.labels[e.lowest[node]]),
     )

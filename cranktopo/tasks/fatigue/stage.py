@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json
@@ -14,7 +14,7 @@ from cranktopo.engine.histories import HistoryKind
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
-from cranktopo.tasks.fatigue.safety_field import FatigueField, FieldMethod, check_inputs, fatigue_field
+from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_field
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, fatigue_json
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
@@ -23,8 +23,8 @@ from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import USED, Target, resolve_targets
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 
-FatigueMethod = Literal["lsa", "fkm", "m53"]
-"""Local stress analysis, the FKM guideline, or the rule IACS UR M53."""
+FatigueMethod = str
+"""Name of a criterion of the registry, or "m53", the rule IACS UR M53."""
 
 
 @dataclass(frozen=True)
@@ -123,10 +123,9 @@ def assess_fatigue(
     assumed = tuple(filter_by_table(target.assumed, USED) for target in resolved)
     if method == "m53":
         return _by_rule(resolved, loads, baseline, fillet_fraction, assumed, info)
-    chosen: FieldMethod = next(name for name in get_args(FieldMethod) if name == method)
     fields = []
     for target in resolved:
-        field = fatigue_field(target, chosen, loads, fillet_fraction, info)
+        field = fatigue_field(target, method, loads, fillet_fraction, info)
         fields.append(field)
         _note_quality(field, info)
         if field.web_safety:

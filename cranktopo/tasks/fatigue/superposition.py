@@ -22,7 +22,7 @@ _CHUNK = 4096
 
 
 @dataclass(frozen=True)
-class Extremes:
+class SignedVonMisesRange:
     """Signed von Mises stress in its two extreme states at every node.
 
     Attributes:
@@ -34,7 +34,7 @@ class Extremes:
     lowest: Index
 
 
-def extremes(found: SurfaceStress, loads: Array) -> Extremes:
+def signed_von_mises_range(found: SurfaceStress, loads: Array) -> SignedVonMisesRange:
     """Extreme signed von Mises stresses over load states at every surface node.
 
     On a surface free of traction the dominating principal stress has the sign of the first invariant.
@@ -54,7 +54,7 @@ def extremes(found: SurfaceStress, loads: Array) -> Extremes:
     gradient = _related_gradient(
         _at(found.stress_MPa, loads[worst]), _at(found.depth_MPa_per_mm, loads[worst])
     )
-    return Extremes(LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient), high, low)
+    return SignedVonMisesRange(LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient), high, low)
 
 
 def _signed(stress: Array, loads: Array) -> Array:

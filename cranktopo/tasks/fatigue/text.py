@@ -36,10 +36,10 @@ _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("throw_kg", MASS.digits, lambda c: c.throw_kg),
     Column("least_Q", SAFETY.digits, lambda c: c.safety),
     Column("pin_Q_rule", 3, lambda c: _by_rule(c, "pin")),
-    Column("pin_Q_FE", 3, lambda c: c.element_checks["pin"].acceptability),
+    Column("pin_Q_FE", 3, lambda c: c.fem_checks["pin"].acceptability),
     Column("journal_Q_rule", 3, lambda c: _by_rule(c, "journal")),
-    Column("journal_Q_FE", 3, lambda c: c.element_checks["journal"].acceptability),
-    Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.element_checks.values())),
+    Column("journal_Q_FE", 3, lambda c: c.fem_checks["journal"].acceptability),
+    Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.fem_checks.values())),
     Column("accepted", 0, lambda c: "yes" if c.accepted else "no"),
 )
 _SAFETY_COLUMNS = (SAFETY.column, "least_Q")
@@ -109,12 +109,12 @@ def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
         {
             "target": check.name,
             "factor": name,
-            "rule": getattr(check.closed, name),
+            "rule": getattr(check.scf_rule, name),
             "FE": value,
-            "FE_over_rule_percent": 100 * (value / getattr(check.closed, name) - 1),
+            "FE_over_rule_percent": 100 * (value / getattr(check.scf_rule, name) - 1),
         }
         for check in checks
-        for name, value in vars(check.elements).items()
+        for name, value in vars(check.scf_fem).items()
     )
     return ResultTable({"target": 0, "factor": 0, "rule": 3, "FE": 3, "FE_over_rule_percent": 1}, rows)
 
@@ -190,7 +190,7 @@ def _field_json(field: FatigueField) -> dict[str, Any]:
 
 
 def _by_rule(check: RuleCheck, fillet: str) -> float | None:
-    return None if check.outside else check.closed_checks[fillet].acceptability
+    return None if check.outside else check.rule_checks[fillet].acceptability
 
 
 def _with_percent(table: ResultTable, results: Sequence[FatigueResult], baseline: int | None) -> ResultTable:

@@ -34,7 +34,7 @@ _STRESS_FREE = 1e-9
 
 
 @dataclass(frozen=True)
-class Condensed:
+class Superelement:
     """Stiffness of the half throw over some motions of its section, or of the whole throw over those of both.
 
     With a force F on the full pin the mean pin displacement is load.q + F load_compliance / copies, where
@@ -49,7 +49,7 @@ class Condensed:
         load_compliance: mean of -u_y under unit force on the (half) pin, sections fixed, mm/N.
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
-        further: section forces of the half throw that answer the further loads, shape (m, k).
+        extra_loads: section forces of the half throw that answer the further loads, shape (m, k).
         held: unknowns at zero, or moved with the section.
         solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
             matrix is factorised already.
@@ -62,7 +62,7 @@ class Condensed:
     load: Array
     load_compliance: float
     displacement: Array
-    further: Array
+    extra_loads: Array
     held: NDArray[np.intp]
     solve: Callable[[Array], Array]
     copies: int = 2
@@ -70,7 +70,7 @@ class Condensed:
     @property
     def fields(self) -> Array:
         """Unit-motion fields and the load field where there is one, (unknowns, m [+ 1])."""
-        return self.displacement[:, : self.displacement.shape[1] - self.further.shape[1]]
+        return self.displacement[:, : self.displacement.shape[1] - self.extra_loads.shape[1]]
 
     def index(self, *motions: int) -> list[int]:
         """Positions of motions in this block."""
@@ -82,14 +82,14 @@ def condense(
     scene: Scene,
     span: Span,
     lateral: Lateral,
-    further: Array | None = None,
+    extra_loads: Array | None = None,
     residual: float = RESIDUAL_LIMIT,
-) -> Condensed:
+) -> Superelement:
     """Condense the half or whole throw to the motions of its rigid sections.
 
     Args:
         model: half or whole throw, or its half x >= 0 when lateral is not "none".
-        further: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
+        extra_loads: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
         residual: largest accepted relative residual of a solve.
 
@@ -104,7 +104,7 @@ def condense(
     mean = np.zeros(model.nodes_mm.size)
     if loaded:
         mean = -mean_displacement(model, 1, *loaded_mm(scene, span == "whole"))
-    others = np.zeros((model.nodes_mm.size, 0)) if further is None else further
+    others = np.zeros((model.nodes_mm.size, 0)) if extra_loads is None else extra_loads
     solve = _solver(model, free, residual)
     if span == "whole":
         whole, turned = _whole_body(model.nodes_mm, motions, scene.pitch_mm)
@@ -119,7 +119,7 @@ def condense(
     fields = np.column_stack([units, fields[:, bending:]])
     parts = 1 if lateral == "none" else 2
     pin = len(motions)
-    return Condensed(
+    return Superelement(
         motions,
         parts,
         parts * _symmetric(units.T @ (model.stiffness @ units)),

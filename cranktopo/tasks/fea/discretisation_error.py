@@ -10,13 +10,13 @@ from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.tasks.fea.condense import Condensed, loaded_mm
-from cranktopo.tasks.fea.hierarchical_estimator import energy_surplus
+from cranktopo.tasks.fea.condense import Superelement, loaded_mm
+from cranktopo.tasks.fea.hierarchical_estimator import hierarchical_estimator
 from cranktopo.tasks.fea.straightened import straightened
 
 
 @dataclass(frozen=True)
-class MissedEnergy:
+class DiscretisationError:
     """Twice the energy that the fields of a condensed block miss, as quadratic forms over their amplitudes.
 
     Attributes:
@@ -35,12 +35,12 @@ def volume_error(model: Elasticity, meshed: MeshedThrow) -> float:
     return model.volume_mm3 * (2 if meshed.mesh.mirrored else 1) / meshed.body.volume_mm3 - 1
 
 
-def missed_energies(
-    model: Elasticity, meshed: MeshedThrow, blocks: Sequence[Condensed], scene: Scene
-) -> list[MissedEnergy]:
+def discretisation_errors(
+    model: Elasticity, meshed: MeshedThrow, blocks: Sequence[Superelement], scene: Scene
+) -> list[DiscretisationError]:
     """What a mesh misses by the fields of each block that was condensed from it."""
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
-    surplus = energy_surplus(model, blocks, youngs, poisson, loaded_mm(scene, meshed.whole))
+    surplus = hierarchical_estimator(model, blocks, youngs, poisson, loaded_mm(scene, meshed.whole))
     straight, added_mm3 = straightened(model, meshed.mesh, blocks, youngs, poisson)
     left = volume_error(model, meshed) - added_mm3 / model.volume_mm3
-    return [MissedEnergy(*forms, left) for forms in zip(surplus, straight, strict=True)]
+    return [DiscretisationError(*forms, left) for forms in zip(surplus, straight, strict=True)]

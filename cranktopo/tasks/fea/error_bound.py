@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.fea.condense import Condensed
-from cranktopo.tasks.fea.discretisation_error import MissedEnergy
+from cranktopo.tasks.fea.condense import Superelement
+from cranktopo.tasks.fea.discretisation_error import DiscretisationError
 from cranktopo.tasks.fea.support_stiffness import (
     BendingSupport,
     TorsionSupport,
@@ -46,7 +46,7 @@ DIFFERENCE_SPREAD, DIFFERENCE_UNEQUAL = 0.15, 1.0
 
 
 def torsion_bound_percent(
-    block: Condensed, missed: MissedEnergy, support: TorsionSupport, spring_N_per_mm: float = 0.0
+    block: Superelement, missed: DiscretisationError, support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> float:
     """Bound of the torsional stiffness's relative error, %.
 
@@ -60,7 +60,7 @@ def torsion_bound_percent(
 
 
 def bending_bound_percent(
-    block: Condensed, missed: MissedEnergy, support: BendingSupport, spring_N_per_mm: float = 0.0
+    block: Superelement, missed: DiscretisationError, support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> float:
     """Bound of the bending stiffness's relative error, %.
 
@@ -74,7 +74,7 @@ def bending_bound_percent(
 
 
 def torsion_shares(
-    block: Condensed, forms: Sequence[Array], support: TorsionSupport, spring_N_per_mm: float = 0.0
+    block: Superelement, forms: Sequence[Array], support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> list[float]:
     """Shares of the twist under a torque that energies over the fields of a block would add."""
     motion, count = torsion_motion(block, support, spring_N_per_mm), len(block.motions)
@@ -83,7 +83,7 @@ def torsion_shares(
 
 
 def bending_shares(
-    block: Condensed, forms: Sequence[Array], support: BendingSupport, spring_N_per_mm: float = 0.0
+    block: Superelement, forms: Sequence[Array], support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> list[float]:
     """Shares of the mean pin displacement that energies over the fields of a block would add."""
     motion = bending_motion(block, block.load, support, spring_N_per_mm)

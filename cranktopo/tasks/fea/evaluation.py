@@ -21,8 +21,8 @@ from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
-from cranktopo.tasks.fea.condense import Condensed, condense
-from cranktopo.tasks.fea.discretisation_error import missed_energies, volume_error
+from cranktopo.tasks.fea.condense import Superelement, condense
+from cranktopo.tasks.fea.discretisation_error import discretisation_errors, volume_error
 from cranktopo.tasks.fea.error_bound import bending_bound_percent, change_bound_percent, torsion_bound_percent
 from cranktopo.tasks.fea.support_stiffness import (
     BendingSupport,
@@ -231,7 +231,7 @@ def condensed_stiffness(
     nodes = model.nodes_mm.shape[1]
     errors: tuple[ByName, ByName] = ({}, {})
     if order == 2:
-        twisted, bent = missed_energies(model, meshed, (twist, bend), scene)
+        twisted, bent = discretisation_errors(model, meshed, (twist, bend), scene)
         errors = (
             _by_support(partial(torsion_bound_percent, twist, twisted), _TORSION, scene),
             _by_support(partial(bending_bound_percent, bend, bent), _BENDING, scene),
@@ -240,7 +240,7 @@ def condensed_stiffness(
     return Stiffness(torsion, bending, nodes, element_size_mm, mesh_seconds, seconds, *errors)
 
 
-def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Condensed, Condensed]:
+def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Superelement, Superelement]:
     """What torsion and what bending is read off."""
     mirrored = meshed.mesh.mirrored
     if meshed.whole and not mirrored:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, beyond, lame_constants_MPa
-from cranktopo.tasks.fea.condense import Condensed
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, basis_above_plane, lame_constants_MPa
+from cranktopo.tasks.fea.condense import Superelement
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
@@ -29,9 +29,9 @@ _QUADRATURE = 4
 _CORNER_SLOPES = np.vstack([-np.ones(3), np.eye(3)])
 
 
-def energy_surplus(
+def hierarchical_estimator(
     model: Elasticity,
-    blocks: Sequence[Condensed],
+    blocks: Sequence[Superelement],
     youngs_MPa: float,
     poisson: float,
     pin_mm: tuple[float, float],
@@ -165,14 +165,14 @@ def _reference_slopes(points: Array) -> Array:
 
 def _mean_weights(model: Elasticity, z_mm: tuple[float, float]) -> Array:
     """Mean of each cubic function over the material between two heights, shape (functions,)."""
-    basis, inside = beyond(model, *z_mm)
+    basis, inside = basis_above_plane(model, *z_mm)
     numbers, signs = _functions(model, basis)
     weights = np.zeros(model.mesh.nedges + model.mesh.nfacets)
     np.add.at(weights, numbers, signs * (_reference_values(basis.X) @ inside.T))
     return np.asarray(weights / inside.sum())
 
 
-def _held(model: Elasticity, block: Condensed) -> NDArray[np.bool_]:
+def _held(model: Elasticity, block: Superelement) -> NDArray[np.bool_]:
     """Components of each cubic function that a block holds: those of all nodes of its edge or face."""
     unknowns = np.zeros(model.nodes_mm.size, dtype=bool)
     unknowns[block.held] = True

@@ -14,7 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.elasticity import LOAD_ORDER, STIFFNESS_ORDER, Elasticity, beyond
+from cranktopo.numerics.tetrahedra.elasticity import (
+    LOAD_ORDER,
+    STIFFNESS_ORDER,
+    Elasticity,
+    basis_above_plane,
+)
 from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
 from cranktopo.tasks.fea.condense import RX, RY, RZ, plane_nodes, section_motions
 
@@ -75,7 +80,7 @@ def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) ->
 
     Which quadrature points lie beyond z is held.
     """
-    basis, inside = beyond(model, z_from_mm)
+    basis, inside = basis_above_plane(model, z_from_mm)
     nodes = field.reshape(-1, 3)[:, axis][basis.element_dofs]
     value = np.einsum("neq,ne->eq", _values(basis), nodes)
     weight = (value - (value * inside).sum() / inside.sum()) * inside / inside.sum()

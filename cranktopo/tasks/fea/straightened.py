@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Condensed
+from cranktopo.tasks.fea.condense import Superelement
 from cranktopo.tasks.fea.node_gradients import chunks, section_slopes, shape_slopes, work_slopes
 
 
 def straightened(
-    model: Elasticity, mesh: TetMesh, blocks: Sequence[Condensed], youngs_MPa: float, poisson: float
+    model: Elasticity, mesh: TetMesh, blocks: Sequence[Superelement], youngs_MPa: float, poisson: float
 ) -> tuple[list[Array], float]:
     """Energy that straight elements add to fields of condensed blocks, and the volume of the model, mm3.
 
     Returns:
-        A quadratic form per block, less than 0 where volume is added, as `energy_surplus` has them: twice
-        the energy that the mesh misses; and the volume that it has too much.
+        A quadratic form per block, less than 0 where volume is added, as `hierarchical_estimator` has them:
+        twice the energy that the mesh misses; and the volume that it has too much.
     """
     away = np.zeros(model.nodes_mm.shape)
     if mesh.off_surface_mm is not None:
@@ -40,7 +40,7 @@ def straightened(
 
 def _added(
     model: Elasticity,
-    block: Condensed,
+    block: Superelement,
     away: Array,
     moved: NDArray[np.intp],
     youngs_MPa: float,

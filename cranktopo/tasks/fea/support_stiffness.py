@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ, Condensed
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ, Superelement
 
 TorsionSupport = Literal["free", "held", "spring"]
 BendingSupport = Literal["pinned", "clamped", "spring"]
@@ -30,7 +30,7 @@ _BENDING: dict[BendingSupport, frozenset[int]] = {
 
 
 def torsional_stiffness_Nm_per_rad(
-    block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0
+    block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> float:
     """Torsional stiffness of the full throw: torque over relative rotation of its sections, T / (2 phi).
 
@@ -42,7 +42,7 @@ def torsional_stiffness_Nm_per_rad(
     return 1.0 / (block.copies * float(twist)) / NMM_PER_NM
 
 
-def torque_ends(block: Condensed) -> Array:
+def torque_ends(block: Superelement) -> Array:
     """A torque of 1 N mm on the section of the half throw, opposite ones on both of the whole, shape (m,).
 
     Times a motion it is the rotation of the section, or that of the far section relative to the near one.
@@ -52,7 +52,7 @@ def torque_ends(block: Condensed) -> Array:
 
 
 def bending_stiffness_N_per_mm(
-    block: Condensed, support: BendingSupport, spring_N_per_mm: float = 0.0
+    block: Superelement, support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> float:
     """Bending stiffness of the full throw: pin force over mean radial displacement of the pin material.
 
@@ -65,7 +65,7 @@ def bending_stiffness_N_per_mm(
 
 
 def torsion_motion(
-    block: Condensed, support: TorsionSupport, spring_N_per_mm: float = 0.0, force: Array | None = None
+    block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0, force: Array | None = None
 ) -> Array:
     """Section motion under section forces, shape (m,), mm and rad.
 
@@ -77,7 +77,7 @@ def torsion_motion(
 
 
 def bending_motion(
-    block: Condensed,
+    block: Superelement,
     force: Array,
     support: BendingSupport,
     spring_N_per_mm: float = 0.0,
@@ -98,7 +98,7 @@ def _springs(support: str, spring_N_per_mm: float) -> dict[int, float]:
     return {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
 
 
-def _response(block: Condensed, released: Set[int], springs: dict[int, float], force: Array) -> Array:
+def _response(block: Superelement, released: Set[int], springs: dict[int, float], force: Array) -> Array:
     """Section motion under a section force, held motions at zero; rigid motions of the whole stay at zero."""
     kinds = [m % 6 for m in block.motions]
     index = [i for i, m in enumerate(kinds) if m in released]

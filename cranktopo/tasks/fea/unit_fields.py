@@ -16,7 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
-from cranktopo.tasks.fea.condense import RX, Condensed, Lateral, condense, loaded_mm
+from cranktopo.tasks.fea.condense import RX, Lateral, Superelement, condense, loaded_mm
 from cranktopo.tasks.fea.support_stiffness import bending_motion, torque_ends, torsion_motion
 
 FieldKind = LoadKind | Literal["moment"]
@@ -85,7 +85,7 @@ def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind,
     return {"torsion": twisted(condense(model, scene, "antisymmetric", "odd" if mirrored else "none"), scene)}
 
 
-def twisted(block: Condensed, scene: Scene) -> UnitField:
+def twisted(block: Superelement, scene: Scene) -> UnitField:
     """Field of a unit torque from the antisymmetric condensation, or that of a whole throw."""
     spring, ends = support_spring(scene, scene.supports.torsion), torque_ends(block)
     near = ends if block.copies == 2 else -ends
@@ -119,7 +119,7 @@ def _loaded(
     return found
 
 
-def loaded(block: Condensed, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
+def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
     """Fields of some loads from a symmetric condensation, or that of a whole throw.
 
     Args:
@@ -133,7 +133,7 @@ def loaded(block: Condensed, scene: Scene, kinds: Collection[FieldKind]) -> dict
         cases["bending"] = (field / (block.copies * block.parts), block.load / block.copies)
     start = block.displacement.shape[1] - len(further)
     for column, kind in enumerate(further):
-        cases[kind] = (block.displacement[:, start + column], block.further[:, column])
+        cases[kind] = (block.displacement[:, start + column], block.extra_loads[:, column])
     spring = support_spring(scene, scene.supports.bending)
     found: dict[FieldKind, UnitField] = {}
     for kind in kinds:
@@ -154,7 +154,7 @@ def _force(model: Elasticity, scene: Scene, kind: FieldKind, span: Span, lateral
     return mean_displacement(model, 0, *loaded_mm(scene, span == "whole")) / models
 
 
-def _units(block: Condensed) -> Array:
+def _units(block: Superelement) -> Array:
     return block.displacement[:, : len(block.motions)]
 
 

@@ -14,7 +14,7 @@ from cranktopo.base.frames import Span
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Condensed, Lateral, condense
+from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Lateral, Superelement, condense
 
 Bearings = Literal["free", "rigid", "spring"]
 
@@ -50,7 +50,7 @@ class ShaftStiffness:
 
 def throw_blocks(
     model: Elasticity, scene: Scene, mirrored: bool, *, whole: bool = False
-) -> list[tuple[Span, Condensed]]:
+) -> list[tuple[Span, Superelement]]:
     """The half throw condensed over all six motions of its section, symmetric and antisymmetric.
 
     Args:
@@ -65,7 +65,7 @@ def throw_blocks(
     return [(span, condense(model, scene, span, lateral)) for span in spans for lateral in laterals]
 
 
-def throw_matrix(blocks: Sequence[tuple[Span, Condensed]], forms: Sequence[Array] | None = None) -> Array:
+def throw_matrix(blocks: Sequence[tuple[Span, Superelement]], forms: Sequence[Array] | None = None) -> Array:
     """Stiffness of the full throw over the six motions of its near and then its far section, (12, 12).
 
     Each section moves in its own axes, parallel to those of the throw; units mm, rad, N, N mm.

@@ -17,7 +17,7 @@ from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.disk_chain import DiskChain
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.tasks.fea.discretisation_error import missed_energies
+from cranktopo.tasks.fea.discretisation_error import discretisation_errors
 from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent, change_bound_percent
 from cranktopo.tasks.fea.evaluation import (
     RATIO,
@@ -140,7 +140,7 @@ def _on_mesh(
     """Stiffnesses of the shaft, and the bound of their relative error by what the mesh itself misses, %."""
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
     blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
-    missed = missed_energies(model, meshed, [block for _, block in blocks], scene)
+    missed = discretisation_errors(model, meshed, [block for _, block in blocks], scene)
 
     turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
 

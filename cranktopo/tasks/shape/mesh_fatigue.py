@@ -29,11 +29,11 @@ from cranktopo.numerics.tetrahedra.stressed_surface import (
     surface_stress,
 )
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
-from cranktopo.tasks.fatigue.lsa import lsa
-from cranktopo.tasks.fatigue.safety_field import load_kinds, lsa_strength, unit_loads
+from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
+from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
-from cranktopo.tasks.fatigue.superposition import extremes
-from cranktopo.tasks.fea.condense import Condensed
+from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
+from cranktopo.tasks.fea.condense import Superelement
 from cranktopo.tasks.fea.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
 from cranktopo.tasks.fea.support_stiffness import bending_motion, torsion_motion
 from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
@@ -79,7 +79,9 @@ class FilletFatigue:
         """True where the symmetric condensation needs the centrifugal load, as its only further load."""
         return "centrifugal" in self.kinds
 
-    def safety(self, model: Elasticity, scene: Scene, bend: Condensed, twist: Condensed) -> FilletSafety:
+    def safety(
+        self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
+    ) -> FilletSafety:
         """Return the safety of the fillets on a mesh.
 
         Args:
@@ -112,7 +114,7 @@ class FilletFatigue:
     def _elastic(self) -> tuple[float, float]:
         return self.scene.material.E_GPa * MPA_PER_GPA, self.scene.material.poisson
 
-    def _fields(self, bend: Condensed, twist: Condensed) -> list[UnitField]:
+    def _fields(self, bend: Superelement, twist: Superelement) -> list[UnitField]:
         pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
         found = {**pushed, "torsion": twisted(twist, self.scene)}
         return [found[kind] for kind in self.kinds]
@@ -136,10 +138,10 @@ class FilletFatigue:
         return float(1 / worst), float(1 / norm), (adjoint[0], adjoint[1])
 
     def _used(self, stress: SurfaceStress, loads: Array) -> Array:
-        return 1 / lsa(extremes(stress, loads).local, lsa_strength(self.scene)).safety
+        return 1 / lsa(signed_von_mises_range(stress, loads).local, lsa_strength(self.scene)).safety
 
     def _through_field(
-        self, model: Elasticity, bend: Condensed, twist: Condensed, field: UnitField, force: Array
+        self, model: Elasticity, bend: Superelement, twist: Superelement, field: UnitField, force: Array
     ) -> Array:
         """Return the derivative by the nodes through a field, (3, nodes), whose adjoint is `force`."""
         scene, kind = self.scene, field.kind

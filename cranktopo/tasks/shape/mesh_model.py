@@ -22,7 +22,7 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import RZ, Condensed, Lateral, condense
+from cranktopo.tasks.fea.condense import RZ, Lateral, Superelement, condense
 from cranktopo.tasks.fea.node_gradients import mean_slopes, moments, section_slopes, work_slopes
 from cranktopo.tasks.fea.support_stiffness import (
     bending_motion,
@@ -128,7 +128,7 @@ class MeshModel:
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
 
-        def block(kind: str) -> Condensed | None:
+        def block(kind: str) -> Superelement | None:
             asked = quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
             return self._condensed(model, scene, kind, mirrored) if safety or asked else None
 
@@ -143,7 +143,7 @@ class MeshModel:
             found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.gradients
         return found
 
-    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Condensed:
+    def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
         """Return the block of a stiffness."""
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
@@ -177,7 +177,7 @@ def _exact(meshed: MeshedThrow) -> Array:
     return np.array([half.volume_mm3, half.volume_mm3 * half.centre_mm[1], half.inertia_z_mm5])
 
 
-def _torsion_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+def _torsion_gradient(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
     """Return the torsional stiffness, N m/rad, with the scene's support, and its derivative by the nodes.
 
     Args:
@@ -192,7 +192,7 @@ def _torsion_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tupl
     return value, value / twist * block.parts * _work(model, scene, field)
 
 
-def _bending_gradient(model: Elasticity, scene: Scene, block: Condensed) -> tuple[float, Array]:
+def _bending_gradient(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
     """Return the bending stiffness, N/mm, with the scene's support, and its derivative by the nodes.
 
     Args:
