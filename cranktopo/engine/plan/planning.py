@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import lru_cache
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Effects, Scene
 from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
+from cranktopo.engine.gas import FileState, file_state
 from cranktopo.engine.plan import load_rules, structure_rules, vibration_rule
 from cranktopo.engine.plan.context import Facts
 from cranktopo.engine.plan.cost import Costing, CostRates
@@ -39,7 +41,7 @@ LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
 
 
 def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> EffectPlan:
-    """Decide every effect of a scene.
+    """Decide every effect of a scene, once for all stages that ask for it.
 
     Args:
         goal: what an optimisation is asked for, from `wanted`: it takes the load cases that goal and limits
@@ -49,8 +51,20 @@ def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None)
         CranktopoError: the scene switches an effect on that it has no data for, switches off one that it or
             the goal relies on, or leaves no load case; gas data that cannot be used.
     """
+    return _plan(scene, rates or CostRates(), goal, _file_states(scene))
+
+
+def _file_states(scene: Scene) -> tuple[FileState, ...]:
+    """Return the states of the files that a scene names: with another content it has another plan."""
+    envelope = scene.envelope.stl_file if scene.envelope else None
+    indicator = scene.engine.gas.indicator_csv if scene.engine and scene.engine.gas else None
+    return tuple(file_state(name) for name in (envelope, indicator) if name is not None)
+
+
+@lru_cache(maxsize=64)
+def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileState, ...]) -> EffectPlan:
     asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
-    costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
+    costing = Costing(scene, rates, may_mirror(scene, asymmetry))
     facts = Facts(scene, costing, asymmetry, goal)
     vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](facts))
     facts = replace(facts, vibrating=vibration.state == "on")
