@@ -14,8 +14,8 @@ from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 SIZE_MM = 14.0
-TORSION = LoadCase("torsion", "torsion", torque_Nm=700.0)
-BENDING = LoadCase("bending", "bending", radial_N=30000.0)
+TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=700.0)
+BENDING = LoadCase(name="bending", kind="bending", radial_N=30000.0)
 
 
 @pytest.fixture(scope="module")

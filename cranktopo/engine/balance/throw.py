@@ -66,25 +66,6 @@ class ThrowBalance:
         """
         return self.rotating_unbalance_kg_mm
 
-    def as_json(self) -> dict[str, float]:
-        """The balance with units in the names."""
-        return {
-            "rotating_unbalance_kg_mm": self.rotating_unbalance_kg_mm,
-            "inertia_kg_mm2": self.inertia_kg_mm2,
-            "counterweight_kg_mm": self.counterweight_kg_mm,
-            "own_counterweight_kg_mm": self.own_counterweight_kg_mm,
-            "own_counterweight_kg": self.own_counterweights_kg[0],
-            "own_second_counterweight_kg": self.own_counterweights_kg[1],
-            "throw_unbalance_kg_mm": self.throw_unbalance_kg_mm,
-            "lateral_unbalance_kg_mm": self.lateral_unbalance_kg_mm,
-            "rod_inertia_kg_mm2": self.rod_inertia_kg_mm2,
-            "throw_mass_kg": self.mass_kg,
-            "web_mass_kg": self.web_kg,
-            "second_web_mass_kg": self.second_web_kg,
-            "journal_mass_kg": self.journal_kg,
-            "crankpin_mass_kg": self.crankpin_kg,
-        }
-
 
 def throw_balance(scene: Scene) -> ThrowBalance:
     """Mass properties of the scene's throw with its own web; the rod counts when the scene has an engine.

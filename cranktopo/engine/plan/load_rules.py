@@ -7,28 +7,19 @@ An inertia matters by what it changes in the peak radial force on the web.
 from __future__ import annotations
 
 from cranktopo.engine.forces import INERTIA_EFFECTS
-from cranktopo.engine.load_case import LoadKind
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadKind
 from cranktopo.engine.plan.context import Facts
 from cranktopo.engine.plan.estimate import Estimate
 from cranktopo.engine.plan.goal_rules import as_wanted
 from cranktopo.engine.states import extreme_states
 
 
-def bending(facts: Facts) -> Estimate:
-    """Radial force on the pin: beam formula of the half throw."""
-    force = facts.state("bending").case.radial_N
-    return _case(facts, "bending", f"radial force {force:,.0f} N")
-
-
-def torsion(facts: Facts) -> Estimate:
-    """Torque through the throw: mean of Carter's and Ker Wilson's formulae."""
-    return _case(facts, "torsion", f"torque {facts.state('torsion').case.torque_Nm:,.1f} N m")
-
-
-def tangential(facts: Facts) -> Estimate:
-    """Tangential force on the pin: beam formula with twist of the web."""
-    force = facts.state("tangential").case.tangential_N
-    return _case(facts, "tangential", f"tangential force {force:,.0f} N")
+def quasi_static(kind: LoadKind, facts: Facts) -> Estimate:
+    """Estimate a load on pin or journals by the closed-form strain energy that it causes."""
+    load = LOAD_TYPES[kind]
+    size = getattr(facts.state(kind).case, load.load)
+    amount = f"{size:,.1f} N m" if load.load == "torque_Nm" else f"{size:,.0f} N"
+    return _case(facts, kind, f"{load.label} {amount}")
 
 
 def centrifugal(facts: Facts) -> Estimate:
@@ -61,14 +52,13 @@ def _case(facts: Facts, kind: LoadKind, load: str) -> Estimate:
 
 
 def _by_size(facts: Facts, kind: LoadKind, load: str) -> Estimate:
-    rivals: tuple[LoadKind, ...] = ("bending", "torsion")
     cost, changes = facts.costing.load_case(), f"no {kind} in the objective"
     if facts.unit_loads:
         why = "unit loads cannot be compared"
-        needed, absent = (why, "") if kind in rivals else ("", why)
+        needed, absent = (why, "") if kind in MAIN_KINDS else ("", why)
         return Estimate(None, load, changes, cost, absent=absent, needed=needed)
     energy = facts.energy_Nmm
-    dominant = max(rivals, key=lambda name: energy[name])
+    dominant = max(MAIN_KINDS, key=lambda name: energy[name])
     percent = 100 * energy[kind] / energy[dominant] if energy[dominant] else 0.0
     because = f"{load}: strain energy {percent:.3g} % of {dominant}'s"
     if kind == dominant:

@@ -102,7 +102,16 @@ def whole_throw(facts: Facts) -> tuple[Effect, ...]:
         f"{share:.3g} % of the volume lies beyond it"
     )
     changes = "nothing would be right: half of the throw says nothing of the other"
-    return (Effect("whole_throw", "on", because, None, facts.costing.whole_throw(volume), changes),)
+    return (
+        Effect(
+            name="whole_throw",
+            state="on",
+            reason=because,
+            estimate_percent=None,
+            cost=facts.costing.whole_throw(volume),
+            changes=changes,
+        ),
+    )
 
 
 def manufacturing_constraint(facts: Facts) -> Estimate:

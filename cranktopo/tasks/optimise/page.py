@@ -8,6 +8,8 @@ from typing import Any
 
 from cranktopo.design.clearance import clearance_text
 from cranktopo.design.goal.outcome import HOLDS
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.effect import Effect
 from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
 from cranktopo.report.page import Page, Section
 from cranktopo.report.plot import Picture, picture
@@ -55,11 +57,11 @@ def run_page(record: RunRecord) -> Page:
             _variants(metrics),
             _convergence(record),
             *clearance_sections(record.scene, scene3d.bodies if scene3d else ()),
-            loads_section(record.loads, [case["load"] for case in metrics["load_cases"].values()]),
+            loads_section(record.loads, _loads(metrics)),
             stress_section(scene3d, f"cranktopo report {record.folder} --stress"),
             accuracy_section(metrics, record.accuracy, record.folder),
             *([remodel_section(record.remodel)] if record.remodel else []),
-            effects_section(metrics["effects"]),
+            effects_section([Effect.model_validate(effect) for effect in metrics["effects"]]),
             _provenance(record),
             versions_section(manifest["versions"], metrics["files"]),
         ),
@@ -189,3 +191,7 @@ def _still(record: RunRecord) -> Picture | None:
         "crankpin side, from the front and from the side; journals grey, web blue"
     )
     return Picture("views", views_figure(record.mesh, record.scene.web_z_mm), alt)
+
+
+def _loads(metrics: Mapping[str, Any]) -> list[LoadCase]:
+    return [LoadCase.model_validate(case["load"]) for case in metrics["load_cases"].values()]
