@@ -37,7 +37,7 @@ BEHIND = {
     "report": ["report_run"],
     "fatigue": ["assess_fatigue"],
     "shaft": ["evaluate_shaft"],
-    "balance": ["engine_balance", "balance_json", "report_balance"],
+    "balance": ["engine_balance", "balance_result", "report_balance"],
     "vibration": ["shaft_vibration"],
     "extract": ["extract_surface"],
     "remodel": ["remodel_run"],

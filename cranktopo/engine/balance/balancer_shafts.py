@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -55,10 +55,6 @@ class SizedShaft:
     force_N: float
     in_scene: bool
     gear: GearForces | None = None
-
-    def as_json(self) -> dict[str, Any]:
-        """The shaft with units in the names."""
-        return asdict(self)
 
 
 def size_shafts(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,16 +66,6 @@ class Ellipse:
         turning = unit_vectors(order * angle_deg)
         return np.asarray(self.forward * turning + self.backward * turning.conj())
 
-    def as_json(self, name: str, unit: str) -> dict[str, float | None]:
-        """Its largest magnitude under the plain name, and what else is known of it."""
-        return {
-            f"{name}_{unit}": self.largest,
-            f"{name}_min_{unit}": self.smallest,
-            f"{name}_axis_deg": self.axis_deg,
-            f"{name}_forward_{unit}": abs(self.forward),
-            f"{name}_backward_{unit}": abs(self.backward),
-        }
-
 
 @dataclass(frozen=True)
 class FreeForce:
@@ -90,14 +80,6 @@ class FreeForce:
 
     def __add__(self, other: FreeForce) -> FreeForce:
         return FreeForce(self.order, self.force + other.force, self.moment + other.moment)
-
-    def as_json(self) -> dict[str, Any]:
-        """Order, force and moment."""
-        return {
-            "order": self.order,
-            **self.force.as_json("force", "N"),
-            **self.moment.as_json("moment", "Nm"),
-        }
 
 
 @dataclass(frozen=True)
@@ -244,10 +226,6 @@ class InnerMoment:
     moment_Nm: float
     z_mm: float
     deg: float
-
-    def as_json(self) -> dict[str, float]:
-        """The moment with its place."""
-        return {"moment_Nm": self.moment_Nm, "z_mm": self.z_mm, "deg": self.deg}
 
 
 def inner_moment(masses: TurningMasses, weights: Sequence[Counterweight] = ()) -> InnerMoment:

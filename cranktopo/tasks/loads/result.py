@@ -60,7 +60,7 @@ class SeriesDifference(Result):
     acceleration: float
 
 
-class Balance(Result):
+class ThrowMasses(Result):
     """Mass properties of the throw, and its balance with the rod."""
 
     rotating_unbalance_kg_mm: float
@@ -86,7 +86,7 @@ class Clearance(Result):
     told: str
 
 
-class State(Result):
+class LoadState(Result):
     """An extreme load state, and why it needs no load case of its own."""
 
     name: str
@@ -113,10 +113,10 @@ class Loads(Result):
     engine_torque_Nm: EngineTorque
     indicated_work_per_cylinder_J: float | None
     series_difference_percent: SeriesDifference | None
-    balance: Balance
+    balance: ThrowMasses
     clearance: Clearance
     load_cases: tuple[LoadCase, ...]
-    extreme_states: tuple[State, ...]
+    extreme_states: tuple[LoadState, ...]
     effects: tuple[Effect, ...]
     assumed: tuple[Assumption, ...]
     sweep: tuple[Loads, ...] | None = UNLESS_NONE
@@ -160,9 +160,9 @@ def engine_torque_of(cycle: Cycle | None) -> EngineTorque:
     return EngineTorque(mean=mean, max=high.value, max_deg=high.deg, min=low.value, min_deg=low.deg)
 
 
-def balance_of(found: ThrowBalance) -> Balance:
+def balance_of(found: ThrowBalance) -> ThrowMasses:
     """Return the balance of a throw with units in the names."""
-    return Balance(
+    return ThrowMasses(
         rotating_unbalance_kg_mm=found.rotating_unbalance_kg_mm,
         inertia_kg_mm2=found.inertia_kg_mm2,
         counterweight_kg_mm=found.counterweight_kg_mm,
@@ -180,10 +180,10 @@ def balance_of(found: ThrowBalance) -> Balance:
     )
 
 
-def state_of(state: ExtremeState) -> State:
+def state_of(state: ExtremeState) -> LoadState:
     """Return an extreme state with its loads beside its name."""
     case = state.case
-    return State(
+    return LoadState(
         name=state.name,
         deg=state.deg,
         kind=case.kind,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.text_table import text_table
-from cranktopo.tasks.loads.result import Balance, Loads, Range, State
+from cranktopo.tasks.loads.result import Loads, LoadState, Range, ThrowMasses
 
 
 def loads_text(loads: Loads) -> str:
@@ -80,7 +80,7 @@ def _torque(loads: Loads) -> str:
     )
 
 
-def _balance(balance: Balance) -> str:
+def _balance(balance: ThrowMasses) -> str:
     needed = balance.counterweight_kg_mm
     one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
@@ -103,7 +103,7 @@ def _cases(cases: Sequence[LoadCase]) -> str:
     return text_table("lrrrrl", header, rows)
 
 
-def _redundant(states: Sequence[State]) -> str:
+def _redundant(states: Sequence[LoadState]) -> str:
     lines = [f"  {s.name}: {s.redundant_because}" for s in states if s.redundant_because]
     return "\n".join(["states that need no load case of their own:", *lines]) if lines else ""
 
