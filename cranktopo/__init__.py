@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
     from cranktopo.engine.cases import load_cases
     from cranktopo.engine.load_case import LoadCase
-    from cranktopo.engine.plan.effect import EffectPlan
+    from cranktopo.engine.plan.effect import PhysicsPlan
     from cranktopo.engine.plan.planning import plan
     from cranktopo.numerics.precision import double_precision
     from cranktopo.numerics.surfaces.files import write_stl
@@ -74,7 +74,7 @@ _HOMES = {
     "Limit": "design.goal.limit",
     "with_goal": "design.goal.changing",
     "wanted": "design.goal.wanted",
-    "EffectPlan": "engine.plan.effect",
+    "PhysicsPlan": "engine.plan.effect",
     "plan": "engine.plan.planning",
     "LoadCase": "engine.load_case",
     "load_cases": "engine.cases",
@@ -142,7 +142,6 @@ __all__ = [
     "CheckedSurface",
     "Comparison",
     "CranktopoError",
-    "EffectPlan",
     "EngineBalance",
     "Entry",
     "Evaluation",
@@ -153,6 +152,7 @@ __all__ = [
     "ManufacturingLimits",
     "MeshRequest",
     "Optimum",
+    "PhysicsPlan",
     "Prepared",
     "Scene",
     "Sensitivities",

@@ -174,7 +174,7 @@ def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[
     if "reciprocating_inertia" in enabled:
         moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
         one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
-    curves = [rods.together(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+    curves = [rods.superpose(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
     curve = max(curves, key=lambda kg: float(kg.max()))
     return float(curve.max()), float(angle[int(curve.argmax())])
 

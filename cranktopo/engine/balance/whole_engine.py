@@ -10,9 +10,9 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft, needed_shafts, size_shafts
 from cranktopo.engine.balance.free_forces import (
     ORDERS,
-    Counterweight,
     FreeForce,
     InnerMoment,
+    NeededCounterweight,
     TurningMasses,
     counterweights,
     free_forces,
@@ -43,7 +43,7 @@ class EngineBalance:
     masses: TurningMasses
     parts: tuple[FreeForce, ...]
     free: dict[str, tuple[FreeForce, ...]]
-    counterweights: tuple[Counterweight, ...]
+    counterweights: tuple[NeededCounterweight, ...]
     inner_moments: dict[str, InnerMoment]
     bearings: dict[str, MainBearings]
     shafts: tuple[SizedShaft, ...]

@@ -78,7 +78,7 @@ class CostRates:
 
 
 @dataclass(frozen=True)
-class Effort:
+class ExpectedWork:
     """What a density optimisation does whatever its cells and load cases.
 
     Attributes:
@@ -96,7 +96,7 @@ class Effort:
     evaluation_seconds: float
 
 
-def effort(scene: Scene, rates: CostRates | None = None) -> Effort:
+def effort(scene: Scene, rates: CostRates | None = None) -> ExpectedWork:
     """What the density optimisation of a scene is expected to do."""
     rates, settings = rates or CostRates(), scene.optimise
     lengths = (settings.min_member_mm, settings.min_gap_mm)
@@ -105,7 +105,7 @@ def effort(scene: Scene, rates: CostRates | None = None) -> Effort:
     more = min(settings.max_iterations - iterations, moves * rates.iterations_per_move)
     evaluations = moves + 2 if moves else 0
     designs = 1 if lengths == (None, None) else 2
-    return Effort(designs, iterations, more, evaluations, evaluations * rates.seconds_per_evaluation)
+    return ExpectedWork(designs, iterations, more, evaluations, evaluations * rates.seconds_per_evaluation)
 
 
 class Costing:

@@ -28,7 +28,7 @@ class Effect(Result):
 
 
 @dataclass(frozen=True)
-class EffectPlan:
+class PhysicsPlan:
     """The effects of a scene, in the order of the scene's table."""
 
     effects: tuple[Effect, ...]

@@ -13,14 +13,14 @@ from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymme
 from cranktopo.engine.gas import FileState, file_state
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.plan import load_rules, structure_rules, vibration_rule
-from cranktopo.engine.plan.context import Facts
+from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Costing, CostRates
-from cranktopo.engine.plan.effect import Effect, EffectPlan, Switch
+from cranktopo.engine.plan.effect import Effect, PhysicsPlan, Switch
 from cranktopo.engine.plan.estimate import Estimate
 from cranktopo.engine.plan.goal_rules import bound, check_goal_cases
 from cranktopo.engine.plan.simulated import Feature, simulated_scene
 
-_RULES: dict[str, Callable[[Facts], Estimate]] = {
+_RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
     **{name: partial(load_rules.quasi_static, name) for name, kind in LOAD_TYPES.items() if kind.unit_load},
     "reciprocating_inertia": load_rules.reciprocating_inertia,
     "rotating_rod_mass": load_rules.rotating_rod_mass,
@@ -38,7 +38,7 @@ _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
 
 
-def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> EffectPlan:
+def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:
     """Decide every effect of a scene, once for all stages that ask for it.
 
     Args:
@@ -60,23 +60,23 @@ def _file_states(scene: Scene) -> tuple[FileState, ...]:
 
 
 @lru_cache(maxsize=64)
-def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileState, ...]) -> EffectPlan:
+def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileState, ...]) -> PhysicsPlan:
     asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
     costing = Costing(scene, rates, may_mirror(scene, asymmetry))
-    facts = Facts(scene, costing, asymmetry, goal)
-    vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](facts))
-    facts = replace(facts, vibrating=vibration.state == "on")
+    context = PlanningContext(scene, costing, asymmetry, goal)
+    vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](context))
+    context = replace(context, vibrating=vibration.state == "on")
     decided = tuple(
-        vibration if name == _VIBRATION else _decide(scene.effects, name, rule(facts))
+        vibration if name == _VIBRATION else _decide(scene.effects, name, rule(context))
         for name, rule in _RULES.items()
     )
-    decided += structure_rules.whole_throw(facts)
+    decided += structure_rules.whole_throw(context)
     cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_TYPES]
     if goal is None:
         _check_cases(scene, cases)
     else:
-        check_goal_cases(facts, goal, cases)
-    return EffectPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
+        check_goal_cases(context, goal, cases)
+    return PhysicsPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
 
 
 def _check_cases(scene: Scene, cases: Sequence[str]) -> None:

@@ -10,7 +10,7 @@ from cranktopo.base.result import Result
 from cranktopo.design.assumed import LOADS, THROW, Assumption, assumptions
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
-from cranktopo.engine.balance.free_forces import ORDERS, Counterweight, FreeForce
+from cranktopo.engine.balance.free_forces import ORDERS, FreeForce, NeededCounterweight
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
 
@@ -96,7 +96,7 @@ class Balance(Result):
     arrangement: Arrangement
     orders: tuple[MassForces, ...]
     free: tuple[FreeForces, ...]
-    counterweights: tuple[Counterweight, ...]
+    counterweights: tuple[NeededCounterweight, ...]
     inner_moment: tuple[StateMoment, ...]
     balancer_shafts: tuple[SizedShaft, ...]
     gas_in_bearing_loads: bool

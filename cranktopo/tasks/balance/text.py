@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
-from cranktopo.engine.balance.free_forces import Counterweight
+from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.balance.result import (
     Balance,
@@ -34,7 +34,7 @@ _FREE: tuple[Column[FreeForces], ...] = (
     Column("order", 0, lambda e: e.order),
     *_VECTOR,
 )
-_COUNTERWEIGHTS: tuple[Column[Counterweight], ...] = (
+_COUNTERWEIGHTS: tuple[Column[NeededCounterweight], ...] = (
     Column("web", 0, lambda e: str(e.web)),
     Column("throw", 0, lambda e: e.throw),
     Column("web_kg_mm", 2, lambda e: e.web_kg_mm),

@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import goal_line, limits_table
 from cranktopo.report.page import Fact, FactStatus, Page, Section
@@ -64,7 +64,7 @@ class ComparisonRecord:
     comparison: Comparison
     bodies: tuple[ShownBody, ...]
     undercuts: tuple[DesignUndercuts, ...]
-    effects: EffectPlan
+    effects: PhysicsPlan
     cases: tuple[LoadCase, ...]
     loads: LoadAnalysis | None
     hashes: Mapping[str, str]

@@ -15,7 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.cases import load_cases
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states
 from cranktopo.tasks.loads.plot import plot_loads
@@ -43,7 +43,7 @@ def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> 
     return tuple(_loads(at, plan(at), assumed) for at in _at_speeds(scene, speeds_rpm))
 
 
-def _loads(scene: Scene, effects: EffectPlan, assumed: tuple[Assumption, ...]) -> Loads:
+def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:
     engine, analysis = scene.engine, analyse(scene) if scene.engine else None
     cycle = analysis.cycle if analysis else None
     return Loads(
