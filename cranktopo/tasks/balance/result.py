@@ -15,7 +15,7 @@ from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, Eng
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
 
 
-class Arrangement(Result):
+class EngineLayout(Result):
     """Cylinders and throws of the engine."""
 
     layout: str
@@ -55,7 +55,7 @@ class MassForces(OrderForces):
     kind: str
 
 
-class FreeForces(OrderForces, _OfState):
+class StateForces(OrderForces, _OfState):
     """Free force and moment of all masses in a state of the engine."""
 
 
@@ -93,9 +93,9 @@ class Balance(Result):
     schema_version: int = 1
     design: str
     speed_rpm: float
-    arrangement: Arrangement
+    arrangement: EngineLayout
     orders: tuple[MassForces, ...]
-    free: tuple[FreeForces, ...]
+    free: tuple[StateForces, ...]
     counterweights: tuple[NeededCounterweight, ...]
     inner_moment: tuple[StateMoment, ...]
     balancer_shafts: tuple[SizedShaft, ...]
@@ -111,7 +111,7 @@ def balance_result(balance: EngineBalance) -> Balance:
     return Balance(
         design=scene.name,
         speed_rpm=engine.speed_rpm,
-        arrangement=Arrangement(
+        arrangement=EngineLayout(
             layout=engine.arranged.layout,
             cylinders=engine.cylinders,
             throws=engine.throws,
@@ -125,7 +125,7 @@ def balance_result(balance: EngineBalance) -> Balance:
             MassForces(**_forces(part), kind=kind) for kind, part in zip(kinds, balance.parts, strict=True)
         ),
         free=tuple(
-            FreeForces(state=state, **_forces(part))
+            StateForces(state=state, **_forces(part))
             for state, parts in balance.free.items()
             for part in parts
         ),

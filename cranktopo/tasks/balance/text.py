@@ -10,9 +10,9 @@ from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.balance.result import (
     Balance,
-    FreeForces,
     MainBearing,
     MassForces,
+    StateForces,
     StateMoment,
 )
 
@@ -29,7 +29,7 @@ _ORDERS: tuple[Column[MassForces], ...] = (
     Column("order", 0, lambda e: e.order),
     *_VECTOR,
 )
-_FREE: tuple[Column[FreeForces], ...] = (
+_FREE: tuple[Column[StateForces], ...] = (
     Column("engine", 0, lambda e: e.state),
     Column("order", 0, lambda e: e.order),
     *_VECTOR,
@@ -93,7 +93,7 @@ def order_table(data: Balance) -> ResultTable:
 
 def free_table(data: Balance) -> ResultTable:
     """Free force and moment of all masses by order, and again where counterweights or shafts change it."""
-    rows: dict[tuple[object, ...], FreeForces] = {}
+    rows: dict[tuple[object, ...], StateForces] = {}
     for entry in data.free:
         rows.setdefault(tuple(entry.model_dump(exclude={"state"}).values()), entry)
     return tabulate(_FREE, rows.values())

@@ -79,7 +79,7 @@ class ThrowMasses(Result):
     crankpin_mass_kg: float
 
 
-class Clearance(Result):
+class WebClearance(Result):
     """Room of web and counterweight to piston and crankcase."""
 
     room_mm: dict[str, float]
@@ -114,7 +114,7 @@ class Loads(Result):
     indicated_work_per_cylinder_J: float | None
     series_difference_percent: SeriesDifference | None
     balance: ThrowMasses
-    clearance: Clearance
+    clearance: WebClearance
     load_cases: tuple[LoadCase, ...]
     extreme_states: tuple[LoadState, ...]
     effects: tuple[Effect, ...]

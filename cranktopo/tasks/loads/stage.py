@@ -20,9 +20,9 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states
 from cranktopo.tasks.loads.plot import plot_loads
 from cranktopo.tasks.loads.result import (
-    Clearance,
     Loads,
     SeriesDifference,
+    WebClearance,
     balance_of,
     curve_columns,
     engine_torque_of,
@@ -58,7 +58,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         indicated_work_per_cylinder_J=cycle.indicated_work_J if cycle else None,
         series_difference_percent=SeriesDifference(**cycle.series_difference_percent) if cycle else None,
         balance=balance_of(throw_balance(scene)),
-        clearance=Clearance(room_mm=rooms_mm(scene), told=clearance_text(scene)),
+        clearance=WebClearance(room_mm=rooms_mm(scene), told=clearance_text(scene)),
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
         effects=effects.effects,
