@@ -33,12 +33,13 @@ if TYPE_CHECKING:
     from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
     from cranktopo.engine.cases import load_cases
     from cranktopo.engine.load_case import LoadCase
-    from cranktopo.engine.plan.effect import EffectPlan
+    from cranktopo.engine.plan.effect import PhysicsPlan
     from cranktopo.engine.plan.planning import plan
     from cranktopo.numerics.precision import double_precision
     from cranktopo.numerics.surfaces.files import write_stl
     from cranktopo.tasks.accuracy.stage import study_accuracy
-    from cranktopo.tasks.balance.stage import balance_json, report_balance
+    from cranktopo.tasks.balance.result import balance_result
+    from cranktopo.tasks.balance.stage import report_balance
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.compare.result import Comparison, Entry, compare
     from cranktopo.tasks.compare.stage import compare_targets, report_comparison
@@ -73,7 +74,7 @@ _HOMES = {
     "Limit": "design.goal.limit",
     "with_goal": "design.goal.changing",
     "wanted": "design.goal.wanted",
-    "EffectPlan": "engine.plan.effect",
+    "PhysicsPlan": "engine.plan.effect",
     "plan": "engine.plan.planning",
     "LoadCase": "engine.load_case",
     "load_cases": "engine.cases",
@@ -100,7 +101,7 @@ _HOMES = {
     "resume_shape": "tasks.shape.run",
     "bound_of": "tasks.bound.stage",
     "sweep": "tasks.sweep.interface",
-    "balance_json": "tasks.balance.stage",
+    "balance_result": "tasks.balance.result",
     "report_balance": "tasks.balance.stage",
     "export_solid": "bodies.solid.files",
     "Target": "tasks.fea.targets",
@@ -141,7 +142,6 @@ __all__ = [
     "CheckedSurface",
     "Comparison",
     "CranktopoError",
-    "EffectPlan",
     "EngineBalance",
     "Entry",
     "Evaluation",
@@ -152,6 +152,7 @@ __all__ = [
     "ManufacturingLimits",
     "MeshRequest",
     "Optimum",
+    "PhysicsPlan",
     "Prepared",
     "Scene",
     "Sensitivities",
@@ -159,7 +160,7 @@ __all__ = [
     "Target",
     "WebTarget",
     "assess_fatigue",
-    "balance_json",
+    "balance_result",
     "bound_of",
     "check_machine",
     "checked_surface",

@@ -40,10 +40,6 @@ class Extreme:
     deg: float | None
     place: str = ""
 
-    def as_json(self) -> dict[str, float | None]:
-        """The value and its angle."""
-        return {"value": self.value, "deg": self.deg}
-
 
 @dataclass(frozen=True)
 class Cycle:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from cranktopo.design.schema import Scene
-from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.load_case import MAIN_KINDS, LoadCase, LoadKind
 from cranktopo.engine.states import extreme_states
 
 __all__ = ["DEFAULT_EFFECTS", "LoadCase", "LoadKind", "load_cases"]
 
-DEFAULT_EFFECTS = frozenset({"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"})
+DEFAULT_EFFECTS = INERTIA_EFFECTS | set(MAIN_KINDS)
 
 
 def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
-    """The load cases of a scene.
+    """Return the load cases of a scene.
 
     Args:
         scene: the scene; without an engine the cases carry unit loads (1000 N, 1 N m).
@@ -20,7 +21,7 @@ def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[Loa
             not given.
 
     Returns:
-        One case per kind that is enabled, in the order bending, torsion, tangential, centrifugal, named
+        One case per kind that is enabled, in the order of `LOAD_TYPES`, named
         after its kind.
 
     Raises:

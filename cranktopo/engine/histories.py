@@ -14,6 +14,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
+from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.states import extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]
@@ -137,13 +138,8 @@ def _throw(
 
 
 def _without(history: LoadHistory, enabled: frozenset[str]) -> LoadHistory:
-    off = {
-        "radial_N": "bending",
-        "tangential_N": "tangential",
-        "torque_Nm": "torsion",
-        "angular_speed_rad_s": "centrifugal",
-    }
-    kept = {
-        name: getattr(history, name) * (1.0 if effect in enabled else 0.0) for name, effect in off.items()
-    }
+    kept = {}
+    for kind in LOAD_TYPES.values():
+        name = "angular_speed_rad_s" if kind.load == "speed_rpm" else kind.load
+        kept[name] = getattr(history, name) * (1.0 if kind.name in enabled else 0.0)
     return LoadHistory(**kept, labels=history.labels)

@@ -85,7 +85,7 @@ def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Seque
     return np.array([2.0 * np.mean(acceleration * np.cos(order * angle)) for order in orders])
 
 
-def later(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float) -> Curve:
+def phase_shift(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float) -> Curve:
     """A curve over the cycle, later by a crank angle."""
     return np.asarray(np.interp(angle_deg - by_deg, angle_deg, curve, period=cycle_deg))
 

@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.forces import ThrowForces
-from cranktopo.engine.kinematics import later
+from cranktopo.engine.kinematics import phase_shift
 
 
 @dataclass(frozen=True)
@@ -24,19 +24,19 @@ class RodsOnPin:
     Attributes:
         name: the throw, or the web of it where the two differ; from the free end.
         throw: index of the throw, 0 at the free end.
-        later_deg: crank angles at which its rods' cylinders fire, after that of the first bank.
+        phase_shifts_deg: crank angles at which its rods' cylinders fire, after that of the first bank.
         shares: by how much of itself each rod's force counts.
     """
 
     name: str
     throw: int
-    later_deg: tuple[float, ...] = (0.0,)
+    phase_shifts_deg: tuple[float, ...] = (0.0,)
     shares: tuple[float, ...] = (1.0,)
 
-    def together(self, curve: Array, angle_deg: Array, cycle_deg: float) -> Array:
+    def superpose(self, curve: Array, angle_deg: Array, cycle_deg: float) -> Array:
         """A force on the pin, of all its rods, from that of one rod at angles after its own firing."""
-        parts = zip(self.shares, self.later_deg, strict=True)
-        return np.sum([share * later(curve, angle_deg, by, cycle_deg) for share, by in parts], axis=0)
+        parts = zip(self.shares, self.phase_shifts_deg, strict=True)
+        return np.sum([share * phase_shift(curve, angle_deg, by, cycle_deg) for share, by in parts], axis=0)
 
     def forces(self, rod: ThrowForces, throw_N: float, cycle_deg: float) -> ThrowForces:
         """Forces of the throw from those of one rod; what belongs to one piston or one rod stays as it is.
@@ -47,7 +47,7 @@ class RodsOnPin:
         if self.shares == (1.0,):
             return rod
         radial, tangential, web = (
-            self.together(curve, rod.angle_deg, cycle_deg)
+            self.superpose(curve, rod.angle_deg, cycle_deg)
             for curve in (rod.radial_force_N, rod.tangential_force_N, rod.web_force_N)
         )
         return replace(
@@ -56,7 +56,7 @@ class RodsOnPin:
             tangential_force_N=tangential,
             web_force_N=web,
             main_journal_force_N=np.hypot(web - throw_N, tangential) / 2,
-            torque_Nm=replace(self, shares=(1.0, 1.0)).together(rod.torque_Nm, rod.angle_deg, cycle_deg),
+            torque_Nm=replace(self, shares=(1.0, 1.0)).superpose(rod.torque_Nm, rod.angle_deg, cycle_deg),
         )
 
 

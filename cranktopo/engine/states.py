@@ -8,7 +8,6 @@ another's needs no case of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -19,11 +18,8 @@ from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_
 from cranktopo.engine.forces import rotating_forces
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
-from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.engine.load_case import LOAD_TYPES, LoadCase, LoadKind
 from cranktopo.engine.rods_on_pin import near_share, rods_on_pins
-
-UNIT_FORCE_N = 1000.0
-UNIT_TORQUE_NM = 1.0
 
 
 @dataclass(frozen=True)
@@ -44,11 +40,6 @@ class ExtremeState:
     unit: bool = False
     redundant: str = ""
 
-    def as_json(self) -> dict[str, Any]:
-        """The state as `loads --json` prints it."""
-        load = {k: v for k, v in self.case.as_json().items() if k not in ("name", "from")}
-        return {"name": self.name, "deg": self.deg, **load, "redundant_because": self.redundant}
-
 
 def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
     """The extreme states of a scene, those that become load cases in the order of their kinds.
@@ -62,7 +53,8 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
         CranktopoError: gas data that cannot be used.
     """
     if scene.engine is None:
-        return _unit_states("unit load: the scene has no engine")
+        why = "unit load: the scene has no engine"
+        return tuple(_unit_state(kind.name, why) for kind in LOAD_TYPES.values() if kind.unit_load)
     analysis = analyse(scene, enabled)
     twisting = _twisting(scene, analysis, enabled)
     torques = _torques(twisting)
@@ -83,15 +75,10 @@ def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> 
     return analyse(at_worst_speed(scene, enabled), enabled)
 
 
-def _unit_states(why: str) -> tuple[ExtremeState, ...]:
-    def state(name: str, kind: LoadKind, **load: float) -> ExtremeState:
-        return ExtremeState(name, LoadCase(kind, kind, source=why, **load), unit=True)
-
-    return (
-        state("max_radial", "bending", radial_N=UNIT_FORCE_N),
-        state("max_torque", "torsion", torque_Nm=UNIT_TORQUE_NM),
-        state("max_tangential", "tangential", tangential_N=UNIT_FORCE_N),
-    )
+def _unit_state(name: LoadKind, why: str) -> ExtremeState:
+    kind = LOAD_TYPES[name]
+    case = LoadCase.model_validate({"name": name, "kind": name, kind.load: kind.unit_load, "source": why})
+    return ExtremeState(kind.state, case, unit=True)
 
 
 def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
@@ -99,15 +86,15 @@ def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
     if given is not None:
         share, source = near_share(scene), "engine.max_gas_force_N"
         source += f", times {share:.3g} for the web nearer to its rod" if share != 1 else ""
-        case = LoadCase("bending", "bending", radial_N=given * share, source=source)
+        case = LoadCase(name="bending", kind="bending", radial_N=given * share, source=source)
         return ExtremeState("max_radial", case)
     if cycle is None:
         why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
-        return _unit_states(why)[0]
+        return _unit_state("bending", why)
     worst = cycle.largest("web_force_N")
     source = f"largest radial force on the web, at {_where(analysis, worst)}"
     return ExtremeState(
-        "max_radial", LoadCase("bending", "bending", radial_N=worst.value, source=source), worst.deg
+        "max_radial", LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source), worst.deg
     )
 
 
@@ -134,13 +121,13 @@ def _shaft_extremes(cycle: Cycle) -> tuple[Extreme, Extreme]:
 
 def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> ExtremeState:
     if torque is None:
-        return _unit_states("unit load: neither engine.gas nor engine.max_torque_Nm is given")[1]
+        return _unit_state("torsion", "unit load: neither engine.gas nor engine.max_torque_Nm is given")
     which = "largest" if name == "max_torque" else "smallest"
     shaft = " of the vibrating shaft" if _vibrates(analysis) else ""
     source = f"{which} torque behind a throw{shaft}, at {_where(analysis, torque)}"
     if torque.deg is None:
         source = f"engine.{name}_Nm"
-    case = LoadCase("torsion", "torsion", torque_Nm=torque.value, source=source)
+    case = LoadCase(name="torsion", kind="torsion", torque_Nm=torque.value, source=source)
     return ExtremeState(name, case, torque.deg)
 
 
@@ -157,8 +144,8 @@ def _tangential(analysis: LoadAnalysis) -> ExtremeState:
         worst = Extreme(given * NMM_PER_NM / analysis.radius_mm, None)
         source = "engine.max_torque_Nm over the throw radius"
     else:
-        return _unit_states("unit load: neither engine.gas nor engine.max_torque_Nm is given")[2]
-    case = LoadCase("tangential", "tangential", tangential_N=worst.value, source=source)
+        return _unit_state("tangential", "unit load: neither engine.gas nor engine.max_torque_Nm is given")
+    case = LoadCase(name="tangential", kind="tangential", tangential_N=worst.value, source=source)
     return ExtremeState("max_tangential", case, worst.deg)
 
 
@@ -172,10 +159,10 @@ def _overspeed(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) ->
     if engine.rods_per_pin > 1:
         source = f"inertia of both pistons and rods of a pin without gas force, {speed:g} rpm"
     pull = -kg * rotating.r_w2_m_s2 + 0.0
-    case = LoadCase("bending", "bending", radial_N=pull, source=source)
+    case = LoadCase(name="bending", kind="bending", radial_N=pull, source=source)
     if "centrifugal" in enabled:
         source += f", with {rotating.throw_N:.0f} N of the throw itself"
-        case = LoadCase("centrifugal", "centrifugal", radial_N=pull, speed_rpm=speed, source=source)
+        case = LoadCase(name="centrifugal", kind="centrifugal", radial_N=pull, speed_rpm=speed, source=source)
     return ExtremeState("overspeed_inertia", case, deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0))
 
 
@@ -187,7 +174,7 @@ def _pulling_kg(scene: Scene, engine: Engine, enabled: frozenset[str]) -> tuple[
     if "reciprocating_inertia" in enabled:
         moving = exact_motion(np.radians(angle), radius, length).acceleration_ratio
         one += engine.reciprocating_kg * moving * force_ratios(np.radians(angle), radius, length).radial
-    curves = [rods.together(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
+    curves = [rods.superpose(one, angle, engine.cycle_deg) for rods in rods_on_pins(scene, engine)]
     curve = max(curves, key=lambda kg: float(kg.max()))
     return float(curve.max()), float(angle[int(curve.argmax())])
 
@@ -205,7 +192,7 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
                 f"{100 * factor**2:.1f} % of its compliance"
             )
         marked.append(ExtremeState(state.name, state.case, state.deg, state.unit, why) if why else state)
-    order = ("bending", "torsion", "tangential", "centrifugal")
+    order = list(LOAD_TYPES)
     return tuple(sorted(marked, key=lambda s: (bool(s.redundant), order.index(s.case.kind))))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.engine.kinematics import later
+from cranktopo.engine.kinematics import phase_shift
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,6 @@ def shaft_torque(
         rod_torque_Nm: torque of one rod at these angles after its own firing dead centre, N m.
         firing_deg: crank angle at which each cylinder fires, deg; cylinder 1, at the free end, first.
     """
-    single = np.array([later(rod_torque_Nm, angle_deg, fires, cycle_deg) for fires in firing_deg])
+    single = np.array([phase_shift(rod_torque_Nm, angle_deg, fires, cycle_deg) for fires in firing_deg])
     by_throw = single.reshape(-1, throws, len(angle_deg)).sum(axis=0)
     return ShaftTorque(angle_deg, np.cumsum(by_throw, axis=0))

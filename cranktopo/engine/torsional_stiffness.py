@@ -18,7 +18,7 @@ from cranktopo.throw.geometry import Journal
 
 
 @dataclass(frozen=True)
-class WebBar:
+class EquivalentBeam:
     """Web as a bar of rectangular section between the journals."""
 
     width: float
@@ -49,14 +49,14 @@ def throw_torsion_rad_per_Nmm(scene: Scene) -> float:
 
 def first_half_share(scene: Scene) -> float:
     """Share of a throw's twist that is in its first half, in closed form; one half where both are alike."""
-    near, far = of_halves(scene, _half_torsion)
-    return near / (near + far)
+    first, second = of_halves(scene, _half_torsion)
+    return first / (first + second)
 
 
 def _half_torsion(scene: Scene) -> float:
-    main, pin = (shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
+    main, pin = (effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
     g = scene.material.E_GPa * MPA_PER_GPA / (2 * (1 + scene.material.poisson))
-    return _torsion_sum(main, pin, web_bar(scene)) * 32 / (math.pi * g)
+    return _torsion_sum(main, pin, equivalent_beam(scene)) * 32 / (math.pi * g)
 
 
 def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
@@ -85,25 +85,25 @@ def journal_torsion_modulus_mm3(journal: Journal) -> float:
     return math.pi / 2 * (journal.radius_mm**4 - journal.bore_radius_mm**4) / journal.radius_mm
 
 
-def shortened(journal: Journal) -> Journal:
+def effective_length(journal: Journal) -> Journal:
     """The journal, shorter in torsion and bending by what its fillets take."""
     length = journal.length_mm - fillet_length_saving_mm(journal)
     return journal.model_copy(update={"length_mm": length})
 
 
-def web_bar(scene: Scene) -> WebBar:
+def equivalent_beam(scene: Scene) -> EquivalentBeam:
     """The scene's web as a bar between its journals."""
     throw = scene.throw
     radius = throw.radius_mm
     width = 2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0])
     overlap = 0.2 * sum(q.outer_diameter_mm + 2 * q.fillet_mm for q in (throw.main_journal, throw.crankpin))
     # Ker Wilson's free length; journals that overlap leave at least a tenth of the throw.
-    return WebBar(
+    return EquivalentBeam(
         width, scene.web.thickness_mm, max(radius - overlap, 0.1 * radius), radius, web_lever_mm(scene)
     )
 
 
-def _torsion_sum(main: Journal, pin: Journal, web: WebBar) -> float:
+def _torsion_sum(main: Journal, pin: Journal, web: EquivalentBeam) -> float:
     """Mean compliance of Carter and Ker Wilson times pi G / 32, 1/mm3."""
     j, p = ((2 * q.radius_mm) ** 4 - (2 * q.bore_radius_mm) ** 4 for q in (main, pin))
     lj, lp = main.length_mm, pin.length_mm

@@ -30,7 +30,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     axes = [np.linspace(-10, 10, 21), np.linspace(-15, 15, 16), np.linspace(0, 30, 16)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     rising = 5 * (points[:, 0] + 10)
-    cases = tuple(LoadCase(name, "bending", radial_N=1000.0) for name in ("rising", "falling"))
+    cases = tuple(LoadCase(name=name, kind="bending", radial_N=1000.0) for name in ("rising", "falling"))
     stress = CaseStress(cases, points, np.stack([rising, 100 - rising]), False, 1.0)
     grid = DensityGrid(np.array([-10.0, -15.0, 10.0]), np.array([10.0, 15.0, 10.0]), np.ones((2, 2, 1)))
     body = ShownBody("box", mesh, (10.0, 20.0), 30.0, stress)

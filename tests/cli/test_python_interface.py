@@ -37,7 +37,7 @@ BEHIND = {
     "report": ["report_run"],
     "fatigue": ["assess_fatigue"],
     "shaft": ["evaluate_shaft"],
-    "balance": ["engine_balance", "balance_json", "report_balance"],
+    "balance": ["engine_balance", "balance_result", "report_balance"],
     "vibration": ["shaft_vibration"],
     "extract": ["extract_surface"],
     "remodel": ["remodel_run"],
@@ -100,7 +100,7 @@ def test_targets_are_evaluated_compared_and_reported(tmp_path: Path, monkeypatch
 
 def test_loads_are_tabulated_and_drawn(mikron: Scene, tmp_path: Path) -> None:
     slow, fast = cranktopo.loads_at_speeds(mikron, [1000.0, 2000.0])
-    assert (slow["speed_rpm"], fast["speed_rpm"]) == (1000.0, 2000.0)
+    assert (slow.speed_rpm, fast.speed_rpm) == (1000.0, 2000.0)
     cranktopo.write_load_curves(mikron, tmp_path / "curves.csv", [1000.0])
     cranktopo.plot_load_curves(mikron, tmp_path / "curves.png", 1000.0)
     assert {path.name for path in tmp_path.iterdir()} == {"curves.csv", "curves.png"}

@@ -131,7 +131,7 @@ def test_elements_of_a_design_without_a_shaft(
     assert data["sections"][0]["stiffness_Nm_per_rad"] == pytest.approx(2 / (1 / one + 1 / two))
     assert not data["varying_inertia"]["included"]
     total = sum(disk["inertia_kg_m2"] for disk in data["disks"])
-    assert total == pytest.approx(sum(found[0].disks.inertia_kg_m2), rel=1e-12)
+    assert total == pytest.approx(sum(disk.I for disk in found[0].opentorsion.disks), rel=1e-12)
 
 
 @pytest.mark.parametrize("time", ["1ms", "20h", "fast"])

@@ -74,7 +74,7 @@ class Block:
 
     def model(self) -> ThrowModel:
         supports, _ = build_supports(self.lattice, (0.0, 0.0), self.levels, (self.supports,))
-        load, forces = LoadCase("tip", "bending", radial_N=1.0), jnp.asarray(self.loads[None])
+        load, forces = LoadCase(name="tip", kind="bending", radial_N=1.0), jnp.asarray(self.loads[None])
         return ThrowModel(self.lattice, self.levels, supports, forces, (load,), 1.0, 1.0)
 
     def direct(self) -> list[Direct]:
@@ -126,8 +126,8 @@ class Throw:
 
 
 THROW_LOADS = (
-    LoadCase("bending", "bending", radial_N=30e3),
-    LoadCase("torsion", "torsion", torque_Nm=600.0),
+    LoadCase(name="bending", kind="bending", radial_N=30e3),
+    LoadCase(name="torsion", kind="torsion", torque_Nm=600.0),
 )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,15 +13,17 @@ from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with
 
 SIZE_MM = 14.0
-TORSION = LoadCase("torsion", "torsion", torque_Nm=700.0)
-BENDING = LoadCase("bending", "bending", radial_N=30000.0)
+TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=700.0)
+BENDING = LoadCase(name="bending", kind="bending", radial_N=30000.0)
 
 
 @pytest.fixture(scope="module")
 def found() -> CaseStress:
     """One lopsided throw: nothing is mirrored."""
     target = Target("lopsided", mikron_with(pocket=[LOPSIDED]))
-    return case_stress(target, (TORSION, BENDING, replace(BENDING, name="twice", radial_N=60000.0)), SIZE_MM)
+    return case_stress(
+        target, (TORSION, BENDING, BENDING.model_copy(update={"name": "twice", "radial_N": 60000.0})), SIZE_MM
+    )
 
 
 def ring(radius_mm: float, z_mm: float) -> np.ndarray:

@@ -14,7 +14,7 @@ from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.balancer_shafts import needed_shafts, size_shafts
 from cranktopo.engine.balance.free_forces import (
     ORDERS,
-    Ellipse,
+    ForceEllipse,
     counterweights,
     free_forces,
     inner_moment,
@@ -192,7 +192,7 @@ def test_against_the_inertia_of_all_masses(scene):
 
 
 def test_an_ellipse_is_largest_along_its_axis():
-    ellipse = Ellipse(3.0 * np.exp(0.4j), 1.0 * np.exp(1.6j))
+    ellipse = ForceEllipse(3.0 * np.exp(0.4j), 1.0 * np.exp(1.6j))
     turned = ellipse.over_turn(2, np.arange(0.0, 360.0, 0.01))
     worst = turned[np.abs(turned).argmax()]
     assert np.degrees(np.angle(worst)) % 180 == pytest.approx(ellipse.axis_deg, abs=0.01)

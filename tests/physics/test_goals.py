@@ -213,7 +213,7 @@ def test_a_run_goes_on_bit_for_bit(mikron: Scene, domain: Domain) -> None:
 def test_a_load_case_a_response_and_a_limit_of_ones_own(mikron: Scene, domain: Domain) -> None:
     scene = asked(mikron, projection_first=4.0)  # fewer stages: the way to the result is not the subject
     # The lines that the page on extending shows.
-    side = LoadCase("side", "tangential", tangential_N=2000.0)
+    side = LoadCase(name="side", kind="tangential", tangential_N=2000.0)
     problem = build_problem(scene, domain, (BENDING, TORSION, side))
     crankpin = pin_weights(domain)
 

@@ -41,7 +41,7 @@ TIGHT = 1e-11
 CELL_MM, FILTER_MM, BETA = 10.0, 20.0, 2.0
 DENSITY = 7850.0
 # Both components of the pin force in one case, which only the half throw can carry.
-LEANING = LoadCase("leaning", "bending", radial_N=800.0, tangential_N=-600.0)
+LEANING = LoadCase(name="leaning", kind="bending", radial_N=800.0, tangential_N=-600.0)
 pytestmark = pytest.mark.usefixtures("float64")
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import jax.numpy as jnp
 import pytest
 
@@ -96,7 +94,7 @@ def test_scaling_of_loads_does_not_change_stiffness(float64: None, mikron: Scene
     domain = build_domain(mikron, CELL_MM, "web")
     values = []
     for factor in (1.0, 1e4):
-        case = replace(BENDING, radial_N=factor)
+        case = BENDING.model_copy(update={"radial_N": factor})
         model = build_model(mikron, domain, (case, TORSION, TANGENTIAL))
         work = compliances(model, solve(model, jnp.asarray(domain.passive_fraction)).displacements)
         values.append(stiffness(model, float(work[0]), "bending"))

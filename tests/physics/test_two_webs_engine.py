@@ -13,7 +13,7 @@ from cranktopo.bodies.solid.throw import add_full_throw
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.couple import throw_couple_kg_mm2
+from cranktopo.engine.balance.couple import product_of_inertia_kg_mm2
 from cranktopo.engine.balance.free_forces import (
     TurningMasses,
     counterweights,
@@ -76,7 +76,7 @@ def test_couple_is_the_product_of_inertia_of_the_exact_solid(scene: Scene) -> No
         about_centre = np.array(occ.getMatrixOfInertia(*pair)).reshape(3, 3)
     across = mass * centre[:2] * centre[2] - about_centre[:2, 2] - mass * centre[:2] * near
     density = scene.material.density_kg_m3 * 1e-9
-    found = throw_couple_kg_mm2(scene)
+    found = product_of_inertia_kg_mm2(scene)
     scale = density * mass * centre[1] * near
     assert abs(found) > 5e-4 * scale
     assert found == pytest.approx(density * complex(across[1], across[0]), abs=3e-5 * scale)

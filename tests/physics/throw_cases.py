@@ -13,10 +13,10 @@ from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supp
 from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.tasks.density.model import ThrowModel
 
-BENDING = LoadCase("bending", "bending", radial_N=1000.0)
-TORSION = LoadCase("torsion", "torsion", torque_Nm=100.0)
-CENTRIFUGAL = LoadCase("centrifugal", "centrifugal", radial_N=-500.0, speed_rpm=3000.0)
-TANGENTIAL = LoadCase("tangential", "tangential", tangential_N=1000.0)
+BENDING = LoadCase(name="bending", kind="bending", radial_N=1000.0)
+TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=100.0)
+CENTRIFUGAL = LoadCase(name="centrifugal", kind="centrifugal", radial_N=-500.0, speed_rpm=3000.0)
+TANGENTIAL = LoadCase(name="tangential", kind="tangential", tangential_N=1000.0)
 
 
 def forged(scene: Scene, **settings: float) -> Scene:
@@ -37,5 +37,5 @@ def clamped_beam(
     nx, ny, nz = beam or lattice.cells
     weights = np.outer(np.r_[0.5, np.ones(nx - 1), 0.5], np.r_[0.5, np.ones(ny - 1), 0.5]) / (nx * ny)
     forces[0, component, : nx + 1, : ny + 1, nz] = -weights
-    case = LoadCase("end", "bending", radial_N=1.0)
+    case = LoadCase(name="end", kind="bending", radial_N=1.0)
     return ThrowModel(lattice, levels, supports, jnp.asarray(forces / modulus_MPa), (case,), modulus_MPa, 1.0)

@@ -58,7 +58,7 @@ def cantilever(cells: Cells, load_cases: int = 1) -> tuple[ThrowModel, MaterialI
     )
     for case, component in zip(range(load_cases), (1, 0), strict=False):
         forces[case, component, :, 0, -1] = -1.0  # on every node, as the peers' examples load theirs
-    loads = tuple(LoadCase(f"tip {case}", "bending", radial_N=1.0) for case in range(load_cases))
+    loads = tuple(LoadCase(name=f"tip {case}", kind="bending", radial_N=1.0) for case in range(load_cases))
     model = ThrowModel(lattice, halvings(cells), supports, jnp.asarray(forces), loads, 1.0, 1.0)
     design = jnp.ones(lattice.cells)
     kernel = jnp.asarray(cone_kernel((1.0, 1.0, 1.0), FILTER_CELLS))

@@ -18,7 +18,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.tasks.fea.clearance_section import clearance_sections
-from cranktopo.tasks.loads.result import loads_json
+from cranktopo.tasks.loads.stage import loads_at_speeds
 from cranktopo.tasks.loads.text import loads_text
 from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
 
@@ -83,8 +83,8 @@ def test_rooms_are_told(clear: Scene) -> None:
     rooms = clearances_mm(clear)
     assert rooms[PISTON] == pytest.approx(166.0 - 48.0 - SKIRT_MM - 62.0, abs=1e-3)
     assert rooms[CRANKCASE] == pytest.approx(76.0 - 73.0, abs=1e-3)
-    loads = loads_json(clear, frozenset({"bending"}))
-    assert loads["clearance"]["room_mm"] == rooms
+    (loads,) = loads_at_speeds(clear)
+    assert loads.clearance.room_mm == rooms
     told = "counterweight: 4.00 mm to the piston skirt, 3.00 mm to the crankcase; at least 1.5 mm stay"
     assert told in loads_text(loads)
 

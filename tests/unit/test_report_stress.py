@@ -22,8 +22,8 @@ from cranktopo.tasks.fea.stress_section import stress_section
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
 
-TORSION = LoadCase("torsion", "torsion", torque_Nm=685.7, source="by hand")
-BENDING = LoadCase("bending", "bending", radial_N=32377.0, source="by hand")
+TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=685.7, source="by hand")
+BENDING = LoadCase(name="bending", kind="bending", radial_N=32377.0, source="by hand")
 
 
 def box() -> SurfaceMesh:

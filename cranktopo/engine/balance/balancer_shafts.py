@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from cranktopo.base.units import MM_PER_M, W_PER_KW
 from cranktopo.design.arrangement import BalancerShaft, Gear
-from cranktopo.engine.balance.free_forces import Ellipse, FreeForce, direction_deg
+from cranktopo.engine.balance.free_forces import ForceEllipse, FreeForce, direction_deg
 
 _ORDERS: tuple[Literal[1, 2], ...] = (1, 2)
 _TURNS: tuple[Literal["with", "against"], ...] = ("with", "against")
@@ -55,10 +55,6 @@ class SizedShaft:
     force_N: float
     in_scene: bool
     gear: GearForces | None = None
-
-    def as_json(self) -> dict[str, Any]:
-        """The shaft with units in the names."""
-        return asdict(self)
 
 
 def size_shafts(
@@ -169,9 +165,9 @@ def _place_mm(force: complex, moment: complex) -> float:
     return round((moment * force.conjugate()).real / abs(force) ** 2 * MM_PER_M, 9) if force else 0.0
 
 
-def _part(vector: Ellipse, shaft: BalancerShaft) -> complex:
+def _part(vector: ForceEllipse, shaft: BalancerShaft) -> complex:
     return vector.forward if shaft.turns == "with" else vector.backward
 
 
-def _ellipse(value: complex, shaft: BalancerShaft) -> Ellipse:
-    return Ellipse(value, 0j) if shaft.turns == "with" else Ellipse(0j, value)
+def _ellipse(value: complex, shaft: BalancerShaft) -> ForceEllipse:
+    return ForceEllipse(value, 0j) if shaft.turns == "with" else ForceEllipse(0j, value)

@@ -14,7 +14,7 @@ from cranktopo.throw.moments import body_moments
 from cranktopo.throw.web import web_bodies
 
 
-def throw_couple_kg_mm2(scene: Scene) -> complex:
+def product_of_inertia_kg_mm2(scene: Scene) -> complex:
     """Sum of mass times place along the shaft times place across it, about the plane of the cylinder.
 
     Real along the throw, imaginary toward +x; places count toward the second web. Rods have none. Where the
@@ -22,8 +22,8 @@ def throw_couple_kg_mm2(scene: Scene) -> complex:
     """
     if not difference(scene):
         return 0j
-    near, far = of_halves(scene, _half)
-    return far - near
+    first, second = of_halves(scene, _half)
+    return second - first
 
 
 def _half(scene: Scene) -> complex:

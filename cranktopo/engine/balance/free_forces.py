@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.couple import throw_couple_kg_mm2
+from cranktopo.engine.balance.couple import product_of_inertia_kg_mm2
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
@@ -32,14 +32,14 @@ _NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
-class Ellipse:
+class ForceEllipse:
     """A vector across the shaft that turns: forward exp(i n a) + backward exp(-i n a), a the crank angle."""
 
     forward: complex = 0j
     backward: complex = 0j
 
-    def __add__(self, other: Ellipse) -> Ellipse:
-        return Ellipse(
+    def __add__(self, other: ForceEllipse) -> ForceEllipse:
+        return ForceEllipse(
             _sum(np.array([self.forward, other.forward])), _sum(np.array([self.backward, other.backward]))
         )
 
@@ -66,16 +66,6 @@ class Ellipse:
         turning = unit_vectors(order * angle_deg)
         return np.asarray(self.forward * turning + self.backward * turning.conj())
 
-    def as_json(self, name: str, unit: str) -> dict[str, float | None]:
-        """Its largest magnitude under the plain name, and what else is known of it."""
-        return {
-            f"{name}_{unit}": self.largest,
-            f"{name}_min_{unit}": self.smallest,
-            f"{name}_axis_deg": self.axis_deg,
-            f"{name}_forward_{unit}": abs(self.forward),
-            f"{name}_backward_{unit}": abs(self.backward),
-        }
-
 
 @dataclass(frozen=True)
 class FreeForce:
@@ -85,23 +75,15 @@ class FreeForce:
     """
 
     order: int
-    force: Ellipse
-    moment: Ellipse
+    force: ForceEllipse
+    moment: ForceEllipse
 
     def __add__(self, other: FreeForce) -> FreeForce:
         return FreeForce(self.order, self.force + other.force, self.moment + other.moment)
 
-    def as_json(self) -> dict[str, Any]:
-        """Order, force and moment."""
-        return {
-            "order": self.order,
-            **self.force.as_json("force", "N"),
-            **self.moment.as_json("moment", "Nm"),
-        }
-
 
 @dataclass(frozen=True)
-class Counterweight:
+class NeededCounterweight:
     """What a web needs beyond what it has, kg mm and deg from the first throw, fixed in the shaft.
 
     Attributes:
@@ -167,7 +149,7 @@ def turning_masses(scene: Scene) -> TurningMasses:
     return TurningMasses(
         layout=engine_layout(scene),
         throw_kg_mm=complex(balance.rotating_unbalance_kg_mm, balance.lateral_unbalance_kg_mm),
-        couple_kg_mm2=throw_couple_kg_mm2(scene),
+        couple_kg_mm2=product_of_inertia_kg_mm2(scene),
         web_kg_mm=balance.web_kg_mm,
         own_kg_mm=balance.own_counterweights_kg_mm,
         piston_kg_mm=engine.reciprocating_kg * radius,
@@ -182,13 +164,13 @@ def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> Free
     throw = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     parts = unit_vectors(masses.layout.throw_deg) * throw * masses.w2 / MM_PER_M
     found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm)
-    return found if counterweighted else found + _tumbling(masses)
+    return found if counterweighted else found + _couple_of_product(masses)
 
 
-def _tumbling(masses: TurningMasses) -> FreeForce:
+def _couple_of_product(masses: TurningMasses) -> FreeForce:
     """The couples of all throws; counterweights take them."""
     couples = unit_vectors(masses.layout.throw_deg) * masses.couple_kg_mm2 * masses.w2 / MM_PER_M**2
-    return FreeForce(1, Ellipse(), Ellipse(_sum(couples)))
+    return FreeForce(1, ForceEllipse(), ForceEllipse(_sum(couples)))
 
 
 def oscillating_force(masses: TurningMasses, order: int) -> FreeForce:
@@ -211,7 +193,7 @@ def free_forces(masses: TurningMasses, counterweighted: bool = False) -> tuple[F
     return (first + rotating_force(masses, counterweighted), *others)
 
 
-def counterweights(masses: TurningMasses) -> tuple[Counterweight, ...]:
+def counterweights(masses: TurningMasses) -> tuple[NeededCounterweight, ...]:
     """What every web needs, from the free end.
 
     For the shaft, u = a + b z at each web, z its place from the middle of all webs, is the least of all that
@@ -225,7 +207,7 @@ def counterweights(masses: TurningMasses) -> tuple[Counterweight, ...]:
     moment = _sum(np.array([_sum(throw * (layout.throw_z_mm - middle)), _sum(couple)]))
     shaft = _sum(throw) / len(z) + moment / (z**2).sum() * z
     return tuple(
-        Counterweight(
+        NeededCounterweight(
             index + 1,
             index // 2 + 1,
             masses.web_kg_mm[index % 2],
@@ -245,12 +227,8 @@ class InnerMoment:
     z_mm: float
     deg: float
 
-    def as_json(self) -> dict[str, float]:
-        """The moment with its place."""
-        return {"moment_Nm": self.moment_Nm, "z_mm": self.z_mm, "deg": self.deg}
 
-
-def inner_moment(masses: TurningMasses, weights: Sequence[Counterweight] = ()) -> InnerMoment:
+def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] = ()) -> InnerMoment:
     """Largest inner bending moment of the shaft as a beam on its two outer main bearings.
 
     Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Forces
@@ -287,8 +265,8 @@ def direction_deg(value: complex) -> float:
 def _free_force(order: int, forward: Complex, backward: Complex, z_mm: Array) -> FreeForce:
     return FreeForce(
         order,
-        Ellipse(_sum(forward), _sum(backward)),
-        Ellipse(_sum(forward * z_mm) / MM_PER_M, _sum(backward * z_mm) / MM_PER_M),
+        ForceEllipse(_sum(forward), _sum(backward)),
+        ForceEllipse(_sum(forward * z_mm) / MM_PER_M, _sum(backward * z_mm) / MM_PER_M),
     )
 
 

@@ -16,7 +16,7 @@ from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import STEP_DEG, PressureCurve, pressure_curve
-from cranktopo.engine.kinematics import later
+from cranktopo.engine.kinematics import phase_shift
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     load = np.zeros((len(layout.bearing_z_mm), len(angle)), dtype=np.complex128)
     directions = unit_vectors(layout.throw_deg)
     for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
-        fired = later(rod, angle, fires, engine.cycle_deg)
+        fired = phase_shift(rod, angle, fires, engine.cycle_deg)
         _share(load, layout.bearing_z_mm, throw, z, directions[throw] * fired)
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     couple = 0j if counterweighted else masses.couple_kg_mm2

@@ -67,41 +67,22 @@ class ThrowBalance:
         """
         return self.rotating_unbalance_kg_mm
 
-    def as_json(self) -> dict[str, float]:
-        """The balance with units in the names."""
-        return {
-            "rotating_unbalance_kg_mm": self.rotating_unbalance_kg_mm,
-            "inertia_kg_mm2": self.inertia_kg_mm2,
-            "counterweight_kg_mm": self.counterweight_kg_mm,
-            "own_counterweight_kg_mm": self.own_counterweight_kg_mm,
-            "own_counterweight_kg": self.own_counterweights_kg[0],
-            "own_second_counterweight_kg": self.own_counterweights_kg[1],
-            "throw_unbalance_kg_mm": self.throw_unbalance_kg_mm,
-            "lateral_unbalance_kg_mm": self.lateral_unbalance_kg_mm,
-            "rod_inertia_kg_mm2": self.rod_inertia_kg_mm2,
-            "throw_mass_kg": self.mass_kg,
-            "web_mass_kg": self.web_kg,
-            "second_web_mass_kg": self.second_web_kg,
-            "journal_mass_kg": self.journal_kg,
-            "crankpin_mass_kg": self.crankpin_kg,
-        }
-
 
 def throw_balance(scene: Scene) -> ThrowBalance:
     """Mass properties of the scene's throw with its own web; the rod counts when the scene has an engine.
 
     U = m_pin r + m_web,1 e_web,1 + m_web,2 e_web,2 + m_rod,rot r, with the fillets among them.
     """
-    radius, (near, far) = scene.throw.radius_mm, of_halves(scene, _half)
-    journal, crankpin = near.journal + far.journal, near.crankpin + far.crankpin
-    fillets = near.fillets + far.fillets
-    total = journal + crankpin + fillets + near.web + far.web
+    radius, (first, second) = scene.throw.radius_mm, of_halves(scene, _half)
+    journal, crankpin = first.journal + second.journal, first.crankpin + second.crankpin
+    fillets = first.fillets + second.fillets
+    total = journal + crankpin + fillets + first.web + second.web
     rod_kg = scene.engine.rod_rotating_kg * scene.engine.rods_per_pin if scene.engine else 0.0
-    own = near.counterweight, far.counterweight
+    own = first.counterweight, second.counterweight
     return ThrowBalance(
         mass_kg=total.volume,
-        web_kg=near.web.volume,
-        second_web_kg=far.web.volume,
+        web_kg=first.web.volume,
+        second_web_kg=second.web.volume,
         journal_kg=journal.volume,
         crankpin_kg=crankpin.volume,
         throw_unbalance_kg_mm=total.first_y,
@@ -109,7 +90,7 @@ def throw_balance(scene: Scene) -> ThrowBalance:
         rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,
         inertia_kg_mm2=total.polar,
         rod_inertia_kg_mm2=rod_kg * radius**2,
-        web_kg_mm=(near.web.first_y, far.web.first_y),
+        web_kg_mm=(first.web.first_y, second.web.first_y),
         own_counterweights_kg=(own[0].volume, own[1].volume),
         own_counterweights_kg_mm=(0.0 - own[0].first_y, 0.0 - own[1].first_y),
     )

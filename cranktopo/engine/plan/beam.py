@@ -17,7 +17,12 @@ import numpy as np
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.torsional_stiffness import WebBar, shortened, throw_torsion_rad_per_Nmm, web_bar
+from cranktopo.engine.torsional_stiffness import (
+    EquivalentBeam,
+    effective_length,
+    equivalent_beam,
+    throw_torsion_rad_per_Nmm,
+)
 from cranktopo.throw.geometry import Journal
 
 SHEAR_RING = 0.5  # shear coefficient of a hollow circular section (thin ring; 0.9 for a solid one)
@@ -55,8 +60,8 @@ def throw_compliance(scene: Scene) -> ThrowCompliance:
 
 
 def _equal_halves(scene: Scene) -> ThrowCompliance:
-    main, pin = (shortened(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
-    web = web_bar(scene)
+    main, pin = (effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
+    web = equivalent_beam(scene)
     e = scene.material.E_GPa * MPA_PER_GPA
     g = e / (2 * (1 + scene.material.poisson))
     bars = _journal_bending(main, e, g) + _pin_bending(pin, web, e, g)
@@ -71,7 +76,7 @@ def _equal_halves(scene: Scene) -> ThrowCompliance:
 
 def web_section_modulus_mm3(scene: Scene) -> float:
     """Modulus of the web's section half-way along the throw against bending out of its plane, mm3."""
-    web = web_bar(scene)
+    web = equivalent_beam(scene)
     return web.width * web.thickness**2 / 6
 
 
@@ -89,7 +94,7 @@ def _journal_bending(main: Journal, e: float, g: float) -> float:
     return length**3 / (12 * e * _second_moment(main)) + length / (4 * SHEAR_RING * g * _area(main))
 
 
-def _pin_bending(pin: Journal, web: WebBar, e: float, g: float) -> float:
+def _pin_bending(pin: Journal, web: EquivalentBeam, e: float, g: float) -> float:
     """Half pin under its part of a unit force spread over its length, and the moment from the bearing."""
     nodes, weights = np.polynomial.legendre.leggauss(5)
     s = pin.length_mm / 4 * (nodes + 1)

@@ -18,7 +18,7 @@ from cranktopo.engine.states import ExtremeState, extreme_states
 
 
 @dataclass(frozen=True)
-class Facts:
+class PlanningContext:
     """Facts of a scene that several rules share.
 
     Attributes:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
+from cranktopo.base.result import Result
 from cranktopo.bodies.cells.layers import GridContent
 from cranktopo.bodies.cells.resolution import estimated_cells
 from cranktopo.design.goal.wanted import judged_by_evaluation
@@ -16,22 +16,14 @@ from cranktopo.throw.geometry import Journal
 _BOUND_CELL_MM = 4.0
 
 
-@dataclass(frozen=True)
-class Cost:
-    """Extra work of an effect; negative where it saves work.
-
-    Attributes:
-        solves: solves in each iteration of the optimiser, or once of the evaluation.
-        cells: cells of the optimiser's grid or elements of the evaluation's mesh.
-    """
+class Cost(Result):
+    """Extra work of an effect; negative where it saves work."""
 
     solves: float = 0.0
+    """Solves in each iteration of the optimiser, or once of the evaluation."""
     cells: int = 0
+    """Cells of the optimiser's grid or elements of the evaluation's mesh."""
     seconds: float = 0.0
-
-    def as_json(self) -> dict[str, Any]:
-        """The cost as numbers."""
-        return {"solves": self.solves, "cells": self.cells, "seconds": self.seconds}
 
     def __str__(self) -> str:
         parts = []
@@ -86,7 +78,7 @@ class CostRates:
 
 
 @dataclass(frozen=True)
-class Effort:
+class ExpectedWork:
     """What a density optimisation does whatever its cells and load cases.
 
     Attributes:
@@ -104,7 +96,7 @@ class Effort:
     evaluation_seconds: float
 
 
-def effort(scene: Scene, rates: CostRates | None = None) -> Effort:
+def effort(scene: Scene, rates: CostRates | None = None) -> ExpectedWork:
     """What the density optimisation of a scene is expected to do."""
     rates, settings = rates or CostRates(), scene.optimise
     lengths = (settings.min_member_mm, settings.min_gap_mm)
@@ -113,7 +105,7 @@ def effort(scene: Scene, rates: CostRates | None = None) -> Effort:
     more = min(settings.max_iterations - iterations, moves * rates.iterations_per_move)
     evaluations = moves + 2 if moves else 0
     designs = 1 if lengths == (None, None) else 2
-    return Effort(designs, iterations, more, evaluations, evaluations * rates.seconds_per_evaluation)
+    return ExpectedWork(designs, iterations, more, evaluations, evaluations * rates.seconds_per_evaluation)
 
 
 class Costing:
@@ -135,19 +127,19 @@ class Costing:
         """One more solve of each design in every iteration."""
         cells = self.half_throw_cells // (2 if self._mirrored else 1)
         seconds = self._optimiser_solves() * self._rates.solve_s(cells)
-        return Cost(float(self._effort.designs), 0, seconds)
+        return Cost(solves=float(self._effort.designs), seconds=seconds)
 
     def mirror(self) -> Cost:
         """Half of the cells less, for one load case."""
         cells = self.half_throw_cells // 2
         seconds = self._optimiser_solves() * cells * self._rates.seconds_per_cell_solve
-        return Cost(0.0, -cells, -seconds)
+        return Cost(cells=-cells, seconds=-seconds)
 
     def fatigue(self) -> Cost:
         """A mesh fine enough for stresses in the fillets, and two load states: a tenth of a solve each."""
         throw = self._scene.throw
         cells = _fillet_elements(throw.main_journal) + _fillet_elements(throw.crankpin)
-        return Cost(2.0, cells, 1.2 * cells * self._rates.seconds_per_element)
+        return Cost(solves=2.0, cells=cells, seconds=1.2 * cells * self._rates.seconds_per_element)
 
     def whole_throw(self, volume_mm3: float) -> Cost:
         """Elements of the evaluation without those that half of the volume needs, and their part of its time.
@@ -156,14 +148,14 @@ class Costing:
         """
         edge = default_element_size_mm(self._scene)
         cells = round(volume_mm3 / 2 / (edge**3 / (6 * math.sqrt(2))))
-        return Cost(0.0, cells, cells * self._rates.seconds_per_element)
+        return Cost(cells=cells, seconds=cells * self._rates.seconds_per_element)
 
     def bound(self) -> Cost:
         """Searches on cells of their own, once for both load cases."""
         edge = bound_cell_mm(self._scene)
         cells = round(estimated_cells(self._scene, edge, self._mirrored, _target(self._scene)))
         solves = 2 * self._rates.bound_steps
-        return Cost(float(solves), cells, solves * self._rates.solve_s(cells))
+        return Cost(solves=float(solves), cells=cells, seconds=solves * self._rates.solve_s(cells))
 
     def _optimiser_solves(self) -> int:
         """Solves of a load case in the whole optimisation."""

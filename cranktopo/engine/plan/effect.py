@@ -3,46 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
+from cranktopo.base.result import Result
 from cranktopo.engine.plan.cost import Cost
 
 Switch = Literal["on", "off"]
 
 
-@dataclass(frozen=True)
-class Effect:
-    """One effect: whether the scene calls for it, and why.
-
-    Attributes:
-        name: name as in the scene's `[effects]`.
-        estimate_percent: what the effect changes, in percent of the quantity named in the reason; None when
-            nothing is known or no closed form exists.
-        cost: what having it on costs.
-        changes: what leaving it out changes.
-    """
+class Effect(Result):
+    """One effect: on or off, and why."""
 
     name: str
+    """Name as in the scene's `[effects]`."""
     state: Switch
     reason: str
     estimate_percent: float | None
+    """Change by the effect in percent of the quantity named in the reason; None when nothing is known or no
+    closed form exists."""
     cost: Cost
+    """Cost of having it on."""
     changes: str
-
-    def as_json(self) -> dict[str, Any]:
-        """The effect as the metrics of every run hold it."""
-        return {
-            "name": self.name,
-            "state": self.state,
-            "reason": self.reason,
-            "estimate_percent": self.estimate_percent,
-            "cost": self.cost.as_json(),
-            "changes": self.changes,
-        }
+    """Consequence of leaving it out."""
 
 
 @dataclass(frozen=True)
-class EffectPlan:
+class PhysicsPlan:
     """The effects of a scene, in the order of the scene's table."""
 
     effects: tuple[Effect, ...]
@@ -55,6 +41,6 @@ class EffectPlan:
     def __getitem__(self, name: str) -> Effect:
         return next(effect for effect in self.effects if effect.name == name)
 
-    def as_json(self) -> list[dict[str, Any]]:
-        """The effects as the metrics of every run hold them."""
+    def as_json(self) -> list[dict[str, object]]:
+        """Return the effects as the metrics of every run hold them."""
         return [effect.as_json() for effect in self.effects]

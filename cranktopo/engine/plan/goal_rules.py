@@ -9,7 +9,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.engine.load_case import LoadKind
-from cranktopo.engine.plan.context import Facts
+from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Cost
 from cranktopo.engine.plan.estimate import Estimate
 
@@ -37,23 +37,23 @@ def wants_safety(goal: Goal | None) -> str:
     return f"the goal needs it: {', '.join(users)}" if users else ""
 
 
-def bound(facts: Facts) -> Estimate:
+def bound(context: PlanningContext) -> Estimate:
     """What no web of the envelope can beat: wanted beside every result that it can be told of."""
-    absent = "the scene has no [envelope]" if facts.scene.envelope is None else ""
-    if facts.goal is not None and facts.goal.quantity == "fatigue_safety":
+    absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
+    if context.goal is not None and context.goal.quantity == "fatigue_safety":
         absent = "nothing is proven about stress"
     return Estimate(
         None,
         "",
         "how far a result is from the best possible web",
-        Cost() if absent else facts.costing.bound(),
+        Cost() if absent else context.costing.bound(),
         absent=absent,
         needed="" if absent else "it tells when to stop",
         impossible=absent,
     )
 
 
-def check_goal_cases(facts: Facts, goal: Goal, cases: Collection[str]) -> None:
+def check_goal_cases(context: PlanningContext, goal: Goal, cases: Collection[str]) -> None:
     """Check that a load case is on and that no limit is in percent of nothing.
 
     Raises:
@@ -66,8 +66,8 @@ def check_goal_cases(facts: Facts, goal: Goal, cases: Collection[str]) -> None:
             "no load case is on: neither goal nor limits speak of a stiffness",
             "Limit torsion or bending.",
         )
-    original = facts.balance.throw_unbalance_kg_mm
-    size = facts.balance.mass_kg * facts.scene.throw.radius_mm
+    original = context.balance.throw_unbalance_kg_mm
+    size = context.balance.mass_kg * context.scene.throw.radius_mm
     for limit in goal.limits_of("unbalance"):
         if limit.percent and original < _NEGLIGIBLE * size:
             raise invalid(

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from functools import lru_cache, partial
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Effects, Scene
 from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
+from cranktopo.engine.gas import FileState, file_state
+from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.plan import load_rules, structure_rules, vibration_rule
-from cranktopo.engine.plan.context import Facts
+from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Costing, CostRates
-from cranktopo.engine.plan.effect import Effect, EffectPlan, Switch
+from cranktopo.engine.plan.effect import Effect, PhysicsPlan, Switch
 from cranktopo.engine.plan.estimate import Estimate
 from cranktopo.engine.plan.goal_rules import bound, check_goal_cases
 from cranktopo.engine.plan.simulated import Feature, simulated_scene
 
-_RULES: dict[str, Callable[[Facts], Estimate]] = {
-    "bending": load_rules.bending,
-    "torsion": load_rules.torsion,
-    "tangential": load_rules.tangential,
+_RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
+    **{name: partial(load_rules.quasi_static, name) for name, kind in LOAD_TYPES.items() if kind.unit_load},
     "reciprocating_inertia": load_rules.reciprocating_inertia,
     "rotating_rod_mass": load_rules.rotating_rod_mass,
     "centrifugal": load_rules.centrifugal,
@@ -35,11 +36,10 @@ _RULES: dict[str, Callable[[Facts], Estimate]] = {
 }
 _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
-LOAD_CASES = ("bending", "torsion", "tangential", "centrifugal")
 
 
-def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> EffectPlan:
-    """Decide every effect of a scene.
+def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:
+    """Decide every effect of a scene, once for all stages that ask for it.
 
     Args:
         goal: what an optimisation is asked for, from `wanted`: it takes the load cases that goal and limits
@@ -49,25 +49,37 @@ def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None)
         CranktopoError: the scene switches an effect on that it has no data for, switches off one that it or
             the goal relies on, or leaves no load case; gas data that cannot be used.
     """
+    return _plan(scene, rates or CostRates(), goal, _file_states(scene))
+
+
+def _file_states(scene: Scene) -> tuple[FileState, ...]:
+    """Return the states of the files that a scene names: with another content it has another plan."""
+    envelope = scene.envelope.stl_file if scene.envelope else None
+    indicator = scene.engine.gas.indicator_csv if scene.engine and scene.engine.gas else None
+    return tuple(file_state(name) for name in (envelope, indicator) if name is not None)
+
+
+@lru_cache(maxsize=64)
+def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileState, ...]) -> PhysicsPlan:
     asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
-    costing = Costing(scene, rates or CostRates(), may_mirror(scene, asymmetry))
-    facts = Facts(scene, costing, asymmetry, goal)
-    vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](facts))
-    facts = replace(facts, vibrating=vibration.state == "on")
+    costing = Costing(scene, rates, may_mirror(scene, asymmetry))
+    context = PlanningContext(scene, costing, asymmetry, goal)
+    vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](context))
+    context = replace(context, vibrating=vibration.state == "on")
     decided = tuple(
-        vibration if name == _VIBRATION else _decide(scene.effects, name, rule(facts))
+        vibration if name == _VIBRATION else _decide(scene.effects, name, rule(context))
         for name, rule in _RULES.items()
     )
-    decided += structure_rules.whole_throw(facts)
-    cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_CASES]
+    decided += structure_rules.whole_throw(context)
+    cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_TYPES]
     if goal is None:
         _check_cases(scene, cases)
     else:
-        check_goal_cases(facts, goal, cases)
-    return EffectPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
+        check_goal_cases(context, goal, cases)
+    return PhysicsPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
 
 
-def _check_cases(scene: Scene, cases: list[str]) -> None:
+def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
     """At least one load case is on and counts: the objective is divided by the sum of their weights."""
     weights = scene.optimise.weights.model_dump()
     if any(weights[name] > 0 for name in cases):
@@ -75,12 +87,12 @@ def _check_cases(scene: Scene, cases: list[str]) -> None:
     if not any(weights.values()) or cases:
         raise invalid(
             "optimise.weights",
-            {name: weights[name] for name in cases or LOAD_CASES},
+            {name: weights[name] for name in cases or LOAD_TYPES},
             "at least one load case that is on must have a weight above 0",
             "Raise a weight, or set effects of a case that has one to 'on'.",
         )
     raise CranktopoError(
-        "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_CASES)} to 'on' or 'auto'."
+        "effects: no load case is on.", hint=f"Set one of {', '.join(LOAD_TYPES)} to 'on' or 'auto'."
     )
 
 
@@ -100,7 +112,8 @@ def _for_all_cases(effect: Effect, cases: int) -> Effect:
     """The mirror saves cells in the solve of every load case."""
     if effect.name != "lateral_symmetry":
         return effect
-    return replace(effect, cost=replace(effect.cost, seconds=effect.cost.seconds * cases))
+    cost = effect.cost.model_copy(update={"seconds": effect.cost.seconds * cases})
+    return effect.model_copy(update={"cost": cost})
 
 
 def _decide(effects: Effects, name: str, estimate: Estimate) -> Effect:
@@ -121,7 +134,14 @@ def _decide(effects: Effects, name: str, estimate: Estimate) -> Effect:
         state = "on" if above else "off"
         word = "above" if above else "below"
         reason = f"{estimate.because}, {word} the threshold of {threshold:g} %"
-    return Effect(name, state, reason, estimate.percent, estimate.cost, estimate.changes)
+    return Effect(
+        name=name,
+        state=state,
+        reason=reason,
+        estimate_percent=estimate.percent,
+        cost=estimate.cost,
+        changes=estimate.changes,
+    )
 
 
 def _joined(*parts: str) -> str:

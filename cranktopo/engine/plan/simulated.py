@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import Literal
 
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 
 # Effects that are features of both journals, and the dimensions of a journal that has none.
 Feature = Literal["bores", "fillets"]
@@ -16,7 +16,7 @@ _WITHOUT: dict[Feature, dict[str, float | None]] = {
 }
 
 
-def simulated_scene(scene: Scene, plan: EffectPlan, kept: Collection[Feature] = ()) -> Scene:
+def simulated_scene(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] = ()) -> Scene:
     """The scene without the bores and fillets that are off, its mirror off where the plan has none, and the
     manufacturing constraint on where the plan has it on.
 

@@ -12,7 +12,7 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable, is_damped, speed_range_rpm
 from cranktopo.engine.analysis import analyse
-from cranktopo.engine.plan.context import Facts
+from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.estimate import Estimate
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import ORDERS
@@ -63,14 +63,14 @@ class _FirstMode:
         return math.sqrt(self.stiffness / self.inertia)
 
 
-def torsional_vibration(facts: Facts) -> Estimate:
+def torsional_vibration(context: PlanningContext) -> Estimate:
     """First mode of the crankshaft by Rayleigh's quotient, its damping, and the orders that meet it."""
-    absent = _absent(facts.scene)
+    absent = _absent(context.scene)
     if absent:
         return Estimate(None, "", "nothing", absent=absent, impossible=absent)
-    found = _resonance(facts.scene)
+    found = _resonance(context.scene)
     if found is None:
-        low, high = speed_range_rpm(facts.scene)
+        low, high = speed_range_rpm(context.scene)
         because = f"no order meets the first natural frequency between {low:.0f} and {high:.0f} rpm"
         return Estimate(0.0, because, "nothing")
     kind = "major" if found.major else "minor"

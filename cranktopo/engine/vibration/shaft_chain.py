@@ -140,17 +140,19 @@ def shaft_chain(
     shaft = scene.shaft or ShaftTable()
     inertia = (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene)) / MM2_PER_M2
     share, lossy = first_half_share(scene), 1 + 1j * shaft.throw_loss_factor
-    near, far = ([k / part * lossy for k in throws_Nm_per_rad] for part in (share, 1 - share))
+    first_halves, second_halves = (
+        [k / part * lossy for k in throws_Nm_per_rad] for part in (share, 1 - share)
+    )
     row = _Row()
-    nose = _add_free_end(row, shaft)
+    free_end = _add_free_end(row, shaft)
     first = len(row.names)
-    for number, half in enumerate(near, start=1):
-        spring = _series(nose if number == 1 else far[number - 2], half)
+    for number, half in enumerate(first_halves, start=1):
+        spring = _series(free_end if number == 1 else second_halves[number - 2], half)
         relative = shaft.throw_damping_Nms_per_rad if number > 1 else 0.0
         row.add(f"throw {number}", inertia, spring, relative, shaft.cylinder_damping_Nms_per_rad)
-    _add_takeoff(row, shaft, far[-1])
+    _add_output_end(row, shaft, second_halves[-1])
     modulus = min(journal_torsion_modulus_mm3(j) for j in (scene.throw.main_journal, scene.throw.crankpin))
-    return ShaftChain(row.chain(), tuple(row.names), first, len(near), modulus)
+    return ShaftChain(row.chain(), tuple(row.names), first, len(first_halves), modulus)
 
 
 def _add_free_end(row: _Row, shaft: ShaftTable) -> complex | None:
@@ -173,7 +175,7 @@ def _damper(damper: Damper) -> tuple[complex, float]:
     return stiffness * (1 + 1j * (damper.loss_factor or 0.0)), damper.damping_Nms_per_rad or 0.0
 
 
-def _add_takeoff(row: _Row, shaft: ShaftTable, half: complex) -> None:
+def _add_output_end(row: _Row, shaft: ShaftTable, half: complex) -> None:
     """What follows the last throw; a part without stiffness of its own turns with its neighbour."""
     parts: tuple[tuple[str, Rotor | None], ...] = (
         ("flywheel", shaft.flywheel),

@@ -171,8 +171,8 @@ def vibration(
         amplitude[index] = _half_range(section_curves_Nm(shaft, excited, torque[index]))
         relative = twist[index, :, :-1] - twist[index, :, 1:]
         twisted[index] = np.degrees(_half_range(_summed(relative)))
-        nose = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
-        free_end[index] = np.degrees(_half_range(_summed(nose.T)))[0]
+        end_twist = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
+        free_end[index] = np.degrees(_half_range(_summed(end_twist.T)))[0]
     mean = np.cumsum(on_disks(shaft, harmonics.of_throws_Nm(0.0))[0].real)[:-1]
     return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, amplitude, twisted, free_end)
 

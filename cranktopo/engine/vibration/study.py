@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import ShaftTable, shaft_warnings
+from cranktopo.design.shaft import shaft_warnings
 from cranktopo.engine.vibration.run_up import RunUp, run_up
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import CriticalSpeed, Vibration
@@ -17,9 +16,6 @@ from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.engine.vibration.varying_inertia import VaryingPart
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
 from cranktopo.numerics.disk_chain import Mode
-
-SCHEMA_VERSION = 1
-_NOT_DAMPING = {"speed_min_rpm", "speed_max_rpm", "permitted_shear_MPa", "throw_stiffness_Nm_per_rad"}
 
 
 @dataclass(frozen=True)
@@ -63,73 +59,6 @@ class VibrationStudy:
             else None
         )
 
-    def as_json(self) -> dict[str, Any]:
-        """The object that `vibration --json` prints, but for what the design leaves out."""
-        chain = self.shaft.chain
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "design": self.scene.name,
-            "stiffness_source": self.stiffness_source,
-            "disks": [
-                {"name": name, "inertia_kg_m2": inertia}
-                for name, inertia in zip(self.shaft.names, chain.inertia_kg_m2, strict=True)
-            ],
-            "sections": [
-                {"name": name, "stiffness_Nm_per_rad": stiffness, "in_crankshaft": inside}
-                for name, stiffness, inside in zip(
-                    self.shaft.sections, chain.stiffness_Nm_per_rad, self.shaft.in_crankshaft, strict=True
-                )
-            ],
-            "natural_frequencies_Hz": [mode.frequency_Hz for mode in self.modes],
-            "modes": [
-                {
-                    "frequency_Hz": mode.frequency_Hz,
-                    "damping_ratio": chain.damping_ratio(mode),
-                    "shape": mode.shape.tolist(),
-                }
-                for mode in self.modes
-            ],
-            "damping": _damping(self.scene.shaft or ShaftTable()),
-            "varying_inertia_percent": self.varying_inertia_percent,
-            "varying_inertia": {
-                "estimate_percent": self.varying.share_percent,
-                "included": self.varying.included,
-                "torque_change_percent": self.varying_change_percent,
-            },
-            "critical_speeds": [
-                {
-                    "speed_rpm": found.speed_rpm,
-                    "order": found.order,
-                    "mode": found.mode,
-                    "share": found.share,
-                    "major": found.major,
-                }
-                for found in self.critical
-            ],
-            "barred_ranges": None if self.barred_rpm is None else [list(pair) for pair in self.barred_rpm],
-            "worst": self._worst(),
-            "speeds": [self._speed(index) for index in range(len(self.response.speeds_rpm))],
-            "run_up": self._run_up(),
-            "warnings": list(self.warnings),
-        }
-
-    def _worst(self) -> dict[str, Any]:
-        worst, response = self.response.worst, self.response
-        amplitude = response.worst_Nm
-        by_order = np.abs(response.torque_Nm[worst.speed_index, :, worst.section])
-        return {
-            "speed_rpm": float(response.speeds_rpm[worst.speed_index]),
-            "section": self.shaft.sections[worst.section],
-            "torque_amplitude_Nm": amplitude,
-            "order": worst.order,
-            "shear_MPa": self.shaft.shear_MPa(amplitude),
-            "mean_torque_Nm": float(response.mean_torque_Nm[worst.section]),
-            "by_order": [
-                {"order": float(order), "torque_Nm": float(torque)}
-                for order, torque in zip(response.orders, by_order, strict=True)
-            ],
-        }
-
     def run_up_worst(self) -> tuple[float, int, float] | None:
         """Speed (rpm), section and torque amplitude (N m) of the crankshaft's largest swing in the run-up."""
         if self.run_up is None:
@@ -137,39 +66,6 @@ class VibrationStudy:
         swing = np.where(np.array(self.shaft.in_crankshaft), self.run_up.torque_amplitude_Nm, -1.0)
         cycle, section = (int(i) for i in np.unravel_index(int(swing.argmax()), swing.shape))
         return float(self.run_up.speeds_rpm[cycle]), section, float(swing[cycle, section])
-
-    def _run_up(self) -> dict[str, Any] | None:
-        worst = self.run_up_worst()
-        if worst is None or self.run_up is None:
-            return None
-        speed, section, torque = worst
-        return {
-            "seconds": self.run_up.seconds,
-            "worst": {
-                "speed_rpm": speed,
-                "section": self.shaft.sections[section],
-                "torque_amplitude_Nm": torque,
-                "shear_MPa": self.shaft.shear_MPa(torque),
-            },
-            "speeds": [
-                {"rpm": float(rpm), "torque_amplitude_Nm": row.tolist()}
-                for rpm, row in zip(self.run_up.speeds_rpm, self.run_up.torque_amplitude_Nm, strict=True)
-            ],
-        }
-
-    def _speed(self, index: int) -> dict[str, Any]:
-        response = self.response
-        amplitudes = [float(torque) for torque in response.torque_amplitude_Nm[index]]
-        return {
-            "rpm": float(response.speeds_rpm[index]),
-            "torque_amplitude_Nm": amplitudes,
-            "twist_deg": response.twist_amplitude_deg[index].tolist(),
-            "shear_MPa": [
-                self.shaft.shear_MPa(torque) if inside else None
-                for torque, inside in zip(amplitudes, self.shaft.in_crankshaft, strict=True)
-            ],
-            "free_end_deg": float(response.free_end_deg[index]),
-        }
 
 
 def study_vibration(
@@ -215,15 +111,3 @@ def study_vibration(
         shaft_warnings(scene),
         None if run_up_s is None else run_up(shaft, harmonics, model.range_rpm, run_up_s),
     )
-
-
-def _damping(shaft: ShaftTable) -> dict[str, Any]:
-    """All damping of a shaft table, by key, without what is not given."""
-    found: dict[str, Any] = {}
-    for name, value in shaft.model_dump(exclude_none=True).items():
-        if isinstance(value, dict):
-            inner = {key: v for key, v in value.items() if "damping" in key or "loss" in key or key == "kind"}
-            found |= {name: inner} if inner else {}
-        elif name not in _NOT_DAMPING:
-            found[name] = value
-    return found

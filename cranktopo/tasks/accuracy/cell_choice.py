@@ -20,7 +20,7 @@ from cranktopo.bodies.cells.resolution import (
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
-from cranktopo.engine.plan.cost import CostRates, Effort, effort
+from cranktopo.engine.plan.cost import CostRates, ExpectedWork, effort
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.tasks.accuracy.optimiser_levels import cell_sizes
@@ -121,13 +121,15 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     return found
 
 
-def _evaluating_s(todo: Effort, measured: StoredStudy | None) -> float:
+def _evaluating_s(todo: ExpectedWork, measured: StoredStudy | None) -> float:
     """Expected wall time of the body-fitted evaluations, which have elements of the default size."""
     each = expected_seconds(EvaluationMesh(0, graded=True), measured, triangles=True)
     return todo.evaluation_seconds if each is None else todo.evaluations * each
 
 
-def _seconds(cells: float, solves: int, todo: Effort, measured: StoredStudy | None) -> tuple[float, str]:
+def _seconds(
+    cells: float, solves: int, todo: ExpectedWork, measured: StoredStudy | None
+) -> tuple[float, str]:
     """Expected wall time of the optimiser and what it is taken from.
 
     Args:
@@ -146,7 +148,7 @@ def _seconds(cells: float, solves: int, todo: Effort, measured: StoredStudy | No
     return measured.slowdown * (inside * beyond + compiling), f"measured on {measured.design}"
 
 
-def _timed(level: Mapping[str, Any], todo: Effort) -> tuple[float, float]:
+def _timed(level: Mapping[str, Any], todo: ExpectedWork) -> tuple[float, float]:
     """Cells times load cases times designs of a measured level; its seconds with the iterations to come."""
     settings = level["settings"]
     work = settings["cells"] * settings["load_cases"] * settings.get("designs", 1)  # older studies have one

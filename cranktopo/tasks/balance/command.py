@@ -34,11 +34,12 @@ def command(design: str, as_json: bool, page: Path | None) -> None:
 
     Example: cranktopo balance mikron-iiic --report balance.html
     """
-    from cranktopo.design.assumed import LOADS, THROW, assumed_text, assumptions
+    from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.balance.whole_engine import engine_balance
     from cranktopo.report.report_file import check_report_path
-    from cranktopo.tasks.balance.stage import balance_json, report_balance
+    from cranktopo.tasks.balance.result import balance_result
+    from cranktopo.tasks.balance.stage import report_balance
     from cranktopo.tasks.balance.text import balance_text
 
     if page is not None:
@@ -48,8 +49,7 @@ def command(design: str, as_json: bool, page: Path | None) -> None:
     if page is not None:
         report_balance(balance, page)
         info(f"report: {page}")
-    data = balance_json(balance)
-    click.echo(json.dumps(data, indent=2) if as_json else balance_text(data))
-    assumed = assumptions(scene, (THROW, LOADS))
-    if assumed and not as_json:
-        info(assumed_text(assumed))
+    data = balance_result(balance)
+    click.echo(json.dumps(data.as_json(), indent=2) if as_json else balance_text(data))
+    if data.assumed and not as_json:
+        info(assumed_text(data.assumed))

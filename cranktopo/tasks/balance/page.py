@@ -5,6 +5,7 @@ from __future__ import annotations
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.tasks.balance.plot import balance_pictures
+from cranktopo.tasks.balance.result import balance_result
 from cranktopo.tasks.balance.text import (
     angle_lines,
     arrangement_words,
@@ -22,12 +23,12 @@ from cranktopo.tasks.balance.text import (
 
 def balance_page(balance: EngineBalance, written: str) -> Page:
     """The balance of an engine as content; `written` is a date."""
-    data = balance.as_json()
+    data = balance_result(balance)
     *free, bearing = balance_pictures(balance)
     shafts = shaft_table(data)
     return Page(
-        title=f"Balance: {data['design']}",
-        subtitle=f"{data['speed_rpm']:g} rpm, {arrangement_words(data)}; {written}",
+        title=f"Balance: {data.design}",
+        subtitle=f"{data.speed_rpm:g} rpm, {arrangement_words(data)}; {written}",
         headline=balance_headline(data),
         facts=_facts(balance),
         sections=(

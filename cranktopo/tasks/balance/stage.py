@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from cranktopo.design.assumed import LOADS, THROW, assumed_json, assumptions
 from cranktopo.engine.balance.whole_engine import EngineBalance
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.balance.page import balance_page
-
-
-def balance_json(balance: EngineBalance) -> dict[str, Any]:
-    """The object that `balance --json` prints."""
-    return {**balance.as_json(), "assumed": assumed_json(assumptions(balance.scene, (THROW, LOADS)))}
 
 
 def report_balance(balance: EngineBalance, path: Path) -> None:

@@ -2,72 +2,80 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 
+from cranktopo.engine.balance.balancer_shafts import SizedShaft
+from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.tasks.balance.result import (
+    Balance,
+    MainBearing,
+    MassForces,
+    StateForces,
+    StateMoment,
+)
 
-_Entry = Mapping[str, Any]
-_VECTOR: tuple[Column[_Entry], ...] = (
-    Column("force_N", 1, lambda e: e["force_N"]),
-    Column("force_least_N", 1, lambda e: e["force_min_N"]),
-    Column("force_along_deg", 1, lambda e: e["force_axis_deg"]),
-    Column("moment_Nm", 2, lambda e: e["moment_Nm"]),
-    Column("moment_least_Nm", 2, lambda e: e["moment_min_Nm"]),
-    Column("moment_along_deg", 1, lambda e: e["moment_axis_deg"]),
+_VECTOR: tuple[Column[Any], ...] = (
+    Column("force_N", 1, lambda e: e.force_N),
+    Column("force_least_N", 1, lambda e: e.force_min_N),
+    Column("force_along_deg", 1, lambda e: e.force_axis_deg),
+    Column("moment_Nm", 2, lambda e: e.moment_Nm),
+    Column("moment_least_Nm", 2, lambda e: e.moment_min_Nm),
+    Column("moment_along_deg", 1, lambda e: e.moment_axis_deg),
 )
-_ORDERS: tuple[Column[_Entry], ...] = (
-    Column("masses", 0, lambda e: e["kind"]),
-    Column("order", 0, lambda e: e["order"]),
+_ORDERS: tuple[Column[MassForces], ...] = (
+    Column("masses", 0, lambda e: e.kind),
+    Column("order", 0, lambda e: e.order),
     *_VECTOR,
 )
-_FREE: tuple[Column[_Entry], ...] = (
-    Column("engine", 0, lambda e: e["state"]),
-    Column("order", 0, lambda e: e["order"]),
+_FREE: tuple[Column[StateForces], ...] = (
+    Column("engine", 0, lambda e: e.state),
+    Column("order", 0, lambda e: e.order),
     *_VECTOR,
 )
-_COUNTERWEIGHTS: tuple[Column[_Entry], ...] = (
-    Column("web", 0, lambda e: str(e["web"])),
-    Column("throw", 0, lambda e: e["throw"]),
-    Column("web_kg_mm", 2, lambda e: e["web_kg_mm"]),
-    Column("has_kg_mm", 2, lambda e: e["own_kg_mm"]),
-    Column("for_its_throw_kg_mm", 2, lambda e: e["unbalance_kg_mm"]),
-    Column("throw_at_deg", 1, lambda e: e["deg"] if e["unbalance_kg_mm"] else None),
-    Column("for_the_shaft_kg_mm", 2, lambda e: e["shaft_unbalance_kg_mm"]),
-    Column("shaft_at_deg", 1, lambda e: e["shaft_deg"] if e["shaft_unbalance_kg_mm"] else None),
+_COUNTERWEIGHTS: tuple[Column[NeededCounterweight], ...] = (
+    Column("web", 0, lambda e: str(e.web)),
+    Column("throw", 0, lambda e: e.throw),
+    Column("web_kg_mm", 2, lambda e: e.web_kg_mm),
+    Column("has_kg_mm", 2, lambda e: e.own_kg_mm),
+    Column("for_its_throw_kg_mm", 2, lambda e: e.unbalance_kg_mm),
+    Column("throw_at_deg", 1, lambda e: e.deg if e.unbalance_kg_mm else None),
+    Column("for_the_shaft_kg_mm", 2, lambda e: e.shaft_unbalance_kg_mm),
+    Column("shaft_at_deg", 1, lambda e: e.shaft_deg if e.shaft_unbalance_kg_mm else None),
 )
-_SHAFTS: tuple[Column[_Entry], ...] = (
-    Column("balances", 0, lambda e: f"{e['balances']} of order {e['order']}"),
-    Column("turns", 0, lambda e: f"{e['turns']} the crank"),
-    Column("unbalance_kg_mm", 3, lambda e: e["unbalance_kg_mm"]),
-    Column("phase_deg", 1, lambda e: e["phase_deg"]),
-    Column("place_mm", 1, lambda e: e["z_mm"] if e["balances"] == "force" else None),
-    Column("apart_mm", 1, lambda e: e["distance_mm"] or None),
-    Column("force_N", 1, lambda e: e["force_N"]),
+_SHAFTS: tuple[Column[SizedShaft], ...] = (
+    Column("balances", 0, lambda e: f"{e.balances} of order {e.order}"),
+    Column("turns", 0, lambda e: f"{e.turns} the crank"),
+    Column("unbalance_kg_mm", 3, lambda e: e.unbalance_kg_mm),
+    Column("phase_deg", 1, lambda e: e.phase_deg),
+    Column("place_mm", 1, lambda e: e.z_mm if e.balances == "force" else None),
+    Column("apart_mm", 1, lambda e: e.distance_mm or None),
+    Column("force_N", 1, lambda e: e.force_N),
 )
-_GEARS: tuple[Column[_Entry], ...] = (
-    Column("gear_tangential_N", 1, lambda e: e["gear"] and e["gear"]["tangential_N"]),
-    Column("gear_radial_N", 1, lambda e: e["gear"] and e["gear"]["radial_N"]),
-    Column("gear_axial_N", 1, lambda e: e["gear"] and e["gear"]["axial_N"]),
+_GEARS: tuple[Column[SizedShaft], ...] = (
+    Column("gear_tangential_N", 1, lambda e: e.gear.tangential_N if e.gear else None),
+    Column("gear_radial_N", 1, lambda e: e.gear.radial_N if e.gear else None),
+    Column("gear_axial_N", 1, lambda e: e.gear.axial_N if e.gear else None),
 )
-_BEARINGS: tuple[Column[_Entry], ...] = (
-    Column("bearing", 0, lambda e: str(e["bearing"])),
-    Column("max_N", 0, lambda e: e["max_N"]),
-    Column("max_at_deg", 2, lambda e: e["deg"]),
-    Column("mean_N", 0, lambda e: e["mean_N"]),
-    Column("counterweighted_max_N", 0, lambda e: e["counterweighted"]["max_N"]),
-    Column("counterweighted_at_deg", 2, lambda e: e["counterweighted"]["deg"]),
-    Column("counterweighted_mean_N", 0, lambda e: e["counterweighted"]["mean_N"]),
+_BEARINGS: tuple[Column[MainBearing], ...] = (
+    Column("bearing", 0, lambda e: str(e.bearing)),
+    Column("max_N", 0, lambda e: e.max_N),
+    Column("max_at_deg", 2, lambda e: e.deg),
+    Column("mean_N", 0, lambda e: e.mean_N),
+    Column("counterweighted_max_N", 0, lambda e: e.counterweighted.max_N),
+    Column("counterweighted_at_deg", 2, lambda e: e.counterweighted.deg),
+    Column("counterweighted_mean_N", 0, lambda e: e.counterweighted.mean_N),
 )
-_LIVES: tuple[Column[_Entry], ...] = (
-    Column("life_h", 0, lambda e: e["life_h"]),
-    Column("counterweighted_life_h", 0, lambda e: e["counterweighted"]["life_h"]),
+_LIVES: tuple[Column[MainBearing], ...] = (
+    Column("life_h", 0, lambda e: e.life_h),
+    Column("counterweighted_life_h", 0, lambda e: e.counterweighted.life_h),
 )
-_INNER: tuple[Column[_Entry], ...] = (
-    Column("shaft", 0, lambda e: e["state"]),
-    Column("inner_moment_Nm", 2, lambda e: e["moment_Nm"]),
-    Column("place_mm", 1, lambda e: e["z_mm"]),
-    Column("at_deg", 1, lambda e: e["deg"]),
+_INNER: tuple[Column[StateMoment], ...] = (
+    Column("shaft", 0, lambda e: e.state),
+    Column("inner_moment_Nm", 2, lambda e: e.moment_Nm),
+    Column("place_mm", 1, lambda e: e.z_mm),
+    Column("at_deg", 1, lambda e: e.deg),
 )
 _ANGLES = (
     "Forces are across the shaft, moments about its middle: along the force at the takeoff's end.",
@@ -78,45 +86,44 @@ _ANGLES = (
 )
 
 
-def order_table(data: _Entry) -> ResultTable:
+def order_table(data: Balance) -> ResultTable:
     """Free force and moment of rotating and of oscillating masses by order, the engine as it is."""
-    return tabulate(_ORDERS, data["orders"])
+    return tabulate(_ORDERS, data.orders)
 
 
-def free_table(data: _Entry) -> ResultTable:
+def free_table(data: Balance) -> ResultTable:
     """Free force and moment of all masses by order, and again where counterweights or shafts change it."""
-    values = [name for name in data["free"][0] if name != "state"]
-    rows: dict[tuple[Any, ...], _Entry] = {}
-    for entry in data["free"]:
-        rows.setdefault(tuple(entry[name] for name in values), entry)
+    rows: dict[tuple[object, ...], StateForces] = {}
+    for entry in data.free:
+        rows.setdefault(tuple(entry.model_dump(exclude={"state"}).values()), entry)
     return tabulate(_FREE, rows.values())
 
 
-def counterweight_table(data: _Entry) -> ResultTable:
+def counterweight_table(data: Balance) -> ResultTable:
     """What every web needs beyond what it has."""
-    return tabulate(_COUNTERWEIGHTS, data["counterweights"])
+    return tabulate(_COUNTERWEIGHTS, data.counterweights)
 
 
-def inner_moment_table(data: _Entry) -> ResultTable:
+def inner_moment_table(data: Balance) -> ResultTable:
     """Largest bending moment inside the shaft."""
-    return tabulate(_INNER, data["inner_moment"])
+    return tabulate(_INNER, data.inner_moment)
 
 
-def shaft_table(data: _Entry) -> ResultTable | None:
+def shaft_table(data: Balance) -> ResultTable | None:
     """Balancer shafts with the forces of their gears; None where the engine has none and needs none."""
-    shafts = data["balancer_shafts"]
-    geared = any(shaft["gear"] for shaft in shafts)
+    shafts = data.balancer_shafts
+    geared = any(shaft.gear for shaft in shafts)
     return tabulate((*_SHAFTS, *(_GEARS if geared else ())), shafts) if shafts else None
 
 
-def bearing_table(data: _Entry) -> ResultTable:
+def bearing_table(data: Balance) -> ResultTable:
     """Loads of the main bearings, with the life of roller bearings where it is known."""
-    bearings = data["main_bearings"]
-    known = bearings[0]["life_h"] is not None
+    bearings = data.main_bearings
+    known = bearings[0].life_h is not None
     return tabulate((*_BEARINGS, *(_LIVES if known else ())), bearings)
 
 
-def balance_tables(data: _Entry) -> list[tuple[str, ResultTable]]:
+def balance_tables(data: Balance) -> list[tuple[str, ResultTable]]:
     """All tables with their captions, in order."""
     shafts = shaft_table(data)
     return [
@@ -129,42 +136,40 @@ def balance_tables(data: _Entry) -> list[tuple[str, ResultTable]]:
     ]
 
 
-def shafts_caption(data: _Entry) -> str:
+def shafts_caption(data: Balance) -> str:
     """Whether the balancer shafts are those of the scene."""
-    given = any(shaft["in_scene"] for shaft in data["balancer_shafts"])
+    given = any(shaft.in_scene for shaft in data.balancer_shafts)
     return "Balancer shafts" if given else "Balancer shafts that would leave nothing in the first two orders"
 
 
-def bearings_caption(data: _Entry) -> str:
+def bearings_caption(data: Balance) -> str:
     """What the loads of the main bearings hold."""
-    return "Main bearings" if data["gas_in_bearing_loads"] else "Main bearings, without gas: none is given"
+    return "Main bearings" if data.gas_in_bearing_loads else "Main bearings, without gas: none is given"
 
 
-def arrangement_words(data: _Entry) -> str:
+def arrangement_words(data: Balance) -> str:
     """Layout, throws and firing in one line."""
-    engine = data["arrangement"]
-    bank = f", banks {engine['bank_angle_deg']:g} deg apart" if engine["layout"] == "V" else ""
-    throws, fires = (_listed(engine[key]) for key in ("throw_angles_deg", "firing_angles_deg"))
-    cylinders = f"{engine['cylinders']} cylinder{'s' * (engine['cylinders'] > 1)}"
+    engine = data.arrangement
+    bank = f", banks {engine.bank_angle_deg:g} deg apart" if engine.layout == "V" else ""
+    throws, fires = map(_listed, (engine.throw_angles_deg, engine.firing_angles_deg))
+    cylinders = f"{engine.cylinders} cylinder{'s' * (engine.cylinders > 1)}"
     return (
-        f"{engine['layout']}, {cylinders}{bank}, throws at {throws} deg, {engine['cylinder_pitch_mm']:g} mm "
+        f"{engine.layout}, {cylinders}{bank}, throws at {throws} deg, {engine.cylinder_pitch_mm:g} mm "
         f"apart, firing at {fires} deg"
     )
 
 
-def balance_headline(data: _Entry) -> str:
+def balance_headline(data: Balance) -> str:
     """The largest free force and moment, state by state, in one sentence each; equal states in one."""
     told: dict[str, list[str]] = {}
-    for state in dict.fromkeys(entry["state"] for entry in data["free"]):
+    for state in dict.fromkeys(entry.state for entry in data.free):
         told.setdefault(_left(data, state), []).append(state)
     return " ".join(f"{' and '.join(states).capitalize()}: {left}." for left, states in told.items())
 
 
-def balance_text(data: _Entry) -> str:
+def balance_text(data: Balance) -> str:
     """What `cranktopo balance` prints."""
-    parts = [
-        f"{data['design']} at {data['speed_rpm']:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"
-    ]
+    parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in balance_tables(data)]
     return "\n\n".join([*parts, "\n".join(_ANGLES)])
 
@@ -174,17 +179,18 @@ def angle_lines() -> tuple[str, ...]:
     return _ANGLES
 
 
-def _left(data: _Entry, state: str) -> str:
+def _left(data: Balance, state: str) -> str:
     """Largest free force and moment of one order of a state in words; of equal ones the lowest order."""
-    entries = [entry for entry in data["free"] if entry["state"] == state]
+    entries = [entry for entry in data.free if entry.state == state]
     found = []
-    for name, unit, words in (("force_N", "N", "force"), ("moment_Nm", "N m", "moment")):
-        sizes = [float(f"{entry[name]:.6g}") for entry in entries]
-        worst = entries[sizes.index(max(sizes))]
-        size = f"{worst[name]:.4g} {unit} of order {worst['order']}"
-        found.append(f"free {words} {size}" if worst[name] else f"no free {words}")
+    forces, moments = [entry.force_N for entry in entries], [entry.moment_Nm for entry in entries]
+    for sizes, unit, words in ((forces, "N", "force"), (moments, "N m", "moment")):
+        rounded = [float(f"{size:.6g}") for size in sizes]
+        index = rounded.index(max(rounded))
+        size = f"{sizes[index]:.4g} {unit} of order {entries[index].order}"
+        found.append(f"free {words} {size}" if sizes[index] else f"no free {words}")
     return ", ".join(found)
 
 
-def _listed(values: list[float]) -> str:
+def _listed(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)

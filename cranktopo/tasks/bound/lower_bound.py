@@ -18,6 +18,7 @@ from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.tasks.bound.certificate import (
@@ -50,8 +51,6 @@ _START = 0.5
 _CORNERS, _CORNER_STEPS, _ROOM = 4, 6, 0.01
 """Of a stiffness per mass: most further masses at which displacements are sought, steps at each, and the
 share of what is reached that the proof may leave open."""
-_CASES = frozenset({"bending", "torsion"})
-_LEFT_OUT = frozenset({"tangential", "centrifugal"})
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     """
     effects = plan(scene, goal=goal)
     scene = simulated_scene(scene, effects).with_optimise(resolution_mm=resolution_mm)
-    cases = load_cases(scene, effects.enabled - _LEFT_OUT | _CASES)
+    cases = load_cases(scene, effects.enabled - set(LOAD_TYPES) | set(MAIN_KINDS))
     domain = build_domain(_unkept(scene), resolution_mm)
     model = build_model(scene, domain, cases)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction

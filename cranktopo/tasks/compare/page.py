@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import goal_line, limits_table
 from cranktopo.report.page import Fact, FactStatus, Page, Section
@@ -65,7 +65,7 @@ class ComparisonRecord:
     comparison: Comparison
     bodies: tuple[ShownBody, ...]
     undercuts: tuple[DesignUndercuts, ...]
-    effects: EffectPlan
+    effects: PhysicsPlan
     cases: tuple[LoadCase, ...]
     loads: LoadAnalysis | None
     hashes: Mapping[str, str]
@@ -98,8 +98,8 @@ def comparison_page(record: ComparisonRecord) -> Page:
             *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress"),
-            loads_section(record.loads, [case.as_json() for case in record.cases]),
-            effects_section(record.effects.as_json()),
+            loads_section(record.loads, record.cases),
+            effects_section(record.effects.effects),
             _provenance(record),
             versions_section(record.versions),
         ),

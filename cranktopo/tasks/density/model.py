@@ -14,7 +14,7 @@ from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, d
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.load_case import LOAD_TYPES, LoadCase
 from cranktopo.numerics.grid.boundary_conditions import (
     BoundaryConditions,
     CaseSupports,
@@ -107,8 +107,8 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
     symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
 
     """
-    torsion = case.kind == "torsion"
-    odd_in_x = case.kind in ("torsion", "tangential")
+    load = LOAD_TYPES[case.kind]
+    torsion, odd_in_x = load.odd_in_z, load.odd_in_x
     fixed_x = ((1, 2) if odd_in_x else (0,)) if domain.mirrored_x else ()
     fixed_z = ((0, 1) if torsion else (2,)) if domain.mirrored_z else ()
     free = _TORSION_FREE[scene.supports.torsion] if torsion else _BENDING_FREE[scene.supports.bending]

@@ -13,7 +13,7 @@ from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.tasks.density import loop
@@ -38,7 +38,7 @@ class Prepared:
     """
 
     scene: Scene
-    plan: EffectPlan
+    plan: PhysicsPlan
     cases: tuple[LoadCase, ...]
     domain: Domain
     notices: tuple[str, ...] = ()

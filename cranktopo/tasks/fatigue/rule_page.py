@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.report.page import Fact, FactStatus, Page, Section
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
@@ -44,7 +44,7 @@ class RuleRecord:
     name: str
     checks: tuple[RuleCheck, ...]
     scene: Scene
-    effects: EffectPlan
+    effects: PhysicsPlan
     cases: tuple[LoadCase, ...]
     loads: LoadAnalysis | None
     history: str
@@ -68,8 +68,8 @@ def rule_page(record: RuleRecord) -> Page:
             *_each(checks, _acceptability),
             _input(record),
             *_each(checks, _size),
-            loads_section(record.loads, [case.as_json() for case in record.cases]),
-            effects_section(record.effects.as_json()),
+            loads_section(record.loads, record.cases),
+            effects_section(record.effects.effects),
             *_each(checks, lambda check: _nominal(check, record.history)),
             *_each(checks, _factors),
             *_each(checks, _mesh),

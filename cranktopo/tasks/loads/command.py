@@ -41,7 +41,9 @@ def command(
     if csv_path is not None:
         write_load_curves(scene, csv_path, speeds)
     if as_json:
-        click.echo(json.dumps(results[0] | ({"sweep": results} if len(results) > 1 else {}), indent=2))
+        sweep = results if len(results) > 1 else None
+        found = results[0].model_copy(update={"sweep": sweep})
+        click.echo(json.dumps(found.as_json(), indent=2))
         return
     from cranktopo.design.assumed import LOADS, THROW, VIBRATION, assumed_text, assumptions
     from cranktopo.tasks.loads.text import loads_text, sweep_text

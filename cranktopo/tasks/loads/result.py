@@ -1,20 +1,18 @@
-"""The load analysis as plain data: the JSON object of `loads --json` and the columns of its CSV."""
+"""The load analysis of a scene: the JSON object of `loads --json` and the columns of its CSV."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.clearance import clearance_text, clearances_mm
-from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse
-from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.cases import load_cases
-from cranktopo.engine.states import extreme_states
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.assumed import Assumption
+from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis
+from cranktopo.engine.balance.throw import ThrowBalance
+from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.engine.plan.effect import Effect
+from cranktopo.engine.states import ExtremeState
 
-SCHEMA_VERSION = 1
 EXTREMES = (
     "gas_force_N",
     "inertia_force_N",
@@ -30,38 +28,103 @@ EXTREMES = (
 )
 
 
-def loads_json(scene: Scene, enabled: frozenset[str]) -> dict[str, Any]:
-    """The loads of a scene at its engine's speed.
+class At(Result):
+    """A value and the crank angle where it occurs; null where the scene does not tell."""
 
-    Curves and extremes carry every mass; the load cases carry the effects that are enabled. Values that
-    the scene does not tell are null.
+    value: float | None = None
+    deg: float | None = None
 
-    Raises:
-        CranktopoError: gas data that cannot be used.
-    """
-    analysis = analyse(scene) if scene.engine else None
-    cycle = analysis.cycle if analysis else None
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "design": scene.name,
-        "speed_rpm": scene.engine.speed_rpm if scene.engine else None,
-        "cycle_deg": scene.engine.cycle_deg if scene.engine else None,
-        "rods_per_pin": scene.engine.rods_per_pin if scene.engine else None,
-        "points": len(cycle.forces.angle_deg) if cycle else 0,
-        "pressure_source": cycle.pressure.source if cycle else None,
-        "extremes": _extremes(analysis),
-        "engine_torque_Nm": _engine_torque(cycle),
-        "indicated_work_per_cylinder_J": cycle.indicated_work_J if cycle else None,
-        "series_difference_percent": cycle.series_difference_percent if cycle else None,
-        "balance": throw_balance(scene).as_json(),
-        "clearance": {"room_mm": clearances_mm(scene), "told": clearance_text(scene)},
-        "load_cases": [case.as_json() for case in load_cases(scene, enabled)],
-        "extreme_states": [state.as_json() for state in extreme_states(scene, enabled)],
-    }
+
+class Range(Result):
+    """Largest and smallest value over the cycle."""
+
+    max: At = At()
+    min: At = At()
+
+
+class EngineTorque(Result):
+    """Torque of the engine without friction, N m."""
+
+    mean: float | None = None
+    max: float | None = None
+    max_deg: float | None = None
+    min: float | None = None
+    min_deg: float | None = None
+
+
+class SeriesDifference(Result):
+    """Largest difference of the textbook series from the exact motion, percent of the peak."""
+
+    displacement: float
+    velocity: float
+    acceleration: float
+
+
+class ThrowMasses(Result):
+    """Mass properties of the throw, and its balance with the rod."""
+
+    rotating_unbalance_kg_mm: float
+    inertia_kg_mm2: float
+    counterweight_kg_mm: float
+    own_counterweight_kg_mm: float
+    own_counterweight_kg: float
+    own_second_counterweight_kg: float
+    throw_unbalance_kg_mm: float
+    lateral_unbalance_kg_mm: float
+    rod_inertia_kg_mm2: float
+    throw_mass_kg: float
+    web_mass_kg: float
+    second_web_mass_kg: float
+    journal_mass_kg: float
+    crankpin_mass_kg: float
+
+
+class WebClearance(Result):
+    """Room of web and counterweight to piston and crankcase."""
+
+    room_mm: dict[str, float]
+    told: str
+
+
+class LoadState(Result):
+    """An extreme load state, and why it needs no load case of its own."""
+
+    name: str
+    deg: float | None
+    kind: LoadKind
+    radial_N: float
+    tangential_N: float
+    torque_Nm: float
+    speed_rpm: float
+    redundant_because: str
+
+
+class Loads(Result):
+    """The loads of a scene at one speed; values that the scene does not tell are null."""
+
+    schema_version: int = 1
+    design: str
+    speed_rpm: float | None
+    cycle_deg: float | None
+    rods_per_pin: int | None
+    points: int
+    pressure_source: str | None
+    extremes: dict[str, Range]
+    engine_torque_Nm: EngineTorque
+    indicated_work_per_cylinder_J: float | None
+    series_difference_percent: SeriesDifference | None
+    balance: ThrowMasses
+    clearance: WebClearance
+    load_cases: tuple[LoadCase, ...]
+    extreme_states: tuple[LoadState, ...]
+    effects: tuple[Effect, ...]
+    assumed: tuple[Assumption, ...]
+    sweep: tuple[Loads, ...] | None = UNLESS_NONE
+    """The loads at every speed of a sweep, beside those at its first."""
 
 
 def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
-    """All curves of one speed as columns with units in their names."""
+    """Return all curves of one speed as columns with units in their names."""
     cycle = analysis.cycle
     if cycle is None:
         return {}
@@ -76,31 +139,61 @@ def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
     return columns
 
 
-def _extremes(analysis: LoadAnalysis | None) -> dict[str, Any]:
-    cycle = analysis.cycle if analysis else None
-    nothing = {"value": None, "deg": None}
-    result: dict[str, Any] = {name: {"max": dict(nothing), "min": dict(nothing)} for name in EXTREMES}
-    if cycle is not None:
-        found = cycle.extremes()
-        result = {
-            name: {"max": found[name][0].as_json(), "min": found[name][1].as_json()} for name in EXTREMES
-        }
-    elif analysis is not None:
+def extremes_of(analysis: LoadAnalysis | None) -> dict[str, Range]:
+    """Return the extremes of every curve; of a scene without curves the peaks that it gives."""
+    result = dict.fromkeys(EXTREMES, Range())
+    if analysis is not None and analysis.cycle is not None:
+        found = analysis.cycle.extremes()
+        return {name: Range(max=_at(found[name][0]), min=_at(found[name][1])) for name in EXTREMES}
+    if analysis is not None:
         engine = analysis.engine
-        result["gas_force_N"]["max"]["value"] = engine.max_gas_force_N
-        result["torque_Nm"]["max"]["value"] = engine.max_torque_Nm
-        result["torque_Nm"]["min"]["value"] = engine.min_torque_Nm
+        result["gas_force_N"] = Range(max=At(value=engine.max_gas_force_N))
+        result["torque_Nm"] = Range(max=At(value=engine.max_torque_Nm), min=At(value=engine.min_torque_Nm))
     return result
 
 
-def _engine_torque(cycle: Cycle | None) -> dict[str, float | None]:
+def engine_torque_of(cycle: Cycle | None) -> EngineTorque:
+    """Return mean and extremes of the engine's torque."""
     if cycle is None:
-        return {"mean": None, "max": None, "max_deg": None, "min": None, "min_deg": None}
+        return EngineTorque()
     mean, high, low = cycle.engine_torque()
-    return {
-        "mean": mean,
-        "max": high.value,
-        "max_deg": high.deg,
-        "min": low.value,
-        "min_deg": low.deg,
-    }
+    return EngineTorque(mean=mean, max=high.value, max_deg=high.deg, min=low.value, min_deg=low.deg)
+
+
+def balance_of(found: ThrowBalance) -> ThrowMasses:
+    """Return the balance of a throw with units in the names."""
+    return ThrowMasses(
+        rotating_unbalance_kg_mm=found.rotating_unbalance_kg_mm,
+        inertia_kg_mm2=found.inertia_kg_mm2,
+        counterweight_kg_mm=found.counterweight_kg_mm,
+        own_counterweight_kg_mm=found.own_counterweight_kg_mm,
+        own_counterweight_kg=found.own_counterweights_kg[0],
+        own_second_counterweight_kg=found.own_counterweights_kg[1],
+        throw_unbalance_kg_mm=found.throw_unbalance_kg_mm,
+        lateral_unbalance_kg_mm=found.lateral_unbalance_kg_mm,
+        rod_inertia_kg_mm2=found.rod_inertia_kg_mm2,
+        throw_mass_kg=found.mass_kg,
+        web_mass_kg=found.web_kg,
+        second_web_mass_kg=found.second_web_kg,
+        journal_mass_kg=found.journal_kg,
+        crankpin_mass_kg=found.crankpin_kg,
+    )
+
+
+def state_of(state: ExtremeState) -> LoadState:
+    """Return an extreme state with its loads beside its name."""
+    case = state.case
+    return LoadState(
+        name=state.name,
+        deg=state.deg,
+        kind=case.kind,
+        radial_N=case.radial_N,
+        tangential_N=case.tangential_N,
+        torque_Nm=case.torque_Nm,
+        speed_rpm=case.speed_rpm,
+        redundant_because=state.redundant,
+    )
+
+
+def _at(extreme: Extreme) -> At:
+    return At(value=extreme.value, deg=extreme.deg)

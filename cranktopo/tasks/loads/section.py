@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from cranktopo.engine.analysis import LoadAnalysis
+from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.page import Section
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import Column, tabulate
 from cranktopo.tasks.loads.plot import PANELS
 
-_Entry = Mapping[str, Any]
-_LOAD_COLUMNS: tuple[Column[_Entry], ...] = (
-    Column("load_case", 0, lambda case: case["name"]),
-    Column("radial_N", 0, lambda case: case["radial_N"] or None),
-    Column("tangential_N", 0, lambda case: case["tangential_N"] or None),
-    Column("torque_Nm", 1, lambda case: case["torque_Nm"] or None),
-    Column("from", 0, lambda case: case["from"]),
+_LOAD_COLUMNS: tuple[Column[LoadCase], ...] = (
+    Column("load_case", 0, lambda case: case.name),
+    Column("radial_N", 0, lambda case: case.radial_N or None),
+    Column("tangential_N", 0, lambda case: case.tangential_N or None),
+    Column("torque_Nm", 1, lambda case: case.torque_Nm or None),
+    Column("from", 0, lambda case: case.source),
 )
 _LOAD_ALT = (
     "Gas force, inertia force of the piston and their sum over the crank angle",
@@ -26,8 +25,8 @@ _LOAD_ALT = (
 )
 
 
-def loads_section(analysis: LoadAnalysis | None, cases: Sequence[Mapping[str, Any]]) -> Section:
-    """Load cases as `loads --json` holds them, and the curves over the cycle of an engine with gas data."""
+def loads_section(analysis: LoadAnalysis | None, cases: Sequence[LoadCase]) -> Section:
+    """Return the section of load cases and the curves over the cycle of an engine with gas data."""
     table = tabulate(_LOAD_COLUMNS, cases)
     pictures: tuple[Picture, ...] = ()
     text = "The scene names no engine: unit loads, so that stiffnesses are what counts."

@@ -4,28 +4,66 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import replacing
-from cranktopo.design.assumed import LOADS, THROW, VIBRATION, assumed_json, assumptions
+from cranktopo.design.assumed import LOADS, THROW, VIBRATION, Assumption, assumptions
+from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.cases import load_cases
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import extreme_states
 from cranktopo.tasks.loads.plot import plot_loads
-from cranktopo.tasks.loads.result import curve_columns, loads_json
+from cranktopo.tasks.loads.result import (
+    Loads,
+    SeriesDifference,
+    WebClearance,
+    balance_of,
+    curve_columns,
+    engine_torque_of,
+    extremes_of,
+    state_of,
+)
 
 
-def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> list[dict[str, Any]]:
-    """One object of `loads --json` per speed; by default that of the scene's own speed."""
-    found = []
-    for at in _at_speeds(scene, speeds_rpm):
-        effects = plan(at)
-        assumed = assumed_json(assumptions(scene, (THROW, LOADS, VIBRATION)))
-        found.append({**loads_json(at, effects.enabled), "effects": effects.as_json(), "assumed": assumed})
-    return found
+def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> tuple[Loads, ...]:
+    """Return the loads of a scene at each speed, by default at its own alone.
+
+    Curves and extremes carry every mass; the load cases carry the effects that the plan has on.
+
+    Raises:
+        CranktopoError: gas data that cannot be used.
+    """
+    assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
+    return tuple(_loads(at, plan(at), assumed) for at in _at_speeds(scene, speeds_rpm))
+
+
+def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:
+    engine, analysis = scene.engine, analyse(scene) if scene.engine else None
+    cycle = analysis.cycle if analysis else None
+    return Loads(
+        design=scene.name,
+        speed_rpm=engine.speed_rpm if engine else None,
+        cycle_deg=engine.cycle_deg if engine else None,
+        rods_per_pin=engine.rods_per_pin if engine else None,
+        points=len(cycle.forces.angle_deg) if cycle else 0,
+        pressure_source=cycle.pressure.source if cycle else None,
+        extremes=extremes_of(analysis),
+        engine_torque_Nm=engine_torque_of(cycle),
+        indicated_work_per_cylinder_J=cycle.indicated_work_J if cycle else None,
+        series_difference_percent=SeriesDifference(**cycle.series_difference_percent) if cycle else None,
+        balance=balance_of(throw_balance(scene)),
+        clearance=WebClearance(room_mm=clearances_mm(scene), told=clearance_text(scene)),
+        load_cases=load_cases(scene, effects.enabled),
+        extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
+        effects=effects.effects,
+        assumed=assumed,
+    )
 
 
 def write_load_curves(scene: Scene, path: Path, speeds_rpm: Sequence[float] | None = None) -> None:

@@ -2,62 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
+from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.text_table import text_table
+from cranktopo.tasks.loads.result import Loads, LoadState, Range, ThrowMasses
 
 
-def loads_text(loads: dict[str, Any]) -> str:
-    """Tables of one speed: extremes, engine torque, balance, load cases."""
+def loads_text(loads: Loads) -> str:
+    """Return the tables of one speed: extremes, engine torque, balance, load cases."""
     parts = [_heading(loads)]
-    if loads["points"]:
-        parts += [_extremes(loads["extremes"]), _two_rods(loads["rods_per_pin"]), _torque(loads)]
-    clearance = loads["clearance"]["told"]
-    parts += [_balance(loads["balance"]), clearance and f"room of web and counterweight: {clearance}"]
-    parts += [_cases(loads["load_cases"]), _redundant(loads["extreme_states"])]
+    if loads.points:
+        parts += [_extremes(loads.extremes), _two_rods(loads.rods_per_pin), _torque(loads)]
+    clearance = loads.clearance.told
+    parts += [_balance(loads.balance), clearance and f"room of web and counterweight: {clearance}"]
+    parts += [_cases(loads.load_cases), _redundant(loads.extreme_states)]
     return "\n\n".join(part for part in parts if part)
 
 
-def sweep_text(sweep: Sequence[dict[str, Any]]) -> str:
-    """One row per speed."""
+def sweep_text(sweep: Sequence[Loads]) -> str:
+    """Return one row per speed."""
     header = ["speed rpm", "small end N", "inertia N", "radial N", "tangential N", "main journal N"]
     header += ["engine N m mean", "max", "min"]
     rows = []
     for loads in sweep:
-        extremes, torque = loads["extremes"], loads["engine_torque_Nm"]
-        cells = [f"{loads['speed_rpm']:g}", _number(extremes["small_end_force_N"]["max"]["value"])]
-        cells.append(_number(extremes["inertia_force_N"]["min"]["value"]))
+        extremes, torque = loads.extremes, loads.engine_torque_Nm
+        cells = [f"{loads.speed_rpm:g}", _number(extremes["small_end_force_N"].max.value)]
+        cells.append(_number(extremes["inertia_force_N"].min.value))
         cells += [
-            _number(extremes[name]["max"]["value"])
+            _number(extremes[name].max.value)
             for name in ("web_force_N", "tangential_force_N", "main_journal_force_N")
         ]
-        rows.append([*cells, *(_number(torque[key]) for key in ("mean", "max", "min"))])
+        rows.append([*cells, *(_number(value) for value in (torque.mean, torque.max, torque.min))])
     return text_table("r" * len(header), header, rows)
 
 
-def _heading(loads: dict[str, Any]) -> str:
-    if loads["speed_rpm"] is None:
-        return f"{loads['design']}: no engine, unit loads"
-    heading = f"{loads['design']} at {loads['speed_rpm']:g} rpm"
-    if not loads["points"]:
+def _heading(loads: Loads) -> str:
+    if loads.speed_rpm is None:
+        return f"{loads.design}: no engine, unit loads"
+    heading = f"{loads.design} at {loads.speed_rpm:g} rpm"
+    if not loads.points:
         return f"{heading}: the scene gives only peak loads, no curves"
-    return f"{heading}, cycle {loads['cycle_deg']:g} deg\npressure: {loads['pressure_source']}"
+    return f"{heading}, cycle {loads.cycle_deg:g} deg\npressure: {loads.pressure_source}"
 
 
-def _extremes(extremes: dict[str, Any]) -> str:
+def _extremes(extremes: Mapping[str, Range]) -> str:
     rows = []
     for name, pair in extremes.items():
         label, unit = name.rsplit("_", 1)
         cells = []
-        for end in (pair["max"], pair["min"]):
-            cells += [_number(end["value"]), f"{end['deg']:g}"]
+        for end in (pair.max, pair.min):
+            cells += [_number(end.value), f"{end.deg:g}"]
         rows.append([label.replace("_", " "), {"Nm": "N m"}.get(unit, unit), *cells])
     return text_table("llrrrr", ("extremes of one throw", "unit", "max", "at deg", "min", "at deg"), rows)
 
 
-def _two_rods(rods: int) -> str:
-    if rods == 1:
+def _two_rods(rods: int | None) -> str:
+    if rods in (None, 1):
         return ""
     return (
         "Two rods on each pin: the torque is that of both; radial, tangential, web and main journal force\n"
@@ -66,40 +67,44 @@ def _two_rods(rods: int) -> str:
     )
 
 
-def _torque(loads: dict[str, Any]) -> str:
-    torque, difference = loads["engine_torque_Nm"], loads["series_difference_percent"]
+def _torque(loads: Loads) -> str:
+    torque, difference = loads.engine_torque_Nm, loads.series_difference_percent
+    if difference is None:
+        return ""
     return (
-        f"engine torque: mean {_number(torque['mean'])} N m, max {_number(torque['max'])} at "
-        f"{torque['max_deg']:g} deg, min {_number(torque['min'])} at {torque['min_deg']:g} deg\n"
-        f"indicated work per cylinder and cycle: {loads['indicated_work_per_cylinder_J']:.1f} J\n"
-        f"textbook series off the exact motion: displacement {difference['displacement']:.2f} %, "
-        f"velocity {difference['velocity']:.2f} %, acceleration {difference['acceleration']:.2f} %"
+        f"engine torque: mean {_number(torque.mean)} N m, max {_number(torque.max)} at "
+        f"{torque.max_deg:g} deg, min {_number(torque.min)} at {torque.min_deg:g} deg\n"
+        f"indicated work per cylinder and cycle: {loads.indicated_work_per_cylinder_J:.1f} J\n"
+        f"textbook series off the exact motion: displacement {difference.displacement:.2f} %, "
+        f"velocity {difference.velocity:.2f} %, acceleration {difference.acceleration:.2f} %"
     )
 
 
-def _balance(balance: dict[str, float]) -> str:
-    needed = balance["counterweight_kg_mm"]
-    one, other = balance["own_counterweight_kg"], balance["own_second_counterweight_kg"]
+def _balance(balance: ThrowMasses) -> str:
+    needed = balance.counterweight_kg_mm
+    one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
-    own = f"\nits counterweights: {masses} kg take {balance['own_counterweight_kg_mm']:.2f} kg mm"
+    own = f"\nits counterweights: {masses} kg take {balance.own_counterweight_kg_mm:.2f} kg mm"
     return (
-        f"balance of the throw: rotating unbalance {balance['rotating_unbalance_kg_mm']:.2f} kg mm "
-        f"(throw alone {balance['throw_unbalance_kg_mm']:.2f}), counterweights "
+        f"balance of the throw: rotating unbalance {balance.rotating_unbalance_kg_mm:.2f} kg mm "
+        f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights "
         f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, "
-        f"inertia {balance['inertia_kg_mm2']:.0f} kg mm2, mass "
-        f"{balance['throw_mass_kg']:.3f} kg{own if one or other else ''}"
+        f"inertia {balance.inertia_kg_mm2:.0f} kg mm2, mass "
+        f"{balance.throw_mass_kg:.3f} kg{own if one or other else ''}"
     )
 
 
-def _cases(cases: Sequence[dict[str, Any]]) -> str:
+def _cases(cases: Sequence[LoadCase]) -> str:
     header = ("load case", "radial N", "tangential N", "torque N m", "body rpm", "from")
-    keys = ("radial_N", "tangential_N", "torque_Nm", "speed_rpm")
-    rows = [[case["name"], *(_number(case[key]) for key in keys), case["from"]] for case in cases]
+    rows = []
+    for case in cases:
+        loads = (case.radial_N, case.tangential_N, case.torque_Nm, case.speed_rpm)
+        rows.append([case.name, *map(_number, loads), case.source])
     return text_table("lrrrrl", header, rows)
 
 
-def _redundant(states: Sequence[dict[str, Any]]) -> str:
-    lines = [f"  {s['name']}: {s['redundant_because']}" for s in states if s["redundant_because"]]
+def _redundant(states: Sequence[LoadState]) -> str:
+    lines = [f"  {s.name}: {s.redundant_because}" for s in states if s.redundant_because]
     return "\n".join(["states that need no load case of their own:", *lines]) if lines else ""
 
 

@@ -81,7 +81,7 @@ def run_metrics(
         surface=surface,
         solver=_solver(problem, state, result),
         peak_memory_MiB=peak_memory_MiB(),
-        effects=prepared.plan.as_json(),
+        effects=prepared.plan.effects,
         notices=list(prepared.notices),
         **others,
     )
@@ -130,7 +130,7 @@ def _load_cases(
             error_estimate_percent=errors.get(case.kind),
             compliance_N_mm=case.compliance_N_mm,
             support=supports.get(case.kind, scene.supports.bending),
-            load=load.as_json(),
+            load=load,
         )
         for case, load in zip(result.cases, problem.model.cases, strict=True)
     }

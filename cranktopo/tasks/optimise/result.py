@@ -9,6 +9,8 @@ from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.effect import Effect
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import read_result
@@ -55,7 +57,7 @@ class CaseMetrics(Result):
     error_estimate_percent: float | None = UNLESS_NONE
     compliance_N_mm: float
     support: str
-    load: dict[str, Any]
+    load: LoadCase
 
     @property
     def stiffness(self) -> float:
@@ -127,7 +129,7 @@ class RunMetrics(Result):
     seconds: RunSeconds
     peak_memory_MiB: float
     files: dict[str, str]
-    effects: list[dict[str, Any]]
+    effects: tuple[Effect, ...]
     notices: list[str] = Field(default_factory=list)
     assumed: list[dict[str, Any]] = Field(default_factory=list)
     bound: NoBound | BoundStatements | None = UNLESS_NONE

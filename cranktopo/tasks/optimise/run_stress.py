@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 
 import numpy as np
 
@@ -32,7 +31,7 @@ def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) 
     path = run.path / surface
     found = case_stress(Target(run.name, scene, path), cases, progress=progress)
     about = {
-        "cases": [asdict(case) for case in found.cases],
+        "cases": [case.model_dump(by_alias=False) for case in found.cases],
         "element_size_mm": found.element_size_mm,
         "mirrored": found.mirrored,
         "surface_sha256": file_hash(path),

@@ -35,7 +35,6 @@ def command(
         SUPPORTS,
         THROW,
         VIBRATION,
-        assumed_json,
         assumed_text,
         assumptions,
     )
@@ -46,6 +45,7 @@ def command(
     from cranktopo.design.shaft import shaft_warnings
     from cranktopo.engine.plan.cost import effort
     from cranktopo.engine.plan.planning import plan
+    from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
     from cranktopo.tasks.plan.text import plan_text
 
     scene = with_goal_options(load_scene(design, whole=True), minimise, maximise, limits)
@@ -54,15 +54,14 @@ def command(
     todo = effort(scene)
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL))
     if as_json:
-        payload = {
-            "schema_version": 1,
-            "design": scene.name,
-            **({} if goal is None else {"goal": stated_goal(goal).as_json()}),
-            "effects": effects.as_json(),
-            "evaluations": {"number": todo.evaluations, "seconds": todo.evaluation_seconds},
-            "assumed": assumed_json(assumed),
-        }
-        click.echo(json.dumps(payload, indent=2))
+        found = DesignPlan(
+            design=scene.name,
+            goal=None if goal is None else stated_goal(goal),
+            effects=effects.effects,
+            evaluations=PlannedEvaluations(number=todo.evaluations, seconds=todo.evaluation_seconds),
+            assumed=assumed,
+        )
+        click.echo(json.dumps(found.as_json(), indent=2))
     else:
         click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %")
         if goal is not None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from cranktopo.engine.plan.effect import EffectPlan
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.report.text_table import text_table
 
 
-def plan_text(plan: EffectPlan) -> str:
+def plan_text(plan: PhysicsPlan) -> str:
     """One row per effect: state, estimate, cost, reason, and what leaving it out changes."""
     rows = []
     for effect in plan.effects:

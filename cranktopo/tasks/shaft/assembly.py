@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
+from cranktopo.base.result import Result
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
@@ -30,8 +30,7 @@ _LENGTH_MM = 50.0
 """Scales rotations to displacements where a rank is decided."""
 
 
-@dataclass(frozen=True)
-class ShaftStiffness:
+class ShaftStiffness(Result):
     """Torsion of a whole shaft under equal and opposite end torques.
 
     Attributes:
@@ -112,7 +111,8 @@ def shaft_stiffness(shaft: Array, bearings: Bearings, spring_N_per_mm: float = 0
     twist[kept] = _solve_singular(stiffness[np.ix_(kept, kept)], torque[kept], kept)
     steps = np.diff(twist[RZ::6])
     per_throw = tuple(float(1.0 / step / NMM_PER_NM) for step in steps)
-    return ShaftStiffness(float(1.0 / steps.sum() / NMM_PER_NM), per_throw)
+    end_to_end = float(1.0 / steps.sum() / NMM_PER_NM)
+    return ShaftStiffness(end_to_end_Nm_per_rad=end_to_end, throws_Nm_per_rad=per_throw)
 
 
 def _turn(angle: float) -> Array:

@@ -65,12 +65,12 @@ def _text(shaft: ShaftEvaluation) -> str:
             tuple(
                 {"throw": str(number), "angle_deg": angle, "torsion_kNm_per_rad": stiffness / 1000}
                 for number, (angle, stiffness) in enumerate(
-                    zip(shaft.angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True), start=1
+                    zip(shaft.throw_angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True), start=1
                 )
             ),
         )
     )
-    frequencies = ", ".join(f"{f:.0f}" for f in shaft.disks.natural_frequencies_Hz())
+    frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
     error = shaft.error_percent
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     return (

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+
+from pydantic import Field
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
+from cranktopo.base.result import Result
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
-from cranktopo.design.assumed import LOADS, SHAFT, Assumption, assumed_json, filter_by_table
+from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.plan.planning import plan
-from cranktopo.numerics.disk_chain import DiskChain
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors
 from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent, change_bound_percent
@@ -39,43 +40,56 @@ from cranktopo.tasks.shaft.assembly import (
 from cranktopo.tasks.shaft.torsional import disk_model
 
 
-@dataclass(frozen=True)
-class ShaftEvaluation:
-    """A whole crankshaft.
+class TorsionError(Result):
+    """Bound of the discretisation error of the stiffnesses, percent."""
 
-    Attributes:
-        throw_inertia_kg_mm2: of one throw alone about the crank axis, kg mm2.
-        error_percent: bound of the stiffnesses' discretisation error.
-        assumed: what the design does not say and the shaft depends on.
-    """
+    torsion: float
 
+
+class OpenTorsionDisk(Result):
+    """Arguments of openTorsion's `Disk`, SI units."""
+
+    node: int
+    I: float  # noqa: E741 - the name that openTorsion has for it
+
+
+class OpenTorsionShaft(Result):
+    """Arguments of openTorsion's `Shaft`, SI units."""
+
+    nl: int
+    nr: int
+    k: float
+    I: float  # noqa: E741 - the name that openTorsion has for it
+
+
+class OpenTorsion(Result):
+    """The shaft as openTorsion takes it."""
+
+    disks: tuple[OpenTorsionDisk, ...]
+    shafts: tuple[OpenTorsionShaft, ...]
+
+
+class ShaftEvaluation(Result):
+    """A whole crankshaft: the object that `shaft --json` prints."""
+
+    schema_version: int = SCHEMA_VERSION
     design: str
-    angles_deg: tuple[float, ...]
+    throw_angles_deg: tuple[float, ...]
     bearings: Bearings
     mass_kg: float
-    throw_inertia_kg_mm2: float
-    stiffness: ShaftStiffness
-    error_percent: float
-    disks: DiskChain
+    stiffness: ShaftStiffness = Field(validation_alias="torsion", serialization_alias="torsion")
+    error_estimate_percent: TorsionError
+    natural_frequencies_Hz: tuple[float, ...]
+    opentorsion: OpenTorsion
     assumed: tuple[Assumption, ...]
+    """Keys that the design does not give and the shaft depends on."""
+    throw_inertia_kg_mm2: float = Field(exclude=True)
+    """Inertia of one throw alone about the crank axis, kg mm2."""
 
-    def as_json(self) -> dict[str, Any]:
-        """The object that `shaft --json` prints."""
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "design": self.design,
-            "throw_angles_deg": list(self.angles_deg),
-            "bearings": self.bearings,
-            "mass_kg": self.mass_kg,
-            "torsion": {
-                "end_to_end_Nm_per_rad": self.stiffness.end_to_end_Nm_per_rad,
-                "throws_Nm_per_rad": list(self.stiffness.throws_Nm_per_rad),
-            },
-            "error_estimate_percent": {"torsion": self.error_percent},
-            "natural_frequencies_Hz": list(self.disks.natural_frequencies_Hz()),
-            "opentorsion": self.disks.as_opentorsion(),
-            "assumed": assumed_json(self.assumed),
-        }
+    @property
+    def error_percent(self) -> float:
+        """Bound of the stiffnesses' discretisation error, percent."""
+        return self.error_estimate_percent.torsion
 
 
 def evaluate_shaft(
@@ -102,7 +116,18 @@ def evaluate_shaft(
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * meshed_throw_kg(meshed, scene)
     assumed = filter_by_table(target.assumed, shaft_tables(scene, bearings))
-    return ShaftEvaluation(target.name, angles, bearings, mass, inertia, stiffness, error, disks, assumed)
+    return ShaftEvaluation(
+        design=target.name,
+        throw_angles_deg=angles,
+        bearings=bearings,
+        mass_kg=mass,
+        stiffness=stiffness,
+        error_estimate_percent=TorsionError(torsion=error),
+        natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
+        opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
+        assumed=assumed,
+        throw_inertia_kg_mm2=inertia,
+    )
 
 
 def with_throw_stiffness(target: Target, info: Info = lambda _: None) -> Target:

@@ -20,6 +20,7 @@ from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
@@ -147,7 +148,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
         CranktopoError: no envelope, or a failed solve.
     """
     domain = domain_without_free_bores(scene, resolution_mm)
-    effects = plan(scene).enabled - {"tangential", "centrifugal"} | {"bending", "torsion"}
+    effects = plan(scene).enabled - set(LOAD_TYPES) | set(MAIN_KINDS)
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction

@@ -60,9 +60,11 @@ def command(
 
     Example: cranktopo vibration my-engine.toml --report vibration.html
     """
+    from cranktopo.design.assumed import LOADS, SHAFT, VIBRATION, filter_by_table
     from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import Bearings
-    from cranktopo.tasks.vibration.stage import shaft_vibration, vibration_json
+    from cranktopo.tasks.vibration.result import vibration_result
+    from cranktopo.tasks.vibration.stage import shaft_vibration
     from cranktopo.tasks.vibration.text import vibration_text
 
     resolved = resolve_target(target, design, align=align, whole=True)
@@ -70,4 +72,8 @@ def command(
     study = shaft_vibration(
         resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s, info=info
     )
-    click.echo(json.dumps(vibration_json(resolved, study), indent=2) if as_json else vibration_text(study))
+    assumed = filter_by_table(resolved.assumed, (*SHAFT, LOADS, VIBRATION))
+    if as_json:
+        click.echo(json.dumps(vibration_result(study, assumed).as_json(), indent=2))
+    else:
+        click.echo(vibration_text(study))

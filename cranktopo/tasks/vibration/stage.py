@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cranktopo.base.files import replacing
-from cranktopo.design.assumed import LOADS, SHAFT, VIBRATION, assumed_json, filter_by_table
+from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
 from cranktopo.engine.vibration.study import VibrationStudy, study_vibration
@@ -65,12 +64,6 @@ def shaft_vibration(
         _write_orders(study, csv)
         info(str(csv))
     return study
-
-
-def vibration_json(target: Target, study: VibrationStudy) -> dict[str, Any]:
-    """The object that `vibration --json` prints."""
-    assumed = filter_by_table(target.assumed, (*SHAFT, LOADS, VIBRATION))
-    return {**study.as_json(), "assumed": assumed_json(assumed)}
 
 
 def _studied(
