@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cranktopo.base.spans import Section, Span
 
 Coordinates = NDArray[np.float64]
-Indices = NDArray[np.intp]
+_Indices = NDArray[np.intp]
 
 
 def polygon_section(contours: list[Coordinates]) -> Section:
@@ -33,7 +33,7 @@ def polygon_section(contours: list[Coordinates]) -> Section:
     return spans
 
 
-def _crossings(start: Coordinates, end: Coordinates, places: Coordinates) -> tuple[Indices, Indices]:
+def _crossings(start: Coordinates, end: Coordinates, places: Coordinates) -> tuple[_Indices, _Indices]:
     """Edges and places of all pairs in which an edge passes a place; a corner belongs to the edge above."""
     order = np.argsort(places, kind="stable")
     first = np.searchsorted(places, np.minimum(start, end), sorter=order)
@@ -60,7 +60,7 @@ def self_intersection(points: Coordinates) -> tuple[float, float] | None:
     return _meeting(points, ends, first[apart], second[apart])
 
 
-def _meeting(starts: Coordinates, ends: Coordinates, i: Indices, j: Indices) -> tuple[float, float] | None:
+def _meeting(starts: Coordinates, ends: Coordinates, i: _Indices, j: _Indices) -> tuple[float, float] | None:
     """Where the first pair of edges meets that has a point in common."""
     sides = [
         np.sign(_cross(ends[a] - starts[a], point - starts[a]))

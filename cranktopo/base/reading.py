@@ -9,7 +9,7 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError
 
 MIB = 1024**2
-TEXT_LIMIT_MIB = 16
+_TEXT_LIMIT_MIB = 16
 """Designs, tables, manifests and metrics; the largest that the program writes has 2 MiB."""
 GEOMETRY_LIMIT_MIB = 1024
 """STL and STEP: 20 million triangles."""
@@ -69,7 +69,7 @@ def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") ->
     return content
 
 
-def read_text_file(path: str | Path, name: str, limit_MiB: float = TEXT_LIMIT_MIB, hint: str = "") -> str:
+def read_text_file(path: str | Path, name: str, limit_MiB: float = _TEXT_LIMIT_MIB, hint: str = "") -> str:
     """Text of a UTF-8 file, with or without a byte-order mark.
 
     Args:

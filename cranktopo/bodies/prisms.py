@@ -22,7 +22,7 @@ from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvel
 from cranktopo.throw.geometry import Journal
 from cranktopo.throw.web import kept_bodies
 
-CHORD_ERROR_MM = 0.002
+_CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
 _OVERLAP_MM = 0.2
 _SLICES = 32
@@ -36,7 +36,7 @@ def segments(radius_mm: float) -> int:
 
     The chord error of a side that spans 2 pi / n is r (1 - cos(pi / n)).
     """
-    sides = math.pi / math.acos(max(0.0, 1 - CHORD_ERROR_MM / radius_mm))
+    sides = math.pi / math.acos(max(0.0, 1 - _CHORD_ERROR_MM / radius_mm))
     return max(32, 8 * math.ceil(sides / 8))
 
 

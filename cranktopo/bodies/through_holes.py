@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.bodies.envelope_file import section
 from cranktopo.design.schema import Scene
 
-Contour = NDArray[np.float64]
+_Contour = NDArray[np.float64]
 
 
 def envelope_z_mm(scene: Scene) -> tuple[float, float]:
@@ -24,7 +24,7 @@ def envelope_z_mm(scene: Scene) -> tuple[float, float]:
     return start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
 
 
-def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[Contour]]:
+def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[_Contour]]:
     """Contours (n, 2), mm, of the holes at each height; none at heights that the envelope may not fill.
 
     A hole counts with all its steps and chamfers if some line along the crank axis passes through it at all
@@ -40,7 +40,7 @@ def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[Contou
     return [[c for c in layer if not (_region([c]) ^ through).is_empty()] for layer in layers]
 
 
-def _holes(scene: Scene, z_mm: float) -> list[Contour]:
+def _holes(scene: Scene, z_mm: float) -> list[_Contour]:
     """Inner contours of the envelope's cross-section; none where its file is gone."""
     envelope = scene.envelope
     if envelope is None or envelope.stl_file is None or not envelope.stl_file.is_file():
@@ -49,11 +49,11 @@ def _holes(scene: Scene, z_mm: float) -> list[Contour]:
     return [contour for contour in contours if _area(contour) < 0]
 
 
-def _area(contour: Contour) -> float:
+def _area(contour: _Contour) -> float:
     """Signed area, positive counter-clockwise."""
     x, y = contour.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
-def _region(contours: list[Contour]) -> CrossSection:
+def _region(contours: list[_Contour]) -> CrossSection:
     return CrossSection(contours, FillRule.NonZero) if contours else CrossSection()

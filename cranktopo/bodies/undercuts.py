@@ -15,7 +15,7 @@ from cranktopo.bodies.prisms import envelope_holes, journal_ends, web_bores, web
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 
-NEGLIGIBLE_SHARE = 1e-4
+_NEGLIGIBLE_SHARE = 1e-4
 """Undercuts below this share of the web are grazing slivers that the triangles themselves do not resolve."""
 _BEYOND_MM = 1.0
 _TOUCH_MM = 1e-3
@@ -42,7 +42,7 @@ class Undercuts:
     @property
     def negligible(self) -> bool:
         """True if the process leaves the web as it is."""
-        return self.volume_mm3 <= NEGLIGIBLE_SHARE * self.web_mm3
+        return self.volume_mm3 <= _NEGLIGIBLE_SHARE * self.web_mm3
 
     def as_json(self) -> dict[str, Any]:
         """The values by name."""

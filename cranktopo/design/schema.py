@@ -33,8 +33,8 @@ from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.geometry import ThrowTable
 from cranktopo.throw.outline import Web
 
-EffectState = Literal["auto", "on", "off"]
-FkmGroup = Literal[
+_EffectState = Literal["auto", "on", "off"]
+_FkmGroup = Literal[
     "Steel",
     "Forg_Steel",
     "CaseHard_Steel",
@@ -78,7 +78,7 @@ class Material(SceneTable):
     """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
     fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
     """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
-    fkm_group: FkmGroup = "Steel"
+    fkm_group: _FkmGroup = "Steel"
     """Material group of the FKM guideline, for `fatigue --method fkm`."""
     source: str = ""
     """Where the values come from."""
@@ -94,33 +94,33 @@ class Effects(SceneTable):
 
     threshold: float = Field(default=0.02, ge=1e-6, le=0.99)
     """Relative change below which `auto` leaves an effect out."""
-    bending: EffectState = "auto"
+    bending: _EffectState = "auto"
     """Load case of the largest radial force."""
-    torsion: EffectState = "auto"
+    torsion: _EffectState = "auto"
     """Load case of the largest torque."""
-    tangential: EffectState = "auto"
+    tangential: _EffectState = "auto"
     """Load case of the force across the throw on the crankpin."""
-    reciprocating_inertia: EffectState = "auto"
+    reciprocating_inertia: _EffectState = "auto"
     """Inertia of piston and upper end of the rod in the rod force."""
-    rotating_rod_mass: EffectState = "auto"
+    rotating_rod_mass: _EffectState = "auto"
     """Centrifugal force of the rod's big end on the crankpin."""
-    centrifugal: EffectState = "auto"
+    centrifugal: _EffectState = "auto"
     """Load case of the rotating throw's own body force, at the overspeed if one is given."""
-    torsional_vibration: EffectState = "auto"
+    torsional_vibration: _EffectState = "auto"
     """Torque of the vibrating shaft at its worst speed in place of the quasi-static one; needs `[shaft]`."""
-    bearing_compliance: EffectState = "auto"
+    bearing_compliance: _EffectState = "auto"
     """Springs of the main bearings in series with the throw."""
-    fillets: EffectState = "auto"
+    fillets: _EffectState = "auto"
     """Fillets of the journals in the body-fitted evaluation."""
-    bores: EffectState = "auto"
+    bores: _EffectState = "auto"
     """Bores of journals and web; off: solid journals."""
-    lateral_symmetry: EffectState = "auto"
+    lateral_symmetry: _EffectState = "auto"
     """Use of the mirror plane x = 0: half the cells, same answer."""
-    manufacturing_constraint: EffectState = "auto"
+    manufacturing_constraint: _EffectState = "auto"
     """Forging, casting or milling constraint of the density optimisation; needs `optimise.process`."""
-    fatigue: EffectState = "auto"
+    fatigue: _EffectState = "auto"
     """Fatigue safety in the plan and in `compare`."""
-    bound: EffectState = "auto"
+    bound: _EffectState = "auto"
     """What no web of the envelope can beat, proven and told beside a result."""
 
 
@@ -137,7 +137,7 @@ class Weights(SceneTable):
     """Weight of the centrifugal case; at 0 the plan leaves it out."""
 
 
-OptimiserMethod = Literal["auto", "optimality_criteria", "moving_asymptotes"]
+_OptimiserMethod = Literal["auto", "optimality_criteria", "moving_asymptotes"]
 
 
 class Optimise(SceneTable):
@@ -159,7 +159,7 @@ class Optimise(SceneTable):
     weights: Weights = Weights()
     combine: Literal["sum", "worst"] = "sum"
     """Without a goal: minimise the weighted `sum` of the load cases' compliances, or the `worst` of them."""
-    method: OptimiserMethod = "auto"
+    method: _OptimiserMethod = "auto"
     """How the next design is found: `optimality_criteria` for the plain sum at a volume fraction, the method
     of `moving_asymptotes` for anything; `auto`: the former where it can."""
     limits_by_evaluation: bool = True
@@ -251,7 +251,7 @@ class Scene(SceneTable):
             raise explain(error, self.name, ("optimise",)) from None
         return self.model_copy(update={"optimise": settings})
 
-    def with_effect(self, effect: str, state: EffectState) -> Scene:
+    def with_effect(self, effect: str, state: _EffectState) -> Scene:
         """The scene with one effect switched; the same object when it is so already."""
         if getattr(self.effects, effect) == state:
             return self

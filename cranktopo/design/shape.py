@@ -32,7 +32,7 @@ Range = Annotated[
     BeforeValidator(_ascending),
     WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": LARGEST_MM}),
 ]
-AngleRange = Annotated[
+_AngleRange = Annotated[
     tuple[float, float],
     BeforeValidator(lambda value: _ascending(value, 90.0, "deg", "[40.0, 75.0]")),
     WithJsonSchema({"type": "array", "kind": "least and greatest", "minimum": 0, "maximum": 90}),
@@ -64,7 +64,7 @@ class FreeDimensions(SceneTable):
     gets thicker."""
     counterweight_radius_mm: Range | None = Field(default=None, examples=[[50.0, 70.0]])
     """Range of the counterweight's outer radius."""
-    counterweight_angle_deg: AngleRange | None = Field(default=None, examples=[[40.0, 75.0]])
+    counterweight_angle_deg: _AngleRange | None = Field(default=None, examples=[[40.0, 75.0]])
     """Range of the counterweight's half-angle; 5 to 90."""
 
 

@@ -13,7 +13,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.supports import RollerBearing
 from cranktopo.engine.gas import gas_force_N, pressure_curve
 
-LIFE_EXPONENT = 10 / 3
+_LIFE_EXPONENT = 10 / 3
 """Of line contact, ISO 281."""
 
 
@@ -23,9 +23,9 @@ def bearing_spring_N_per_mm(scene: Scene) -> float | None:
     if supports.bearing_spring_N_per_mm is not None:
         return supports.bearing_spring_N_per_mm
     if supports.roller_bearing is not None:
-        return roller_bearing_spring_N_per_mm(supports.roller_bearing)
+        return _roller_bearing_spring_N_per_mm(supports.roller_bearing)
     if supports.bearing_clearance_mm is not None:
-        return clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
+        return _clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
     return None
 
 
@@ -57,7 +57,7 @@ def max_gas_force_N(scene: Scene) -> float:
     return float(gas_force_N(curve.pressure_MPa, engine).max())
 
 
-def clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:
+def _clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:
     """Spring of a plain bearing: half the largest piston force moves the journal by 0.8 of the clearance.
 
     Args:
@@ -79,7 +79,7 @@ def roller_spring_N_per_mm(bearing: RollerBearing) -> float:
     return float((dx * dy).sum() / (dx**2).sum())
 
 
-def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
+def _roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
     """Radial stiffness of a roller bearing without clearance, N/mm: Z k / 4.
 
     A radial displacement d compresses the roller at angle t by d cos t on the loaded half only; the sum of
@@ -90,10 +90,10 @@ def roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
 
 def equivalent_load_N(load_N: Array) -> float:
     """Constant load of a roller bearing under which it lives as long as under loads at even steps."""
-    return float(np.mean(np.abs(load_N) ** LIFE_EXPONENT) ** (1 / LIFE_EXPONENT))
+    return float(np.mean(np.abs(load_N) ** _LIFE_EXPONENT) ** (1 / _LIFE_EXPONENT))
 
 
 def rating_life_h(dynamic_rating_kN: float, equivalent_N: float, speed_rpm: float) -> float:
     """Basic rating life of a roller bearing (90 % survive), hours: (C / P)^(10/3) million turns, ISO 281."""
-    turns = 1e6 * math.pow(dynamic_rating_kN * N_PER_KN / equivalent_N, LIFE_EXPONENT)
+    turns = 1e6 * math.pow(dynamic_rating_kN * N_PER_KN / equivalent_N, _LIFE_EXPONENT)
     return turns / (60.0 * speed_rpm)

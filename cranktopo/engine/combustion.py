@@ -23,8 +23,8 @@ from cranktopo.base.errors import invalid
 from cranktopo.design.engine import Gas
 from cranktopo.engine.kinematics import exact_motion
 
-WIEBE_EFFICIENCY = 6.908  # -ln(1 - 0.999)
-OVERLAP_DEG = 20.0  # width of the change from exhaust to intake pressure after gas-exchange dead centre
+_WIEBE_EFFICIENCY = 6.908  # -ln(1 - 0.999)
+_OVERLAP_DEG = 20.0  # width of the change from exhaust to intake pressure after gas-exchange dead centre
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def _gas_exchange(model: Combustion, angle_deg: Array) -> Array:
     gas = model.gas
     if model.cycle_deg <= 360:
         return np.full_like(angle_deg, gas.intake_MPa)
-    weight = _smooth_step((angle_deg - 360.0) / OVERLAP_DEG)
+    weight = _smooth_step((angle_deg - 360.0) / _OVERLAP_DEG)
     return gas.exhaust_MPa + weight * (gas.intake_MPa - gas.exhaust_MPa)
 
 
@@ -141,7 +141,7 @@ def _burn_rate(model: Combustion, angle_deg: Array) -> Array:
     """Derivative of the burnt fraction per rad."""
     power = model.gas.wiebe_shape + 1.0
     phi = np.maximum(angle_deg - model.start_deg, 0.0) / model.gas.burn_duration_deg
-    rate = WIEBE_EFFICIENCY * power * phi ** (power - 1.0) * np.exp(-WIEBE_EFFICIENCY * phi**power)
+    rate = _WIEBE_EFFICIENCY * power * phi ** (power - 1.0) * np.exp(-_WIEBE_EFFICIENCY * phi**power)
     return rate / math.radians(model.gas.burn_duration_deg)
 
 

@@ -19,8 +19,8 @@ _HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pr
 _PRESSURE_UNITS = {"bar": MPA_PER_BAR, "mpa": 1.0}
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST = 1e6
-HIGHEST_MPA = 50.0
-LARGEST_STEP_DEG = 5.0
+_HIGHEST_MPA = 50.0
+_LARGEST_STEP_DEG = 5.0
 
 
 def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: float) -> tuple[Array, Array]:
@@ -136,10 +136,10 @@ def _check_pressure(path: str | Path, pressure: Array, numbers: list[int], ambie
             "Pressures must be absolute, not gauge.",
         )
     peak = float(pressure.max())
-    if not 2 * ambient_MPa < peak < HIGHEST_MPA:
+    if not 2 * ambient_MPa < peak < _HIGHEST_MPA:
         raise _error(
             path,
-            f"peak pressure {peak:g} MPa is outside {2 * ambient_MPa:.3g} to {HIGHEST_MPA:g} MPa",
+            f"peak pressure {peak:g} MPa is outside {2 * ambient_MPa:.3g} to {_HIGHEST_MPA:g} MPa",
             "Check the unit in the header: bar or MPa.",
         )
 
@@ -147,7 +147,7 @@ def _check_pressure(path: str | Path, pressure: Array, numbers: list[int], ambie
 def _one_cycle(path: str | Path, angle: Array, pressure: Array, cycle_deg: float) -> tuple[Array, Array]:
     """Points wrapped to 0 .. cycle_deg, after a check that they cover it once and without gaps."""
     span = float(angle[-1] - angle[0])
-    if not cycle_deg - LARGEST_STEP_DEG <= span <= cycle_deg * (1 + 1e-9):
+    if not cycle_deg - _LARGEST_STEP_DEG <= span <= cycle_deg * (1 + 1e-9):
         raise _error(
             path,
             f"angles span {span:g} deg, not one cycle of {cycle_deg:g} deg",
@@ -165,12 +165,12 @@ def _check_gaps(path: str | Path, angle: Array, gaps: Array) -> None:
     """A step may change along the file, but none may stand out against both of its neighbours."""
     usual = np.maximum(np.roll(gaps, 1), np.roll(gaps, -1))
     worst = int((gaps / usual).argmax())
-    if gaps[worst] > 1.5 * usual[worst] or gaps.max() > LARGEST_STEP_DEG:
+    if gaps[worst] > 1.5 * usual[worst] or gaps.max() > _LARGEST_STEP_DEG:
         worst = worst if gaps[worst] > 1.5 * usual[worst] else int(gaps.argmax())
         raise _error(
             path,
             f"angles are missing between {angle[worst]:g} and {angle[worst] + gaps[worst]:g} deg",
-            f"Steps may not exceed {LARGEST_STEP_DEG:g} deg nor 1.5 times the steps around them.",
+            f"Steps may not exceed {_LARGEST_STEP_DEG:g} deg nor 1.5 times the steps around them.",
         )
 
 

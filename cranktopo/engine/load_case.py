@@ -10,7 +10,7 @@ from pydantic import Field
 from cranktopo.base.result import Result
 
 LoadKind = Literal["bending", "torsion", "tangential", "centrifugal"]
-LoadField = Literal["radial_N", "tangential_N", "torque_Nm", "speed_rpm"]
+_LoadField = Literal["radial_N", "tangential_N", "torque_Nm", "speed_rpm"]
 _LARGE = 1000
 """Loads from which no decimals are told."""
 
@@ -33,7 +33,7 @@ class LoadType:
 
     name: LoadKind
     state: str
-    load: LoadField
+    load: _LoadField
     label: str
     main: bool = False
     unit_load: float = 0.0

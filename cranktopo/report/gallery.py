@@ -22,7 +22,7 @@ JOURNAL_SIDE: Direction = (0.75, 0.45, -0.8)
 PIN_SIDE: Direction = (0.75, 0.45, 0.8)
 
 
-def gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float]]]) -> Figure:
+def _gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float]]]) -> Figure:
     """One oblique view of each design beside the other, all to the same scale, on no background.
 
     Args:
@@ -66,5 +66,5 @@ def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure
 def gallery_picture(bodies: Sequence[ShownBody]) -> Picture:
     """Still picture of half throws, side by side."""
     alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
-    figure = gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])
+    figure = _gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])
     return Picture("gallery", figure, alt)

@@ -11,7 +11,7 @@ from cranktopo.report.page import Page
 from cranktopo.runs.destination import check_file
 
 REPORT = "report.html"
-SUFFIXES = (".html", ".md")
+_SUFFIXES = (".html", ".md")
 
 
 def check_report_path(path: Path) -> None:
@@ -20,7 +20,7 @@ def check_report_path(path: Path) -> None:
     Raises:
         CranktopoError: another suffix than a report has, or no such folder.
     """
-    check_file(path, "report", SUFFIXES)
+    check_file(path, "report", _SUFFIXES)
 
 
 def write_report(page: Page, path: Path) -> None:

@@ -25,9 +25,9 @@ Rule = tuple[str, Any]
 """A manufacturing rule: its name in plain English with its value, and what is kept where it is <= 0."""
 Axes = tuple[Array, Array, Array]
 """x, y and z of the cell centres, mm; x > 0 only."""
-RESOLUTION_MM = 0.01
+_RESOLUTION_MM = 0.01
 """Parameters are rounded to this in the scene; the constraints keep as much clear."""
-CLEAR_MM = 2 * RESOLUTION_MM
+CLEAR_MM = 2 * _RESOLUTION_MM
 JOURNALS = ("main journal", "crankpin")
 """What the journals are called in a sentence, in the order of the throw."""
 LEAST_MM = 3.0

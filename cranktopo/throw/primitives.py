@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 Point = tuple[float, float, float]
-FlatPoint = tuple[float, float]
+_FlatPoint = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ Solid = Cylinder | Box | Frustum | Extrusion | RoundedOutlet
 class Circle:
     """A circle of a view, with a text in its middle."""
 
-    centre: FlatPoint
+    centre: _FlatPoint
     radius: float
     hidden: bool = False
     label: str = ""
@@ -127,7 +127,7 @@ class Circle:
 class Polyline:
     """A chain of straight edges of a view."""
 
-    points: tuple[FlatPoint, ...]
+    points: tuple[_FlatPoint, ...]
     hidden: bool = False
 
 
@@ -135,9 +135,9 @@ class Polyline:
 class DimensionLine:
     """A dimension between two points of a view, its line moved off them by a shift along one axis."""
 
-    start: FlatPoint
-    end: FlatPoint
-    shift: FlatPoint
+    start: _FlatPoint
+    end: _FlatPoint
+    shift: _FlatPoint
     text: str
 
 
@@ -159,7 +159,7 @@ class FeatureDrawing:
     across: tuple[DimensionLine, ...] = ()
     section_y_mm: float | None = None
     lines: tuple[str, ...] = ()
-    added: tuple[FlatPoint, ...] = ()
+    added: tuple[_FlatPoint, ...] = ()
 
 
 def number_lines(title: str, values: dict[str, float]) -> tuple[str, ...]:

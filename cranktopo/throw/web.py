@@ -140,17 +140,17 @@ class OutlineBody(Body):
 def web_bodies(scene: ThrowView) -> list[Body]:
     """Return what the web is made of: its outline, the bores through it, its features."""
     outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
-    return [outline, *bore_holes(scene), *feature_bodies(scene)]
+    return [outline, *bore_holes(scene), *_feature_bodies(scene)]
 
 
-def feature_bodies(scene: ThrowView) -> list[Body]:
+def _feature_bodies(scene: ThrowView) -> list[Body]:
     """The bodies of all features of the web in the order of the scene."""
     return [body for key, feature in scene.web.features() for body in feature.bodies(scene, key)]
 
 
 def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
     """Return the bodies of features that no optimiser takes away."""
-    return tuple(body for body in feature_bodies(scene) if body.kept)
+    return tuple(body for body in _feature_bodies(scene) if body.kept)
 
 
 def check_inside(scene: ThrowView, section: Section, z_mm: float | None = None) -> None:

@@ -13,7 +13,7 @@ WALL_CELLS = 2
 # Peak memory of a process: BASE + PER_CELL x cells x load cases lies above everything measured, 3 to 0.8 mm
 # with two and with four load cases, nothing compiled before (`python -m tests.benchmarks.memory`).
 BASE_MIB = 1250.0
-PER_CELL_KIB = 0.5
+_PER_CELL_KIB = 0.5
 _MIB = 1024.0**2
 
 
@@ -60,7 +60,7 @@ def optimiser_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, case
     Args:
         quarter: whether the lateral mirror halves the model.
     """
-    return BASE_MIB + PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
+    return BASE_MIB + _PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
 
 def estimated_cells(

@@ -13,8 +13,8 @@ from cranktopo.design.symmetry import may_mirror, web_asymmetry
 
 # Measured from 4.2 to 1.9 mm: 16.0 to 14.9 KiB per node over 120 MiB; 25 to 12 nodes per cubed element size.
 BASE_MIB = 120.0
-PER_NODE_KIB = 15.0
-LEAST_NODES = 10.0
+_PER_NODE_KIB = 15.0
+_LEAST_NODES = 10.0
 """Nodes per cubed element size of a quadratic mesh without any refinement."""
 
 
@@ -44,8 +44,8 @@ def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
     near, far = halves(scene)
     volume = _half_volume_mm3(near) + (0.0 if far is near else _half_volume_mm3(far))
     share = 0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0
-    nodes = LEAST_NODES * share * volume / element_size_mm**3
-    return BASE_MIB + PER_NODE_KIB * nodes / 1024
+    nodes = _LEAST_NODES * share * volume / element_size_mm**3
+    return BASE_MIB + _PER_NODE_KIB * nodes / 1024
 
 
 def _half_volume_mm3(scene: Scene) -> float:

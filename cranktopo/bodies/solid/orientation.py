@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Tags = NDArray[np.int64]
+_Tags = NDArray[np.int64]
 _TRIANGLE = 2
 
 
@@ -30,7 +30,7 @@ def orient_outward(gmsh: Any, faces: list[int]) -> None:
         gmsh.model.mesh.reverse(wrong)
 
 
-def _triangles_of(gmsh: Any, face: int) -> Tags:
+def _triangles_of(gmsh: Any, face: int) -> _Tags:
     """Node tags (n, 3) of the triangles of a face."""
     kinds, _, nodes = gmsh.model.mesh.getElements(2, face)
     found = [
@@ -47,13 +47,13 @@ def _points(gmsh: Any) -> NDArray[np.float64]:
     return points
 
 
-def _volumes(points: NDArray[np.float64], triangles: Tags) -> NDArray[np.float64]:
+def _volumes(points: NDArray[np.float64], triangles: _Tags) -> NDArray[np.float64]:
     """Signed volumes of the tetrahedra from the origin to each triangle."""
     a, b, c = (points[triangles[:, corner]] for corner in range(3))
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
 
 
-def _turned(tags: dict[int, Tags]) -> dict[int, bool]:
+def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:
     """Return which faces run against the first one of their body."""
     neighbours = _neighbours(tags)
     turned: dict[int, bool] = {}
@@ -69,7 +69,7 @@ def _turned(tags: dict[int, Tags]) -> dict[int, bool]:
     return turned
 
 
-def _neighbours(tags: dict[int, Tags]) -> dict[int, list[tuple[int, bool]]]:
+def _neighbours(tags: dict[int, _Tags]) -> dict[int, list[tuple[int, bool]]]:
     """Faces that share an edge with each face, and whether they run along it in the same direction."""
     first: dict[tuple[int, int], tuple[int, bool]] = {}
     found: dict[int, list[tuple[int, bool]]] = defaultdict(list)
@@ -86,7 +86,7 @@ def _neighbours(tags: dict[int, Tags]) -> dict[int, list[tuple[int, bool]]]:
     return found
 
 
-def _border(triangles: Tags) -> list[tuple[int, int]]:
+def _border(triangles: _Tags) -> list[tuple[int, int]]:
     """Directed edges (start, end) that only one triangle of a face has."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if not len(edges):

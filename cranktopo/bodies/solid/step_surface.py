@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 STEP_SUFFIXES = (".step", ".stp")
-CHORD_MM = 0.01
+_CHORD_MM = 0.01
 """Largest distance of a triangle from the body; 1e-4 of the volume of a web."""
 _TRIANGULATION = {
-    "StlLinearDeflection": CHORD_MM,
+    "StlLinearDeflection": _CHORD_MM,
     "StlLinearDeflectionRelative": 0,
     "StlAngularDeflection": 0.1,
 }

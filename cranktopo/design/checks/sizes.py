@@ -8,14 +8,14 @@ from cranktopo.base.errors import invalid
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET
 
-LARGEST = 50.0
+_LARGEST = 50.0
 """Largest dimension of the throw over its size, throw radius plus larger journal radius."""
 ENVELOPE = 10.0
 """Reach of the design space over the size of the throw; counterweights need about 2."""
 _UNITS = {25.4: "inches", 1000.0: "metres", 10.0: "centimetres"}
 
 
-def throw_size_mm(scene: Scene) -> float:
+def _throw_size_mm(scene: Scene) -> float:
     """Throw radius plus the larger journal radius, mm: what dimensions are compared with."""
     throw = scene.throw
     return throw.radius_mm + max(throw.main_journal.radius_mm, throw.crankpin.radius_mm)
@@ -47,7 +47,7 @@ def check_envelope_reach(scene: Scene, bounds_mm: tuple[float, float, float, flo
     Raises:
         CranktopoError: it is, with the unit that would explain it.
     """
-    size = throw_size_mm(scene)
+    size = _throw_size_mm(scene)
     reach = max(abs(bound) for bound in bounds_mm)
     if reach <= ENVELOPE * size:
         return
@@ -81,12 +81,12 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
 
 
 def _check(scene: Scene, key: str, value: float, smallest: float) -> None:
-    size = throw_size_mm(scene)
-    if value and not smallest * size <= value <= LARGEST * size:
+    size = _throw_size_mm(scene)
+    if value and not smallest * size <= value <= _LARGEST * size:
         raise invalid(
             key,
             value,
-            f"must be >= {smallest * size:.3g} and <= {LARGEST * size:.3g} mm for a throw of {size:.4g} mm "
+            f"must be >= {smallest * size:.3g} and <= {_LARGEST * size:.3g} mm for a throw of {size:.4g} mm "
             "(throw radius plus journal radius)",
             "Correct that value, or its unit.",
         )

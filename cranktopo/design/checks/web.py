@@ -34,7 +34,7 @@ def check_solid(scene: Scene) -> None:
     check_apart(scene, drill_bores(scene))
 
 
-def shoulder_mm(scene: Scene, y_mm: float) -> float:
+def _shoulder_mm(scene: Scene, y_mm: float) -> float:
     """Least distance from the axis (0, y) to the edge of the web's outline, mm.
 
     The outline is sampled at 4001 points of a cosine grid.
@@ -47,7 +47,7 @@ def shoulder_mm(scene: Scene, y_mm: float) -> float:
 
 
 def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
-    edge = shoulder_mm(scene, y)
+    edge = _shoulder_mm(scene, y)
     least = least_shoulder_mm(scene.throw)
     if edge <= 0:
         allowed = f"does not reach around the axis of {key} at y = {y:g} mm"

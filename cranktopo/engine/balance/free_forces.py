@@ -24,7 +24,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
 
 Complex = NDArray[np.complex128]
-Kind = Literal["rotating", "oscillating"]
+_Kind = Literal["rotating", "oscillating"]
 ORDERS = (1, 2, 4, 6)
 """Orders of the oscillating masses; odd ones above 1 do not exist, those above 6 are below lam^7."""
 _NOTHING = 1e-12

@@ -25,8 +25,8 @@ from cranktopo.engine.torsional_stiffness import (
 )
 from cranktopo.throw.geometry import Journal
 
-SHEAR_RING = 0.5  # shear coefficient of a hollow circular section (thin ring; 0.9 for a solid one)
-SHEAR_RECTANGLE = 5 / 6
+_SHEAR_RING = 0.5  # shear coefficient of a hollow circular section (thin ring; 0.9 for a solid one)
+_SHEAR_RECTANGLE = 5 / 6
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def _equal_halves(scene: Scene) -> ThrowCompliance:
     along = (web.lever / 2) ** 2 * half / (e * web.width * web.thickness**3 / 12) + half / (4 * e * web.area)
     across = (web.lever / 2) ** 2 * half / (g * web.twist)
     across += web.arm**2 / 12 * half / (e * web.thickness * web.width**3 / 12)
-    across += half / (4 * SHEAR_RECTANGLE * g * web.area)
+    across += half / (4 * _SHEAR_RECTANGLE * g * web.area)
     across += (web.arm / 2) ** 2 * (main.length_mm / 2) / (g * 2 * _second_moment(main))
     return ThrowCompliance(2 * (bars + along), 2 * (bars + across), throw_torsion_rad_per_Nmm(scene))
 
@@ -91,7 +91,7 @@ def _area(journal: Journal) -> float:
 def _journal_bending(main: Journal, e: float, g: float) -> float:
     """Half journal as a cantilever under half of a unit force."""
     length = main.length_mm / 2
-    return length**3 / (12 * e * _second_moment(main)) + length / (4 * SHEAR_RING * g * _area(main))
+    return length**3 / (12 * e * _second_moment(main)) + length / (4 * _SHEAR_RING * g * _area(main))
 
 
 def _pin_bending(pin: Journal, web: EquivalentBeam, e: float, g: float) -> float:
@@ -100,5 +100,5 @@ def _pin_bending(pin: Journal, web: EquivalentBeam, e: float, g: float) -> float
     s = pin.length_mm / 4 * (nodes + 1)
     moment = (web.lever + web.thickness / 2 + s) / 2 - s**2 / (2 * pin.length_mm)
     shear = 0.5 - s / pin.length_mm
-    density = moment**2 / (e * _second_moment(pin)) + shear**2 / (SHEAR_RING * g * _area(pin))
+    density = moment**2 / (e * _second_moment(pin)) + shear**2 / (_SHEAR_RING * g * _area(pin))
     return float((density * weights).sum() * pin.length_mm / 4)

@@ -15,7 +15,7 @@ from cranktopo.engine.vibration.varying_inertia import HARMONICS, coupled_respon
 from cranktopo.numerics.disk_chain import ComplexArray, Mode
 
 ORDERS = 24
-SPEEDS = 200
+_SPEEDS = 200
 _STEPS_OF_RISE = 5
 _POINTS_PER_ORDER = 16
 """Angles of a cycle for each order of a sum whose range is looked for."""
@@ -126,7 +126,7 @@ def critical_speeds(
 
 
 def speeds_to_solve(
-    range_rpm: tuple[float, float], critical: Sequence[CriticalSpeed], count: int = SPEEDS, rise: float = 0.0
+    range_rpm: tuple[float, float], critical: Sequence[CriticalSpeed], count: int = _SPEEDS, rise: float = 0.0
 ) -> Array:
     """Even steps over a range, and every critical speed in it.
 
@@ -191,13 +191,13 @@ def section_curves_Nm(shaft: ShaftChain, excited: ComplexArray, solved: ComplexA
         excited: torques on the disks, all orders.
         solved: torques of the sections, the orders from the first one that were solved.
     """
-    every = rigid_torque_Nm(shaft, excited)
+    every = _rigid_torque_Nm(shaft, excited)
     every[1 : len(solved) + 1] = solved
     every[0] = np.cumsum(excited[0])[:-1]
     return curve_of(every.T, 2 * len(every))
 
 
-def rigid_torque_Nm(shaft: ShaftChain, excited: ComplexArray) -> ComplexArray:
+def _rigid_torque_Nm(shaft: ShaftChain, excited: ComplexArray) -> ComplexArray:
     """Torque of every section if the shaft did not twist: the disks take it up by their inertia."""
     share = np.cumsum(shaft.chain.inertia_kg_m2) / np.sum(shaft.chain.inertia_kg_m2)
     return np.asarray(np.cumsum(excited, axis=1) - share * excited.sum(axis=1)[:, None])[:, :-1]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
-Labels = NDArray[np.int32]
+_Labels = NDArray[np.int32]
 
 
 def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:
@@ -23,17 +23,17 @@ def shells(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     return sorted(parts, key=lambda part: -part.volume_mm3)
 
 
-def connected(nodes: int, links: NDArray[np.int64]) -> Labels:
+def connected(nodes: int, links: NDArray[np.int64]) -> _Labels:
     """Number of the connected component of each node, (nodes,), for links (n, 2) between them."""
     from scipy import sparse
     from scipy.sparse.csgraph import connected_components
 
     graph = sparse.coo_matrix((np.ones(len(links), bool), links.T), shape=(nodes, nodes))
-    labels: Labels = connected_components(graph, directed=False)[1]
+    labels: _Labels = connected_components(graph, directed=False)[1]
     return labels
 
 
-def _shell_of_face(mesh: SurfaceMesh) -> Labels:
+def _shell_of_face(mesh: SurfaceMesh) -> _Labels:
     return connected(len(mesh.faces), mesh.as_trimesh().face_adjacency)
 
 

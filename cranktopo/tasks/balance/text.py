@@ -123,7 +123,7 @@ def bearing_table(data: Balance) -> ResultTable:
     return tabulate((*_BEARINGS, *(_LIVES if known else ())), bearings)
 
 
-def balance_tables(data: Balance) -> list[tuple[str, ResultTable]]:
+def _balance_tables(data: Balance) -> list[tuple[str, ResultTable]]:
     """All tables with their captions, in order."""
     shafts = shaft_table(data)
     return [
@@ -170,7 +170,7 @@ def balance_headline(data: Balance) -> str:
 def balance_text(data: Balance) -> str:
     """What `cranktopo balance` prints."""
     parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
-    parts += [f"{caption}\n{terminal(table)}" for caption, table in balance_tables(data)]
+    parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
     return "\n\n".join([*parts, "\n".join(_ANGLES)])
 
 

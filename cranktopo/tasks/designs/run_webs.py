@@ -98,7 +98,7 @@ def web_target(text: str, web: WebName | None = None) -> WebTarget:
     if not (path.is_dir() or named):
         return WebTarget(one_web(load_scene(text, whole=True), web))
     run = open_run(text)
-    return WebTarget(design_from_run(run), run_web(run), run)
+    return WebTarget(design_from_run(run), _run_web(run), run)
 
 
 def parametric_scene(text: str, target: WebTarget) -> Scene:
@@ -115,7 +115,7 @@ def parametric_scene(text: str, target: WebTarget) -> Scene:
     return target.design if target.file is None else load_scene(str(target.file))
 
 
-def run_web(run: RunStore) -> Path | None:
+def _run_web(run: RunStore) -> Path | None:
     """Scene file of a run's parametric web: its result, its best web, its newest re-model; None without one.
 
     Raises:
@@ -130,7 +130,7 @@ def run_web(run: RunStore) -> Path | None:
     if kind == SHAPE:
         return run.path / _WEB
     if kind != LOOP:
-        return newest_remodel(run)
+        return _newest_remodel(run)
     loop = _Loop.read(run.path / RESULT_FILES[LOOP])
     best = best_web(loop.steps, loop.best_step, loop.shape is not None and loop.shape.better_than_best_step)
     if best is None:
@@ -140,7 +140,7 @@ def run_web(run: RunStore) -> Path | None:
     return run.path / best.folder / _WEB
 
 
-def newest_remodel(run: RunStore) -> Path | None:
+def _newest_remodel(run: RunStore) -> Path | None:
     """Scene file of the newest re-model of a run, in it or beside it or under runs/."""
     found = {file.resolve() for file in _remodels(run)}
     made = [file for file in found if read_json(file).get("run") == run.name]

@@ -18,8 +18,8 @@ from cranktopo.base.machine import usable_cores
 _EXAMPLE = "mikron-iiic"
 """Its default optimisation is what the memory must hold."""
 PYTHON = (3, 11)
-NEED_GMSH = "evaluate, compare, accuracy, fatigue, shaft, remodel, iterate, export and report --stress"
-GMSH_LIBRARIES = "apt-get install -y libglu1-mesa libxcursor1 libxft2 libxinerama1"
+_NEED_GMSH = "evaluate, compare, accuracy, fatigue, shaft, remodel, iterate, export and report --stress"
+_GMSH_LIBRARIES = "apt-get install -y libglu1-mesa libxcursor1 libxft2 libxinerama1"
 
 State = Literal["ok", "missing", "absent"]
 
@@ -61,7 +61,7 @@ class Tool:
     remedy: str
 
 
-TOOLS = (
+_TOOLS = (
     Tool("CalculiX", ("ccx",), "tests against a second code are skipped", "apt-get install -y calculix-ccx"),
     Tool(
         "Chromium",
@@ -74,7 +74,7 @@ TOOLS = (
 
 def check_machine() -> list[Check]:
     """Every check, what is needed first."""
-    return [python(), *packages(), gmsh(), jax_device(), cores(), memory(), runs_folder(), cache(), *tools()]
+    return [python(), *packages(), gmsh(), jax_device(), cores(), memory(), _runs_folder(), cache(), *tools()]
 
 
 def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
@@ -101,13 +101,13 @@ def packages() -> list[Check]:
 
 def gmsh() -> Check:
     """Whether gmsh finds its system libraries."""
-    cost = f"no exact solids, no body-fitted evaluation, no STEP: {NEED_GMSH} fail"
+    cost = f"no exact solids, no body-fitted evaluation, no STEP: {_NEED_GMSH} fail"
     try:
         module = importlib.import_module("gmsh")
     except ImportError:
         return Check("gmsh", "missing", "not installed", cost, "pip install gmsh")
     except OSError as error:
-        return Check("gmsh", "missing", f"a library is missing: {error}", cost, GMSH_LIBRARIES)
+        return Check("gmsh", "missing", f"a library is missing: {error}", cost, _GMSH_LIBRARIES)
     return Check("gmsh", "ok", str(module.__version__))
 
 
@@ -150,7 +150,7 @@ def memory() -> Check:
     return Check("memory", "absent", text, cost, "close other programs, or use a larger --resolution-mm")
 
 
-def runs_folder(folder: Path | None = None) -> Check:
+def _runs_folder(folder: Path | None = None) -> Check:
     """Whether runs can be written in the current folder.
 
     Args:
@@ -174,7 +174,7 @@ def cache() -> Check:
 
 def tools() -> list[Check]:
     """The optional programs."""
-    return [_tool(tool) for tool in TOOLS]
+    return [_tool(tool) for tool in _TOOLS]
 
 
 def _tool(tool: Tool) -> Check:

@@ -35,7 +35,7 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
         figure.savefig(temporary, dpi=120)
 
 
-def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
+def _draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
     """Gas, inertia and their sum on the piston pin."""
     forces = _cycle(analysis).forces
     angle = forces.angle_deg
@@ -45,7 +45,7 @@ def draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
     _frame(axes, analysis, "force [kN]")
 
 
-def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
+def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
     """Radial and tangential force on the crankpin."""
     forces = _cycle(analysis).forces
     axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
@@ -53,7 +53,7 @@ def draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
     _frame(axes, analysis, "force on the crankpin [kN]")
 
 
-def draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
+def _draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
     """Torque of one throw and of the engine."""
     cycle = _cycle(analysis)
     angle = cycle.forces.angle_deg
@@ -64,9 +64,9 @@ def draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 PANELS: tuple[Callable[[Any, LoadAnalysis], None], ...] = (
-    draw_piston_forces,
-    draw_crankpin_forces,
-    draw_torque,
+    _draw_piston_forces,
+    _draw_crankpin_forces,
+    _draw_torque,
 )
 
 

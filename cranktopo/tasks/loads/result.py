@@ -13,7 +13,7 @@ from cranktopo.engine.load_case import LoadCase, LoadKind
 from cranktopo.engine.plan.effect import Effect
 from cranktopo.engine.states import ExtremeState
 
-EXTREMES = (
+_EXTREMES = (
     "gas_force_N",
     "inertia_force_N",
     "small_end_force_N",
@@ -141,10 +141,10 @@ def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
 
 def extremes_of(analysis: LoadAnalysis | None) -> dict[str, Range]:
     """Return the extremes of every curve; of a scene without curves the peaks that it gives."""
-    result = dict.fromkeys(EXTREMES, Range())
+    result = dict.fromkeys(_EXTREMES, Range())
     if analysis is not None and analysis.cycle is not None:
         found = analysis.cycle.extremes()
-        return {name: Range(max=_at(found[name][0]), min=_at(found[name][1])) for name in EXTREMES}
+        return {name: Range(max=_at(found[name][0]), min=_at(found[name][1])) for name in _EXTREMES}
     if analysis is not None:
         engine = analysis.engine
         result["gas_force_N"] = Range(max=At(value=engine.max_gas_force_N))

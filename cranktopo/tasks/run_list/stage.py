@@ -28,14 +28,14 @@ def clean_runs(states: tuple[str, ...], delete: bool, root: Path = RUNS) -> list
     Raises:
         CranktopoError: a process works in one of them, or it cannot be deleted.
     """
-    chosen = [run for run in list_runs(root) if run_status(run) in states]
+    chosen = [run for run in list_runs(root) if _run_status(run) in states]
     if delete:
         for run in chosen:
             remove_run(run)
     return [run.path for run in chosen]
 
 
-def run_status(run: RunStore) -> str:
+def _run_status(run: RunStore) -> str:
     """Status of a run; `unreadable` where its manifest cannot be used."""
     try:
         return str(run.manifest()["status"])
@@ -44,7 +44,7 @@ def run_status(run: RunStore) -> str:
 
 
 def _entry(run: RunStore) -> dict[str, Any]:
-    entry: dict[str, Any] = {"run": run.name, "path": str(run.path), "status": run_status(run)}
+    entry: dict[str, Any] = {"run": run.name, "path": str(run.path), "status": _run_status(run)}
     if entry["status"] == "unreadable":
         return entry
     kind, manifest = kind_of(run), run.manifest()
@@ -90,7 +90,7 @@ def _sweep_result(sweep: SweepResult) -> dict[str, Any]:
     return {"result": f"{ends}; {len(sweep.front)} on the front"}
 
 
-RESULTS: dict[RunKind, type[Result]] = {
+_RESULTS: dict[RunKind, type[Result]] = {
     "optimise": RunMetrics,
     LOOP: LoopResult,
     SHAPE: ShapeResult,
@@ -113,4 +113,4 @@ def result_of(run: RunStore) -> Result | None:
     """
     found = read_result(run)
     where = f"run '{run.path}': its results are damaged"
-    return None if found is None else RESULTS[kind_of(run)].of_json(found, where)
+    return None if found is None else _RESULTS[kind_of(run)].of_json(found, where)

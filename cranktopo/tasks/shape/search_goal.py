@@ -97,7 +97,7 @@ class SearchGoal:
         return replace(self, limits=moved)
 
 
-FOR_SAFETY: QuantityName = "bending"
+_FOR_SAFETY: QuantityName = "bending"
 """The goal on cells where the fatigue safety is the goal."""
 
 
@@ -107,7 +107,7 @@ def goal_on_cells(goal: Goal) -> Goal:
     A fillet's stress follows the bending of the throw by the gas force, so the most bending stiffness within
     the same limits stands for the most safety; the finish then maximises the safety itself.
     """
-    return replace(goal, quantity=FOR_SAFETY) if goal.quantity == "fatigue_safety" else goal
+    return replace(goal, quantity=_FOR_SAFETY) if goal.quantity == "fatigue_safety" else goal
 
 
 def search_goal_of(

@@ -22,7 +22,7 @@ from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.fillet import FilletSection
 
-DistanceOf = Callable[[Scene, Array], Array]
+_DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
 _STEP = 1e-6
 """Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
@@ -78,7 +78,7 @@ class ThrowFace(WebFace):
     name: str
     scene: Scene
     layout: Layout
-    distance_mm: DistanceOf
+    distance_mm: _DistanceOf
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
@@ -140,7 +140,7 @@ def by_values(distance_mm: Callable[[Array], Array], values: Array, places: Iter
     return central_difference(distance_mm, values, _STEP, places)
 
 
-def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[tuple[str, DistanceOf]]:
+def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[tuple[str, _DistanceOf]]:
     """Yield faces that only the counterweight's parameters move, each with its distance.
 
     Args:
@@ -162,7 +162,7 @@ def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[t
         yield from (("cylinder", partial(_off_journal, k)) for k in range(2))
 
 
-def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, DistanceOf]]:
+def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, _DistanceOf]]:
     """Yield rim and sharp flank of a counterweight of one piece with the web, its face if thinner."""
     weight = scene.web.counterweight
     if weight is None or weight.bolted:

@@ -18,7 +18,7 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.job import Job, do_job, result_of
 from cranktopo.tasks.sweep.result import FAILED, PointResult
 
-INSTALL = "pip install dask distributed bokeh pandas pyarrow"
+_INSTALL = "pip install dask distributed bokeh pandas pyarrow"
 _BATCH = 500
 _RETRIES, _DEATHS = 2, 5
 """How often a point is tried again after an error of the machine, and after the death of its worker."""
@@ -35,7 +35,7 @@ _SETTINGS = {
     # By default a worker gives back all memory that it frees, and waits for the pages of its next array.
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
 }
-Done = Callable[[Job, PointResult], None]
+_Done = Callable[[Job, PointResult], None]
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class _LostError(Exception):
 def compute(
     jobs: Sequence[Job],
     engine: Engine,
-    done: Done,
+    done: _Done,
     info: Info = lambda _: None,
     enough: Callable[[], bool] = lambda: False,
 ) -> None:
@@ -105,7 +105,7 @@ def compute(
             time.sleep(1.0)
 
 
-def _submit(client: Any, jobs: Sequence[Job], told: Done, enough: Callable[[], bool], *, own: bool) -> None:
+def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], bool], *, own: bool) -> None:
     from distributed import KilledWorker, as_completed
 
     by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
@@ -201,7 +201,7 @@ def _dask() -> tuple[Any, Any]:
     except ImportError as error:
         raise CranktopoError(
             f"a sweep runs on Dask, which cannot be loaded: {error}.",
-            hint=f"Install it: {INSTALL}",
+            hint=f"Install it: {_INSTALL}",
             code=ExitCode.MISSING_TOOL,
         ) from None
     return dask, distributed

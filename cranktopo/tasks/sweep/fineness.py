@@ -15,7 +15,7 @@ from cranktopo.tasks.fea.targets import Target
 if TYPE_CHECKING:
     from cranktopo.tasks.shape.stage import ShapeSettings
 
-COARSER = 1.5
+_COARSER = 1.5
 """Elements and cells of a first look over those of full accuracy: the error bounds of differences are
 calibrated on such meshes."""
 
@@ -37,7 +37,7 @@ class Fineness:
     @property
     def first_look(self) -> Fineness:
         """The same, coarse: what shows which points are worth full accuracy."""
-        return Fineness(self.element_size_mm, coarser=COARSER)
+        return Fineness(self.element_size_mm, coarser=_COARSER)
 
     def settings(self) -> Mapping[str, Any]:
         """For the hash of a point; what is as by default is left out, as before it could be set."""

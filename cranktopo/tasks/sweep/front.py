@@ -15,7 +15,7 @@ OBJECTIVES: Mapping[str, int] = {
     "fatigue_safety": 1,
 }
 """What the front is about, as far as all points tell it: less is better (-1) or more is (+1)."""
-DIGITS = 4
+_DIGITS = 4
 """Values that agree in so many digits are equal: another machine's mesh may differ in the fifth."""
 
 
@@ -23,7 +23,7 @@ def front_of(rows: Rows, objectives: Mapping[str, int] | None = None) -> tuple[l
     """Ids of the points that no other point beats, in the order of the rows, and the quantities compared.
 
     A point is beaten by one that is better in a quantity and no worse in the others, all rounded to
-    `DIGITS` digits; of points that are equal in all of them the first counts.
+    `_DIGITS` digits; of points that are equal in all of them the first counts.
 
     Args:
         rows: finished points.
@@ -59,8 +59,8 @@ def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
 
 
 def rounded(value: float) -> float:
-    """A value to `DIGITS` digits."""
-    return float(f"{value:.{DIGITS}g}")
+    """A value to `_DIGITS` digits."""
+    return float(f"{value:.{_DIGITS}g}")
 
 
 def _no_softer(row: PointResult, original: PointResult) -> bool:

@@ -55,7 +55,7 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     environment = Environment(loader=FileSystemLoader([_TEMPLATES, TEMPLATES]), autoescape=True)
     sheets = (TEMPLATES / "report.css", _TEMPLATES / "sweep.css")
     style = "".join(sheet.read_text(encoding="utf-8") for sheet in sheets)
-    numbers = _text(page_data(data))
+    numbers = _text(_page_data(data))
     original = webs.get(data.original.id, "")
     rows = {row.id: row for row in data.points}
     scripts = [SCRIPT, _SCRIPT] if original else [_SCRIPT]
@@ -72,7 +72,7 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     )
 
 
-def page_data(data: SweepResult) -> dict[str, Any]:
+def _page_data(data: SweepResult) -> dict[str, Any]:
     """What the page's program reads: columns, rows of cells, and which rows are what.
 
     Returns:

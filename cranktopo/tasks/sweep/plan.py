@@ -25,13 +25,13 @@ from cranktopo.tasks.sweep.goal_sweep import varied_limits, with_goal_tables
 from cranktopo.tasks.sweep.variation import MOST, STAGE, Variation, as_json, from_json
 
 Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
-STAGES: tuple[Stage, ...] = get_args(Stage)
+_STAGES: tuple[Stage, ...] = get_args(Stage)
 OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
 """Stages that work on one web, which is that of both halves."""
-Sampling = Literal["grid", "latin", "sobol"]
-SAMPLINGS: tuple[Sampling, ...] = get_args(Sampling)
-Refine = Literal["all", "front"]
-REFINE: tuple[Refine, ...] = get_args(Refine)
+_Sampling = Literal["grid", "latin", "sobol"]
+_SAMPLINGS: tuple[_Sampling, ...] = get_args(_Sampling)
+_Refine = Literal["all", "front"]
+REFINE: tuple[_Refine, ...] = get_args(_Refine)
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ class SweepPlan:
     designs: tuple[str, ...]
     tables: tuple[dict[str, Any], ...]
     vary: tuple[Variation, ...] = ()
-    sampling: Sampling = "grid"
+    sampling: _Sampling = "grid"
     samples: int | None = None
     stage: Stage = "evaluate"
     element_size_mm: float | None = None
     accuracy_percent: float | None = None
-    refine: Refine = "all"
+    refine: _Refine = "all"
     budget_s: float | None = None
     seed: int = SEED
 
@@ -76,7 +76,7 @@ class SweepPlan:
     def stages(self) -> tuple[Stage, ...]:
         """The stages that its points go to."""
         varied = {value for variation in self.vary if variation.key == STAGE for value in variation.values}
-        return tuple(stage for stage in STAGES if stage in varied) or (self.stage,)
+        return tuple(stage for stage in _STAGES if stage in varied) or (self.stage,)
 
     def as_json(self) -> dict[str, Any]:
         """Plain data, from which `plan_from_json` makes the same plan."""
@@ -133,9 +133,9 @@ def sweep_plan(
         tuple(designs),
         tuple(with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs),
         (*vary, *varied),
-        _one_of("sampling", sampling, SAMPLINGS),
+        _one_of("sampling", sampling, _SAMPLINGS),
         samples,
-        _one_of("stage", stage, STAGES),
+        _one_of("stage", stage, _STAGES),
         element_size_mm,
         accuracy_percent,
         _one_of("refine", refine, REFINE),
@@ -176,7 +176,7 @@ def _check(plan: SweepPlan) -> None:
     for variation in plan.vary:
         if variation.key == STAGE:
             for value in variation.values or ("a range",):
-                _one_of(STAGE, str(value), STAGES)
+                _one_of(STAGE, str(value), _STAGES)
     _check_sampling(plan)
     for design, tables in zip(plan.designs, plan.tables, strict=True):
         for variation in plan.vary:

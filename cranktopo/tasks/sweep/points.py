@@ -55,7 +55,7 @@ def points_of(
     """
     found: dict[str, Point] = {}
     for design, tables in zip(plan.designs, plan.tables, strict=True):
-        for varied in varied_values(plan):
+        for varied in _varied_values(plan):
             point = _point(plan, design, tables, varied, settings or {}, fineness or plan.fineness)
             found.setdefault(point.sha256, point)
     return tuple(found.values())
@@ -68,7 +68,7 @@ def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> P
     return _point(original, plan.designs[0], plan.tables[0], {}, settings or {}, plan.fineness)
 
 
-def varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
+def _varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
     """Values of every key that varies, point after point."""
     keys = [variation.key for variation in plan.vary]
     if plan.sampling == "grid":

@@ -29,7 +29,7 @@ DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
 COMMAND = ("cranktopo", "sweep")
 """In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
-StageFunction = Callable[[Scene, Path, Fineness], Json]
+_StageFunction = Callable[[Scene, Path, Fineness], Json]
 
 
 def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -46,7 +46,7 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
     return _STAGES[stage](scene, folder, fineness)
 
 
-def columns_of(entry: Mapping[str, Any]) -> Json:
+def _columns_of(entry: Mapping[str, Any]) -> Json:
     """The quantities of an entry of `evaluate --json`, units in the names, for the supports of its scene."""
     supports, masses = entry["supports"], entry["mass_kg"]
     mass = masses["throw"]
@@ -138,7 +138,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
-        **columns_of(data.result),
+        **_columns_of(data.result),
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data.goal),
         **_bound(data.bound),
@@ -148,7 +148,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     }
 
 
-_STAGES: Mapping[Stage, StageFunction] = {
+_STAGES: Mapping[Stage, _StageFunction] = {
     "evaluate": _evaluated,
     "fatigue": _fatigue,
     "optimise": _optimised,
@@ -158,7 +158,7 @@ _STAGES: Mapping[Stage, StageFunction] = {
 
 
 def _judged(target: Target, fineness: Fineness) -> Json:
-    return columns_of(fineness.evaluation(target).as_json())
+    return _columns_of(fineness.evaluation(target).as_json())
 
 
 def _begun(run: Path) -> bool:

@@ -21,7 +21,7 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
     lines = [f"{len(data.points)} points: {ends}", *_reasons(data), *_accuracy(data), ""]
     if data.front:
         objectives = ", ".join(data.objectives)
-        lines += [f"Pareto front of {objectives}: {len(data.front)} points", terminal(front_table(data))]
+        lines += [f"Pareto front of {objectives}: {len(data.front)} points", terminal(_front_table(data))]
         more = len(data.front) - _MOST_ROWS
         lines += [f"and {more} more, in {data.files.table}"] * (more > 0) + [""]
     lines += [f"{name}: {one} ({point_words(data.points, by_id[one])})" for name, one in data.picks.items()]
@@ -29,7 +29,7 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
     return "\n".join(lines)
 
 
-def front_table(data: SweepResult) -> ResultTable:
+def _front_table(data: SweepResult) -> ResultTable:
     """The points of the front, the original first where it is known."""
     original = data.original
     chosen = [row for row in data.points if row.id in set(data.front)][:_MOST_ROWS]

@@ -114,7 +114,7 @@ def run_up_sentence(study: VibrationStudy) -> str:
     )
 
 
-def stiffness_sentence(study: VibrationStudy) -> str:
+def _stiffness_sentence(study: VibrationStudy) -> str:
     """What load cases take instead, where that is not what was given."""
     scene, chain = study.scene, study.shaft.chain
     if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None or study.shaft.throws < 2:
@@ -139,5 +139,5 @@ def vibration_text(study: VibrationStudy) -> str:
     parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
     parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
-    parts[-1] += f"\n{stiffness_sentence(study)}".rstrip()
+    parts[-1] += f"\n{_stiffness_sentence(study)}".rstrip()
     return "\n\n".join(parts)

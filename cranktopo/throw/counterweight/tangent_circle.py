@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 
-HalfWidth = Callable[[Array], Array]
+_HalfWidth = Callable[[Array], Array]
 _SAMPLES, _POINTS, _ROUNDS = 801, 65, 7
 """Places at which the search for the nearest begins; places in an interval, and how often it is narrowed."""
 _STEP_MM = 1e-4
@@ -81,7 +81,7 @@ class TangentCircle:
 class OutlineSection:
     """An outline as the set of points between minus and plus its half-width."""
 
-    def __init__(self, half_width_mm: HalfWidth, y_range_mm: tuple[float, float]) -> None:
+    def __init__(self, half_width_mm: _HalfWidth, y_range_mm: tuple[float, float]) -> None:
         self._half_width_mm, (self._low, self._high) = half_width_mm, y_range_mm
         middle, half = (self._low + self._high) / 2, (self._high - self._low) / 2
         self._y = middle - half * np.cos(np.linspace(0.0, np.pi, _SAMPLES))

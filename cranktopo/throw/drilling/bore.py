@@ -15,7 +15,7 @@ from cranktopo.base.spans import Section, Span
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Cylinder, Point, RoundedOutlet, Solid
 
-WALL = 1.0
+_WALL = 1.0
 """Thickness of the wall that stays around a drilling over its radius."""
 _PARALLEL = 1e-9
 """Sine of an angle that counts as none."""
@@ -107,7 +107,7 @@ class DrillBore(Body):
     @property
     def wall_mm(self) -> float:
         """Radius of the wall around it that no optimiser takes away."""
-        return (1 + WALL) * self.radius_mm
+        return (1 + _WALL) * self.radius_mm
 
     @property
     def direction(self) -> Array:

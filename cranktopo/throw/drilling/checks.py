@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from cranktopo.throw.geometry import Journal
     from cranktopo.throw.throw_view import ThrowView
 
-LARGEST_SHARE = 0.4
+_LARGEST_SHARE = 0.4
 """Largest diameter of a drilling over that of the thinnest journal it opens in."""
-LARGEST_OBLIQUITY_DEG = 50.0
+_LARGEST_OBLIQUITY_DEG = 50.0
 """Most that a drilling leans from the normal of a surface; beyond, its outlet becomes a knife's edge."""
 _BORE_SHARE = 0.9
 _ENDS = ("from", "to")
@@ -45,9 +45,9 @@ def check_ends(scene: ThrowView, key: str, drilling: Drilling) -> None:
         if end.place_mm > journal.length_mm / 2:
             allowed = f"must be at most half the journal's length ({journal.length_mm / 2:g} mm)"
             raise invalid(f"{key}.{name}.place_mm", end.place_mm, allowed)
-        largest = LARGEST_SHARE * journal.outer_diameter_mm
+        largest = _LARGEST_SHARE * journal.outer_diameter_mm
         if drilling.diameter_mm > largest:
-            allowed = f"must be at most {largest:.4g} mm, {LARGEST_SHARE:g} of throw.{end.journal_key}"
+            allowed = f"must be at most {largest:.4g} mm, {_LARGEST_SHARE:g} of throw.{end.journal_key}"
             raise invalid(f"{key}.diameter_mm", drilling.diameter_mm, allowed)
     if drilling.outlet_radius_mm > drilling.diameter_mm:
         allowed = f"must be at most diameter_mm = {drilling.diameter_mm:g} mm"
@@ -120,10 +120,10 @@ def _check_lean(bore: DrillBore) -> None:
                 f"{bore.key}.{name}: the drilling lies outside the {_words(outlet)} there.",
                 hint="Move that end to the side of the journal that faces away from the other end.",
             )
-        if angle > LARGEST_OBLIQUITY_DEG:
+        if angle > _LARGEST_OBLIQUITY_DEG:
             raise CranktopoError(
                 f"{bore.key}.{name}: the drilling leans {angle:.0f} deg from the normal of the "
-                f"{_words(outlet)}, at most {LARGEST_OBLIQUITY_DEG:g} deg.",
+                f"{_words(outlet)}, at most {_LARGEST_OBLIQUITY_DEG:g} deg.",
                 hint="Change an angle_deg or a place_mm.",
             )
 

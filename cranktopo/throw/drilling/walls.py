@@ -13,10 +13,10 @@ from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
 
 _POINTS = 33
 """Points along the axis of a drilling."""
-NamedBox = tuple[str, Array]
+_NamedBox = tuple[str, Array]
 
 
-def drilling_rules(around: Surroundings, boxes: Sequence[NamedBox]) -> Iterator[Rule]:
+def drilling_rules(around: Surroundings, boxes: Sequence[_NamedBox]) -> Iterator[Rule]:
     """One rule for each drilling and each of outline, bevels and boxes; none where there is no drilling.
 
     Args:
