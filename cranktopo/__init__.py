@@ -212,7 +212,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, its module imported now."""
+    """Return a public name, its module imported now."""
     from importlib import import_module
 
     if name not in _HOMES:

@@ -12,7 +12,7 @@ _OURS_ALONE = 0o700
 
 
 def user_cache() -> Path:
-    """The folder of cranktopo in the user's cache, `$XDG_CACHE_HOME` or `~/.cache`; it may not exist.
+    """Return the folder of cranktopo in the user's cache, `$XDG_CACHE_HOME` or `~/.cache`; it may not exist.
 
     A user without a home, as in a container, has it among the temporary files.
     """
@@ -41,7 +41,7 @@ def private_cache(name: str) -> Path | None:
 
 
 def _lasting_cache() -> Path | None:
-    """The folder in `$XDG_CACHE_HOME` or the user's home, None where there is neither."""
+    """Return the folder in `$XDG_CACHE_HOME` or the user's home, None where there is neither."""
     given = os.environ.get("XDG_CACHE_HOME", "")
     if os.path.isabs(given):  # a relative one is to be ignored (XDG Base Directory Specification)
         return Path(given) / "cranktopo"

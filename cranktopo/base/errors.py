@@ -40,12 +40,12 @@ class CranktopoError(Exception):
         return f"{self.message} {self.hint}".strip()
 
     def as_json(self) -> dict[str, Any]:
-        """The error as the object that `--json` prints."""
+        """Return the error as the object that `--json` prints."""
         return {"error": {"code": int(self.code), "message": self.message, "hint": self.hint}}
 
 
 def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoError:
-    """An invalid-input error in the common form: key path, value, allowed range, next step.
+    """Return an invalid-input error in the common form: key path, value, allowed range, next step.
 
     Args:
         key: dotted path of the key, e.g. `throw.main_journal.bore_diameter_mm`.
@@ -56,7 +56,7 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
 
 
 def quoted(value: object, most: int = 120) -> str:
-    """A value for a message: on one line, shortened in the middle when it is long.
+    """Return a value for a message: on one line, shortened in the middle when it is long.
 
     Args:
         value: what the user gave.
@@ -71,7 +71,7 @@ def quoted(value: object, most: int = 120) -> str:
 
 
 def suggest(word: str, valid: list[str]) -> str:
-    """A did-you-mean sentence for a misspelt word, listing all choices when nothing is near.
+    """Return a did-you-mean sentence for a misspelt word, listing all choices when nothing is near.
 
     Args:
         word: what was written.

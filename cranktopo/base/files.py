@@ -63,7 +63,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: OSError) -> UnwritableError:
-    """The error for an output that the system refuses."""
+    """Return the error for an output that the system refuses."""
     reason = error.strerror or str(error)
     return UnwritableError(
         f"output '{path}': cannot be written: {reason}.",
@@ -132,7 +132,7 @@ def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> 
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The object in a JSON file.
+    """Return the object in a JSON file.
 
     Raises:
         CranktopoError: no such file, unreadable, or not a JSON object.

@@ -19,5 +19,5 @@ Span = Literal["symmetric", "antisymmetric", "whole"]
 
 
 def about_z_deg(crank_angle_deg: float) -> float:
-    """The right-handed rotation about z, deg, that turns a throw by an angle in the crank's sense."""
+    """Return the right-handed rotation about z, deg, that turns a throw by an angle in the crank's sense."""
     return -crank_angle_deg

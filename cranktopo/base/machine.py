@@ -24,11 +24,11 @@ class Machine:
     reference_s: float
 
     def as_json(self) -> dict[str, Any]:
-        """The machine as an object."""
+        """Return the machine as an object."""
         return asdict(self)
 
     def same_kind(self, other: Machine) -> bool:
-        """Whether times of one hold for the other but for a common factor."""
+        """Tell whether times of one hold for the other but for a common factor."""
         return (self.processor, self.cores) == (other.processor, other.cores)
 
 

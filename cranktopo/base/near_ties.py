@@ -17,17 +17,17 @@ _ROUNDING = 1e-6
 
 
 def clearly_more(value: float, other: float) -> bool:
-    """Whether a value exceeds another one by more than rounding and searches can make of it."""
+    """Tell whether a value exceeds another one by more than rounding and searches can make of it."""
     return value - other > SAME * abs(other)
 
 
 def exceeds(value: float, limit: float) -> bool:
-    """Whether a value exceeds a limit by more than rounding."""
+    """Tell whether a value exceeds a limit by more than rounding."""
     return value - limit > _ROUNDING * abs(limit)
 
 
 def first_of_the_best(candidates: Sequence[T], score: Callable[[T], float], within: float | None = None) -> T:
-    """The first of the candidates whose score reaches the highest one, or nearly so.
+    """Return the first of the candidates whose score reaches the highest one, or nearly so.
 
     Args:
         candidates: at least one, the simpler ones first.

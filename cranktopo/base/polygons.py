@@ -61,7 +61,7 @@ def self_intersection(points: Coordinates) -> tuple[float, float] | None:
 
 
 def _meeting(starts: Coordinates, ends: Coordinates, i: _Indices, j: _Indices) -> tuple[float, float] | None:
-    """Where the first pair of edges meets that has a point in common."""
+    """Return where the first pair of edges meets that has a point in common."""
     sides = [
         np.sign(_cross(ends[a] - starts[a], point - starts[a]))
         for a, point in ((i, starts[j]), (i, ends[j]), (j, starts[i]), (j, ends[i]))

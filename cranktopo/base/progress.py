@@ -30,7 +30,7 @@ class Work:
     check: Callable[[], None] = lambda: None
 
     def once(self, name: str, make: Callable[[], Json]) -> Json:
-        """The result of a part, made only if it is not kept yet."""
+        """Return the result of a part, made only if it is not kept yet."""
         if name not in self.kept:
             self.kept[name] = make()
             self.check()

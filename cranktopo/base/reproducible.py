@@ -12,7 +12,7 @@ SEED = 0
 
 
 def time_of_writing(started: datetime | None = None) -> datetime:
-    """The time that a file says it was written, in UTC to the second.
+    """Return the time that a file says it was written, in UTC to the second.
 
     SOURCE_DATE_EPOCH, or the time when the work was started that it is a part of, make files repeatable:
     work that was interrupted and resumed writes the same bytes. Without both it is now.

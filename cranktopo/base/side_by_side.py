@@ -29,12 +29,12 @@ class Ahead(Generic[First]):
         return self._found
 
     def result(self) -> First:
-        """What the work returns; raises what it raises."""
+        """Return what the work returns; raises what it raises."""
         return self.begin().result()
 
 
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
-    """The results of two functions without arguments, computed in two threads.
+    """Return the results of two functions without arguments, computed in two threads.
 
     Raises:
         Exception: what the first, or else the second, raises, when both have ended.

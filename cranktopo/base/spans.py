@@ -37,7 +37,7 @@ def material(added: Sequence[Span], removed: Sequence[Span] = ()) -> tuple[Array
 
 
 def section_difference(section: Section, *removed: Section) -> Section:
-    """What sections leave of another."""
+    """Return what sections leave of another."""
 
     def spans(y_mm: Array, z_mm: Array) -> Sequence[Span]:
         taken = [span for other in removed for span in other(y_mm, z_mm)]
@@ -47,7 +47,7 @@ def section_difference(section: Section, *removed: Section) -> Section:
 
 
 def together(*sections: Section) -> Section:
-    """What lies in any of the sections."""
+    """Return what lies in any of the sections."""
 
     def spans(y_mm: Array, z_mm: Array) -> Sequence[Span]:
         return list(zip(*material([span for one in sections for span in one(y_mm, z_mm)]), strict=True))
@@ -56,7 +56,7 @@ def together(*sections: Section) -> Section:
 
 
 def common(one: Section, other: Section) -> Section:
-    """What lies in both sections."""
+    """Return what lies in both sections."""
 
     def spans(y_mm: Array, z_mm: Array) -> Sequence[Span]:
         pairs = product(one(y_mm, z_mm), other(y_mm, z_mm))
@@ -76,6 +76,6 @@ def disc_section(radius_mm: float, centre_mm: float = 0.0) -> Section:
 
 
 def holds(spans: Sequence[Span], x_mm: Array) -> NDArray[np.bool_]:
-    """Whether points lie in intervals, their ends included; broadcastable."""
+    """Tell whether points lie in intervals, their ends included; broadcastable."""
     parts = [(x_mm >= low) & (x_mm <= high) & (low < high) for low, high in spans]
     return np.asarray(np.logical_or.reduce(parts))

@@ -61,7 +61,7 @@ WholeNumber = BeforeValidator(_no_truth_value)
 
 
 def filled_in(data: Any, library: Mapping[str, dict[str, Any]], needed: frozenset[str]) -> Any:
-    """A table with the library's values for the keys that it does not give.
+    """Return a table with the library's values for the keys that it does not give.
 
     Args:
         data: what the user wrote.

@@ -31,7 +31,7 @@ SECTIONS = 32
 
 
 def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> Manifold:
-    """The closed body in an STL or STEP file, mm, in the frame of `cranktopo.base.frames`.
+    """Return the closed body in an STL or STEP file, mm, in the frame of `cranktopo.base.frames`.
 
     Args:
         symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
@@ -102,7 +102,7 @@ def _body(surface: SurfaceMesh, path: Path) -> Manifold:
 
 @lru_cache(maxsize=4)
 def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
-    """The surface, symmetric in x, and by how much of its volume the sides differed."""
+    """Return the surface, symmetric in x, and by how much of its volume the sides differed."""
     surface = _closed_surface(path, _KEY)
     body = _body(surface, path)
     share = mirror_difference(body)

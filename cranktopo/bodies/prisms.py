@@ -177,7 +177,7 @@ def journal_ends(scene: Scene) -> Manifold:
 
 
 def web_region(solid: Manifold, scene: Scene) -> Manifold:
-    """The part of a solid between the web faces."""
+    """Return the part of a solid between the web faces."""
     start, end = scene.web_z_mm
     return solid.trim_by_plane((0.0, 0.0, 1.0), start).trim_by_plane((0.0, 0.0, -1.0), -end)
 

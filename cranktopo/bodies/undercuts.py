@@ -45,7 +45,7 @@ class Undercuts:
         return self.volume_mm3 <= _NEGLIGIBLE_SHARE * self.web_mm3
 
     def as_json(self) -> dict[str, Any]:
-        """The values by name."""
+        """Return the values by name."""
         return {
             "rays": self.rays,
             "caught_rays": self.caught,
@@ -142,7 +142,7 @@ def _held_back(
 def _beyond_mills(
     body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
 ) -> tuple[int, Array, float]:
-    """The same of voxels that no straight line from a face or a side reaches, by lines along x."""
+    """Return the same of voxels that no straight line from a face or a side reaches, by lines along x."""
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
     x, y, z = (_centres(low[axis], high[axis], step_mm) for axis in (X, Y, Z))
     solid, whole = (_voxels(part, x, y, z) for part in (body, filled))

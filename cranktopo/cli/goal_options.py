@@ -39,7 +39,7 @@ def goal_options(function: Any) -> Any:
 def with_goal_options(
     scene: Scene, minimise: str | None, maximise: str | None, limits: tuple[str, ...]
 ) -> Scene:
-    """The scene with the goal that the options ask for.
+    """Return the scene with the goal that the options ask for.
 
     Raises:
         click.UsageError: two goals, or a limit without a goal.

@@ -82,7 +82,7 @@ class LazyGroup(SuggestingGroup):
         return list(self._entries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a name, imported now; None when there is none."""
+        """Return the command of a name, imported now; None when there is none."""
         if cmd_name not in self._entries:
             return None
         module = f"{self._package}.{self._entries[cmd_name].folder}.command"

@@ -38,12 +38,12 @@ bound_option = click.option(
 
 
 def with_bound_option(scene: Scene, no_bound: bool) -> Scene:
-    """The scene without its bound where the option leaves it out."""
+    """Return the scene without its bound where the option leaves it out."""
     return scene.with_effect("bound", "off") if no_bound else scene
 
 
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    """The number of percent in `1%` or `1`, as an option's callback.
+    """Return the number of percent in `1%` or `1`, as an option's callback.
 
     Raises:
         click.BadParameter: not a number above 0 and below 100.
@@ -60,7 +60,7 @@ def percent(context: click.Context, parameter: click.Parameter, value: str | Non
 
 
 def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    """The number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback.
+    """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback.
 
     Raises:
         click.BadParameter: not a time above 0.

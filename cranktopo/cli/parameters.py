@@ -14,7 +14,7 @@ class Number(click.FloatRange):
     """A finite number in a closed range, which help shows."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The value as a float; fails with the allowed range."""
+        """Return the value as a float; fails with the allowed range."""
         try:
             number = float(str(value))
         except ValueError:
@@ -34,7 +34,7 @@ class Choice(click.Choice[str]):
     """One of a few words; a misspelt one is answered by the nearest."""
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """The word itself; fails with all words and the nearest."""
+        """Return the word itself; fails with all words and the nearest."""
         words = [str(choice) for choice in self.choices]
         if value not in words:
             allowed = f"{quoted(value)} is none of {', '.join(words)}."
@@ -50,7 +50,7 @@ class Speeds(click.ParamType[list[float]]):
     most = 1000
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
-        """The speeds, both ends of a sweep included; fails with the allowed form."""
+        """Return the speeds, both ends of a sweep included; fails with the allowed form."""
         try:
             numbers = [float(part) for part in str(value).split(":")]
         except ValueError:

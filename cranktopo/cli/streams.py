@@ -42,7 +42,7 @@ def discard(number: int) -> None:
 
 
 def _usable(stream: Any, number: int) -> Any:
-    """The stream, or one that leads nowhere in place of a closed one."""
+    """Return the stream, or one that leads nowhere in place of a closed one."""
     if stream is None:
         stream = open(number, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     if isinstance(stream, io.TextIOWrapper):

@@ -28,7 +28,7 @@ def verbosity_options(function: Any) -> Any:
 
 
 def level() -> int:
-    """The level that the running command was given."""
+    """Return the level that the running command was given."""
     context = click.get_current_context(silent=True)
     return NORMAL if context is None else int(context.meta.get(_LEVEL, NORMAL))
 

@@ -87,7 +87,7 @@ def stored_assumptions(entries: Iterable[Mapping[str, Any]]) -> tuple[Assumption
 
 
 def filter_by_table(found: Sequence[Assumption], tables: Sequence[str]) -> tuple[Assumption, ...]:
-    """Those assumptions that belong to some tables or keys of the scene, given by their paths."""
+    """Return those assumptions that belong to some tables or keys of the scene, given by their paths."""
     return tuple(item for item in found if any(f"{item.key}.".startswith(f"{table}.") for table in tables))
 
 
@@ -104,12 +104,12 @@ def assumed_text(found: Sequence[Assumption]) -> str:
 
 
 def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
-    """The entries of `assumed` in metrics.json."""
+    """Return the entries of `assumed` in metrics.json."""
     return [asdict(item) for item in found]
 
 
 def _limits(scene: Scene) -> Iterator[Assumption]:
-    """The limits that a goal brings by default."""
+    """Yield the limits that a goal brings by default."""
     goal = wanted(scene)
     for limit in goal.limits if goal is not None else ():
         if limit.assumed:

@@ -81,7 +81,7 @@ def turning_limits(scene: Scene) -> dict[str, ClearanceLimit]:
 
 
 def clearance_text(scene: Scene) -> str:
-    """The least room of web and counterweight in words; empty without a clearance."""
+    """Return the least room of web and counterweight in words; empty without a clearance."""
     clearance = scene.envelope.clearance if scene.envelope else None
     if clearance is None:
         return ""
@@ -144,7 +144,7 @@ def _check_piston(scene: Scene, skirt_mm: float, gap_mm: float) -> None:
 
 @lru_cache(maxsize=8)
 def _limits(scene: Scene, with_gap: bool) -> dict[str, ClearanceLimit]:
-    """The limits by what is in the way."""
+    """Return the limits by what is in the way."""
     clearance = scene.envelope.clearance if scene.envelope else None
     found: dict[str, ClearanceLimit] = {}
     if clearance is None:

@@ -45,13 +45,13 @@ def key_of(name: DimensionName) -> str:
 
 
 def journal_of(scene: Scene, name: DimensionName) -> Journal:
-    """The journal of a fillet or bore."""
+    """Return the journal of a fillet or bore."""
     journal: Journal = getattr(scene.throw, _JOURNALS[name.partition("_")[0]])
     return journal
 
 
 def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
-    """A dimension of a scene, mm or degrees; the axial semi-axis of a round fillet is its radius."""
+    """Return a dimension of a scene, mm or degrees; the axial semi-axis of a round fillet is its radius."""
     if is_axial(name):
         return journal_of(scene, name).fillet.axial_mm
     value: Any = scene
@@ -82,7 +82,7 @@ def is_of_counterweight(name: DimensionName) -> bool:
 
 
 def fillet_of(name: DimensionName) -> DimensionName:
-    """The fillet that an axial semi-axis belongs to; any other dimension itself."""
+    """Return the fillet that an axial semi-axis belongs to; any other dimension itself."""
     return next((fillet for fillet, axial in AXIAL.items() if axial == name), name)
 
 

@@ -36,7 +36,7 @@ def difference(scene: Scene) -> str:
 
 @lru_cache(maxsize=16)
 def halves(scene: Scene) -> tuple[Scene, Scene]:
-    """The half throw from z = 0 to the mid-pin plane, and the one beyond, in its own frame."""
+    """Return the half throw from z = 0 to the mid-pin plane, and the one beyond, in its own frame."""
     if not difference(scene):
         return scene, scene
     return _half(scene, "first"), _half(scene, "second")

@@ -93,7 +93,7 @@ def design_text(design: str) -> str:
 def parse_scene(
     text: str, source: str = "scene", folder: Path | None = None, *, whole: bool = False
 ) -> Scene:
-    """A validated scene from TOML text.
+    """Return a validated scene from TOML text.
 
     Args:
         text: the TOML document.
@@ -154,7 +154,7 @@ def input_files(scene: Scene) -> dict[str, Path]:
 
 
 def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool = False) -> Scene:
-    """A validated scene from plain data.
+    """Return a validated scene from plain data.
 
     Args:
         data: the tables of the scene, file names absolute.
@@ -175,7 +175,7 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
 
 
 def load_scene(design: str, *, whole: bool = False) -> Scene:
-    """A validated scene from a TOML path or the name of a built-in design.
+    """Return a validated scene from a TOML path or the name of a built-in design.
 
     Args:
         whole: as `scene_from_dict`.

@@ -8,7 +8,7 @@ from cranktopo.runs.directories import RunStore
 
 
 def design_from_run(run: RunStore) -> Scene:
-    """The scene of a run with the command line's options in it and the paths of its files absolute.
+    """Return the scene of a run with the command line's options in it and the paths of its files absolute.
 
     The design.toml of a run is the user's text: it lacks those options, and its relative paths are relative
     to where it came from.

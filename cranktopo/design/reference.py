@@ -60,7 +60,7 @@ class TableReference:
 
 
 def scene_reference() -> list[TableReference]:
-    """Every table of a scene in the order of a file: the keys of a table before the tables in it."""
+    """Return every table of a scene in the order of a file: the keys of a table before the tables in it."""
     schema = Scene.model_json_schema()
     return list(_tables(schema["$defs"], "", schema, required=True, repeated=False))
 
@@ -68,7 +68,7 @@ def scene_reference() -> list[TableReference]:
 def _tables(
     defs: dict[str, Any], path: str, node: dict[str, Any], *, required: bool, repeated: bool
 ) -> Iterator[TableReference]:
-    """The table that a node of the JSON schema describes, its choices, then the tables in it."""
+    """Yield the table that a node of the JSON schema describes, its choices, then the tables in it."""
     node = _resolved(defs, node)
     variants = [_resolved(defs, variant) for variant in node.get("oneOf", [node])]
     common = _common(variants)
@@ -91,7 +91,7 @@ def _tables(
 
 
 def _common(variants: list[dict[str, Any]]) -> dict[str, Any]:
-    """The properties that all variants have alike."""
+    """Return the properties that all variants have alike."""
     first, *others = (variant["properties"] for variant in variants)
     return {name: part for name, part in first.items() if all(o.get(name) == part for o in others)}
 
@@ -114,7 +114,7 @@ def _described(node: dict[str, Any]) -> dict[str, Any]:
 
 
 def _resolved(defs: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:
-    """A node with its references followed and null left out of its choices."""
+    """Return a node with its references followed and null left out of its choices."""
     given = {name: value for name, value in node.items() if name not in ("anyOf", "$ref")}
     if "$ref" in node:
         return {**_resolved(defs, defs[node["$ref"].rpartition("/")[2]]), **given}

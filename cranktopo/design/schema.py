@@ -55,7 +55,7 @@ Parting = Literal["lateral", "web_faces"]
 
 @cache
 def material_library() -> dict[str, dict[str, Any]]:
-    """The material library shipped with the package, by name."""
+    """Return the material library shipped with the package, by name."""
     return tomllib.loads((files("cranktopo.design") / "materials.toml").read_text(encoding="utf-8"))
 
 
@@ -236,7 +236,7 @@ class Scene(SceneTable):
     published: Published | None = None
 
     def with_optimise(self, **changes: object) -> Scene:
-        """The scene with other settings of `[optimise]`.
+        """Return the scene with other settings of `[optimise]`.
 
         Args:
             changes: by name; None keeps the scene's own.
@@ -252,7 +252,7 @@ class Scene(SceneTable):
         return self.model_copy(update={"optimise": settings})
 
     def with_effect(self, effect: str, state: _EffectState) -> Scene:
-        """The scene with one effect switched; the same object when it is so already."""
+        """Return the scene with one effect switched; the same object when it is so already."""
         if getattr(self.effects, effect) == state:
             return self
         return self.model_copy(update={"effects": self.effects.model_copy(update={effect: state})})

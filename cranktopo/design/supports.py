@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @cache
 def bearing_library() -> dict[str, dict[str, Any]]:
-    """The roller bearings shipped with the package, by name."""
+    """Return the roller bearings shipped with the package, by name."""
     return tomllib.loads((files("cranktopo.design") / "bearings.toml").read_text(encoding="utf-8"))
 
 

@@ -29,7 +29,7 @@ def envelope_asymmetry(scene: Scene) -> str:
 
 
 def mirror_image(scene: Scene) -> Scene:
-    """The scene with its web and drillings mirrored in x = 0."""
+    """Return the scene with its web and drillings mirrored in x = 0."""
     turned: dict[str, Any] = {
         key: tuple(feature.mirrored() for feature in getattr(scene.web, key))
         for key in scene.web.feature_keys

@@ -34,7 +34,7 @@ def template(name: str) -> str:
 
 
 def _blocks(tables: list[TableReference], name: str, off: str) -> Iterator[str]:
-    """The block of a table; of a repeated one with choices, a block for each choice."""
+    """Yield the block of a table; of a repeated one with choices, a block for each choice."""
     common, *choices = tables
     header = f"[[{common.path}]]" if common.repeated else f"[{common.path}]"
     top = [_prose(common.meaning), off + header] if common.path else []
@@ -53,7 +53,7 @@ def _blocks(tables: list[TableReference], name: str, off: str) -> Iterator[str]:
 
 
 def _lines(keys: tuple[KeyReference, ...], off: str, values: dict[str, Any] | None = None) -> Iterator[str]:
-    """The lines of keys: meaning, then the key, one `#` more when it is optional."""
+    """Yield the lines of keys: meaning, then the key, one `#` more when it is optional."""
     for key in keys:
         on = (key.required and not key.unless) or key.shown
         use_example = on or key.default is None
@@ -70,6 +70,6 @@ def _facts(key: KeyReference) -> str:
 
 
 def _prose(text: str) -> str:
-    """The first paragraph of a text as comment lines."""
+    """Return the first paragraph of a text as comment lines."""
     words = " ".join(text.split("\n\n")[0].split())
     return "\n".join(textwrap.wrap(words, _WIDTH, initial_indent="# ", subsequent_indent="# "))

@@ -15,7 +15,7 @@ _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
 
 def with_value(data: dict[str, Any], key: str, value: object) -> dict[str, Any]:
-    """The tables of a scene with a value at a key path such as `web.pocket[0].diameter_mm`.
+    """Return the tables of a scene with a value at a key path such as `web.pocket[0].diameter_mm`.
 
     A table that is not there yet is made; an entry of an array must be there.
 
@@ -26,7 +26,7 @@ def with_value(data: dict[str, Any], key: str, value: object) -> dict[str, Any]:
 
 
 def value_at(data: Any, key: str) -> Any:
-    """The value at a key path; None where there is none."""
+    """Return the value at a key path; None where there is none."""
     for part in key_parts(key):
         if isinstance(part, int):
             data = data[part] if isinstance(data, list) and part < len(data) else None
@@ -50,7 +50,7 @@ def check_keys(data: dict[str, Any], source: str) -> None:
 
 
 def key_parts(key: str) -> list[str | int]:
-    """The names and places of a key path; raises CranktopoError where it is none."""
+    """Return the names and places of a key path; raises CranktopoError where it is none."""
     parts: list[str | int] = []
     for word in key.split("."):
         found = _PART.fullmatch(word)

@@ -6,7 +6,7 @@ from cranktopo.design.schema import Scene
 
 
 def toml_text(scene: Scene, heading: str) -> str:
-    """The scene as TOML below a comment; values that were left out or are None stay out."""
+    """Return the scene as TOML below a comment; values that were left out or are None stay out."""
     import tomlkit
 
     data = scene.model_dump(mode="json", exclude_none=True)

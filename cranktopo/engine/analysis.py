@@ -79,7 +79,7 @@ class Cycle:
         return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
 
     def largest(self, name: str) -> Extreme:
-        """The value of a curve of all throws that is largest in magnitude, with its sign."""
+        """Return the value of a curve of all throws that is largest in magnitude, with its sign."""
         return max(self.extreme(name), key=lambda extreme: abs(extreme.value))
 
     def extremes(self) -> dict[str, tuple[Extreme, Extreme]]:
@@ -108,13 +108,13 @@ class LoadAnalysis:
 
 
 def at_speed(scene: Scene, speed_rpm: float) -> Scene:
-    """The scene with its engine at another speed; gas pressures stay as they are."""
+    """Return the scene with its engine at another speed; gas pressures stay as they are."""
     engine = engine_of(scene).model_copy(update={"speed_rpm": speed_rpm})
     return scene.model_copy(update={"engine": engine})
 
 
 def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
-    """The scene at the speed where the torque of its vibrating shaft swings most.
+    """Return the scene at the speed where the torque of its vibrating shaft swings most.
 
     Raises:
         CranktopoError: as `vibrating_torque`.
@@ -144,7 +144,7 @@ def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnal
 
 
 def engine_of(scene: Scene) -> Engine:
-    """The engine of a scene; raises CranktopoError where there is none."""
+    """Return the engine of a scene; raises CranktopoError where there is none."""
     if scene.engine is None:
         raise invalid("engine", None, "must be given for forces over the cycle", "Add an [engine] table.")
     return scene.engine
@@ -211,7 +211,7 @@ def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[st
 
 
 def _size(value: float) -> float:
-    """A value without its last digits, so that of equal throws the first counts."""
+    """Return a value without its last digits, so that of equal throws the first counts."""
     return round(float(value), 6)
 
 

@@ -30,7 +30,7 @@ def bearing_spring_N_per_mm(scene: Scene) -> float | None:
 
 
 def required_bearing_spring_N_per_mm(scene: Scene) -> float:
-    """The same for supports that are springs.
+    """Return the same for supports that are springs.
 
     Raises:
         CranktopoError: the scene says nothing about it.

@@ -46,7 +46,7 @@ class ThrowForces:
     torque_Nm: Array
 
     def curves(self) -> dict[str, Array]:
-        """The curves by name, without the angles."""
+        """Return the curves by name, without the angles."""
         return {field.name: getattr(self, field.name) for field in fields(self)[1:]}
 
 

@@ -88,7 +88,7 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
 
 
 def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
-    """The cycle at the engine's speed; of a vibrating shaft also that at its worst speed."""
+    """Return the cycle at the engine's speed; of a vibrating shaft also that at its worst speed."""
     if "torsional_vibration" not in enabled:
         return _one_cycle(scene, engine, enabled)
     worst = at_worst_speed(scene, enabled)

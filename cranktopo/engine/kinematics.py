@@ -86,7 +86,7 @@ def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Seque
 
 
 def phase_shift(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float) -> Curve:
-    """A curve over the cycle, later by a crank angle."""
+    """Return a curve over the cycle, later by a crank angle."""
     return np.asarray(np.interp(angle_deg - by_deg, angle_deg, curve, period=cycle_deg))
 
 
@@ -102,7 +102,7 @@ def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> M
 
 
 def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
-    """How a force along the cylinder axis splits at the rod and the crankpin."""
+    """Return how a force along the cylinder axis splits at the rod and the crankpin."""
     rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
     cos_b = np.cos(rod_angle)
     return ForceRatios(

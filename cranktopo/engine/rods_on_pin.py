@@ -34,7 +34,7 @@ class RodsOnPin:
     shares: tuple[float, ...] = (1.0,)
 
     def superpose(self, curve: Array, angle_deg: Array, cycle_deg: float) -> Array:
-        """A force on the pin, of all its rods, from that of one rod at angles after its own firing."""
+        """Return a force on the pin, of all its rods, from that of one rod at angles after its own firing."""
         parts = zip(self.shares, self.phase_shifts_deg, strict=True)
         return np.sum([share * phase_shift(curve, angle_deg, by, cycle_deg) for share, by in parts], axis=0)
 
@@ -66,7 +66,7 @@ def near_share(scene: Scene) -> float:
 
 
 def rods_on_pins(scene: Scene, engine: Engine) -> tuple[RodsOnPin, ...]:
-    """The rods on the pin of every throw, or of every web where the two of a throw differ."""
+    """Return the rods on the pin of every throw, or of every web where the two of a throw differ."""
     throws, fires = engine.throws, engine.firing_angles_deg
     if engine.rods_per_pin == 1:
         return tuple(RodsOnPin(f"throw {throw + 1}", throw) for throw in range(throws))

@@ -42,7 +42,7 @@ class ExtremeState:
 
 
 def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
-    """The extreme states of a scene, those that become load cases in the order of their kinds.
+    """Return the extreme states of a scene, those that become load cases in the order of their kinds.
 
     Args:
         enabled: names of the effects that are on; the inertia effects change the forces, without
@@ -69,7 +69,7 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
 
 
 def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
-    """The analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
+    """Return the analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
     if "torsional_vibration" not in enabled:
         return analysis
     return analyse(at_worst_speed(scene, enabled), enabled)

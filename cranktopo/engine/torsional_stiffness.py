@@ -86,13 +86,13 @@ def journal_torsion_modulus_mm3(journal: Journal) -> float:
 
 
 def effective_length(journal: Journal) -> Journal:
-    """The journal, shorter in torsion and bending by what its fillets take."""
+    """Return the journal, shorter in torsion and bending by what its fillets take."""
     length = journal.length_mm - fillet_length_saving_mm(journal)
     return journal.model_copy(update={"length_mm": length})
 
 
 def equivalent_beam(scene: Scene) -> EquivalentBeam:
-    """The scene's web as a bar between its journals."""
+    """Return the scene's web as a bar between its journals."""
     throw = scene.throw
     radius = throw.radius_mm
     width = 2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0])

@@ -21,7 +21,7 @@ _ALONE = threading.RLock()
 
 @contextmanager
 def cad_session(what: str) -> Iterator[Any]:
-    """A fresh gmsh model, yielding the gmsh module; everything in it is gone afterwards.
+    """Return a fresh gmsh model, yielding the gmsh module; everything in it is gone afterwards.
 
     Single-threaded, so that the same input gives the same mesh; sessions of other threads wait.
 

@@ -55,7 +55,7 @@ def check_device() -> None:
 
 
 def cache_folder() -> Path:
-    """Where compiled programs are kept: one folder per JAX version and kind of processor."""
+    """Return where compiled programs are kept: one folder per JAX version and kind of processor."""
     import jax
 
     return user_cache() / f"jax-{jax.__version__}-{_processor()}"

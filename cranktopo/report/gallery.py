@@ -23,7 +23,7 @@ PIN_SIDE: Direction = (0.75, 0.45, 0.8)
 
 
 def _gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float]]]) -> Figure:
-    """One oblique view of each design beside the other, all to the same scale, on no background.
+    """Return one oblique view of each design beside the other, all to the same scale, on no background.
 
     Args:
         designs: name, closed surface of the half throw (mm) and axial range of the web of each.
@@ -32,7 +32,7 @@ def _gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float
 
 
 def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure, list[Axes]]:
-    """One view of each body beside the other, all to the same scale, on no background.
+    """Return one view of each body beside the other, all to the same scale, on no background.
 
     Args:
         bodies: title, what to draw, and the direction to the viewer.

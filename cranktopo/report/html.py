@@ -30,7 +30,7 @@ _THEME = {
 
 
 def html(page: Page) -> str:
-    """The report as the text of an HTML file."""
+    """Return the report as the text of an HTML file."""
     from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup
 
@@ -56,7 +56,7 @@ def _inline_png(picture: Picture) -> str:
 
 
 def _inline_svg(picture: Picture) -> str:
-    """The plot as SVG for the body of a page: text as text, greys of the theme, no size of its own."""
+    """Return the plot as SVG for the body of a page: text as text, greys of the theme, no size of its own."""
     import matplotlib as mpl
 
     stream = io.StringIO()

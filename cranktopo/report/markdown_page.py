@@ -31,7 +31,7 @@ def write_markdown(page: Page, path: Path) -> None:
 
 
 def markdown_text(page: Page, folder: str) -> str:
-    """The report as Markdown.
+    """Return the report as Markdown.
 
     Args:
         folder: where the plots are, relative to the text.

@@ -29,12 +29,12 @@ class Picture:
 
     @property
     def wide(self) -> bool:
-        """Whether it takes the whole width of a page."""
+        """True if it takes the whole width of a page."""
         return bool(self.figure.get_size_inches()[0] > _WIDE_INCHES)
 
 
 def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
-    """A plot with one pair of axes; `draw` is called with them and the arguments.
+    """Return a plot with one pair of axes; `draw` is called with them and the arguments.
 
     Args:
         polar: axes of direction and size, with room for a legend beside them.

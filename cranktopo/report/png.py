@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:
-    """A figure as PNG."""
+    """Return a figure as PNG."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dpi, facecolor=facecolor)
     return stream.getvalue()

@@ -41,7 +41,7 @@ class ResultTable:
         return stem.replace("_", " "), unit
 
     def is_text(self, column: str) -> bool:
-        """Whether a column holds words."""
+        """Tell whether a column holds words."""
         return any(isinstance(row[column], str) for row in self.rows)
 
     def longest(self, column: str) -> int:
@@ -49,7 +49,7 @@ class ResultTable:
         return max((len(self.cell(row, column)) for row in range(len(self.rows))), default=0)
 
     def cell(self, row: int, column: str) -> str:
-        """A cell as text, rounded, with a trailing `*` where it is marked as best."""
+        """Return a cell as text, rounded, with a trailing `*` where it is marked as best."""
         value = self.rows[row][column]
         if value is None:
             return "-"
@@ -57,7 +57,7 @@ class ResultTable:
         return f"{text}*" if (row, column) in self.best else text
 
     def cells(self, row: int) -> list[str]:
-        """All cells of a row as text."""
+        """Return all cells of a row as text."""
         return [self.cell(row, column) for column in self.columns]
 
 
@@ -73,13 +73,13 @@ class Column(Generic[T]):
 def tabulate(
     columns: Sequence[Column[T]], things: Iterable[T], best: frozenset[tuple[int, str]] = frozenset()
 ) -> ResultTable:
-    """One row per thing."""
+    """Return one row per thing."""
     rows = tuple({column.name: column.read(thing) for column in columns} for thing in things)
     return ResultTable({column.name: column.digits for column in columns}, rows, best)
 
 
 def terminal(table: ResultTable) -> str:
-    """The table for a terminal: right-aligned numbers, a column's head broken at its unit."""
+    """Return the table for a terminal: right-aligned numbers, a column's head broken at its unit."""
     heads = [table.head(column) for column in table.columns]
     body = [table.cells(row) for row in range(len(table.rows))]
     lines = [[head[part] for head in heads] for part in (0, 1)] + body
@@ -88,7 +88,7 @@ def terminal(table: ResultTable) -> str:
 
 
 def markdown(table: ResultTable) -> str:
-    """The table as GitHub Markdown."""
+    """Return the table as GitHub Markdown."""
     first = next(iter(table.columns))
     head = " | ".join(" ".join(table.head(column)).strip() for column in table.columns)
     rule = " | ".join("---" if c == first or table.is_text(c) else "---:" for c in table.columns)
@@ -99,7 +99,7 @@ def markdown(table: ResultTable) -> str:
 
 
 def _markdown_cell(table: ResultTable, row: int, column: str) -> str:
-    """A cell whose words are shown as they are; the star of the best value stays a star."""
+    """Return a cell whose words are shown as they are; the star of the best value stays a star."""
     text = table.cell(row, column)
     if table.rows[row][column] is None:
         return text
@@ -108,12 +108,12 @@ def _markdown_cell(table: ResultTable, row: int, column: str) -> str:
 
 
 def escaped(text: str) -> str:
-    """The text on one line, so that Markdown shows it as it is."""
+    """Return the text on one line, so that Markdown shows it as it is."""
     return _LIST.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", " ".join(text.split())))
 
 
 def comma_separated(table: ResultTable) -> str:
-    """The table as CSV with machine names and full precision."""
+    """Return the table as CSV with machine names and full precision."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, table.columns, lineterminator="\n")
     writer.writeheader()
@@ -122,7 +122,7 @@ def comma_separated(table: ResultTable) -> str:
 
 
 def records(table: ResultTable) -> list[dict[str, Any]]:
-    """The rows as objects keyed by machine name, full precision."""
+    """Return the rows as objects keyed by machine name, full precision."""
     return [dict(row) for row in table.rows]
 
 

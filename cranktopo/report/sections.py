@@ -10,7 +10,7 @@ from cranktopo.report.result_table import ResultTable
 
 
 def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    """Where a run comes from, for `pairs`: its command, start, settings and input files."""
+    """Return where a run comes from, for `pairs`: its command, start, settings and input files."""
     inputs = manifest.get("inputs", {}).items()
     return [
         ("command", " ".join(manifest["command"])),
@@ -21,7 +21,7 @@ def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 
 def assumed_tables(entries: Sequence[Mapping[str, Any]]) -> list[tuple[str, ResultTable]]:
-    """What the design does not say, as one table with its caption; none where it says all.
+    """Return what the design does not say, as one table with its caption; none where it says all.
 
     Args:
         entries: `assumed` of metrics.json.
@@ -41,6 +41,6 @@ def versions_section(versions: Mapping[str, str | None], files: Mapping[str, str
 
 
 def pairs(rows: Sequence[tuple[str, Any]]) -> ResultTable:
-    """A table of names and values as text."""
+    """Return a table of names and values as text."""
     cells = tuple({"what": name, "value": str(value)} for name, value in rows)
     return ResultTable({"what": 0, "value": 0}, cells)

@@ -143,7 +143,7 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
 def _coloured(
     solid: Manifold, colour: Colour, largest_face_mm: float | None, whole: int, inset_mm: float
 ) -> ShadedMesh:
-    """Those faces of a part that are faces of the whole, the original of this number, and its cap.
+    """Return those faces of a part that are faces of the whole, the original of this number, and its cap.
 
     Args:
         inset_mm: way along z into the part by which the face of its cut is drawn; 0 leaves that out.

@@ -50,7 +50,7 @@ class RunStore:
         return self.path / _CHECKPOINT
 
     def manifest(self) -> dict[str, Any]:
-        """The manifest; raises CranktopoError when it is missing, corrupted or of another version."""
+        """Return the manifest; raises CranktopoError when it is missing, corrupted or of another version."""
         path = self.path / _MANIFEST
         manifest = read_json(path)
         check_manifest(manifest, path)
@@ -192,7 +192,7 @@ def create_run(
 
 
 def open_run(reference: str, root: Path = RUNS) -> RunStore:
-    """An existing run by path, by name or by the beginning of its name.
+    """Return an existing run by path, by name or by the beginning of its name.
 
     Args:
         reference: path of a run directory, or the (start of the) name of one under `root`.
@@ -220,7 +220,7 @@ def runs_named(reference: str, root: Path = RUNS) -> list[str]:
 
 
 def list_runs(root: Path = RUNS) -> list[RunStore]:
-    """The runs under `root`, oldest first; directories without a manifest are left out."""
+    """Return the runs under `root`, oldest first; directories without a manifest are left out."""
     found = sorted(root.glob(f"*/{_MANIFEST}"))
     return [RunStore(path.parent) for path in found if not path.parent.name.startswith(".")]
 
@@ -250,7 +250,7 @@ def _check_empty(out: Path) -> None:
 
 
 def _published(folder: Path, wanted: Path) -> Path:
-    """The folder under the wanted name, with a number behind it where that is taken."""
+    """Return the folder under the wanted name, with a number behind it where that is taken."""
     number = 1
     while True:
         path = wanted if number == 1 else wanted.with_name(f"{wanted.name}-{number}")

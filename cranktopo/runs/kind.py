@@ -27,13 +27,13 @@ RESULT_FILES: dict[RunKind, str] = {
 
 
 def kind_of(run: RunStore) -> RunKind:
-    """The command that made a run; raises CranktopoError when its manifest cannot be used."""
+    """Return the command that made a run; raises CranktopoError when its manifest cannot be used."""
     options = run.manifest()["options"]
     return next((kind for kind in (LOOP, SHAPE, SWEEP) if kind in options), "optimise")
 
 
 def read_result(run: RunStore) -> dict[str, Any] | None:
-    """What a run reached, None before its end; raises CranktopoError when a file cannot be used."""
+    """Return what a run reached, None before its end; raises CranktopoError when a file cannot be used."""
     path = run.path / RESULT_FILES[kind_of(run)]
     return read_json(path) if path.is_file() else None
 

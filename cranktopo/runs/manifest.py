@@ -114,7 +114,7 @@ def versions() -> dict[str, str | None]:
 
 
 def timestamp() -> str:
-    """The local time now with its offset from UTC, ISO 8601, to the second."""
+    """Return the local time now with its offset from UTC, ISO 8601, to the second."""
     return datetime.now().astimezone().isoformat(timespec="seconds")
 
 

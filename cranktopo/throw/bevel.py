@@ -182,7 +182,7 @@ class BevelTool(Body):
         return (self.z_mm,)
 
     def solids(self) -> tuple[Solid, ...]:
-        """The arc, continued along its tangent beyond the web, swept across."""
+        """Return the arc, continued along its tangent beyond the web, swept across."""
         arc, far = self.arc, self.arc.chord_mm
         slope = math.atan2(arc.end_mm - arc.start_mm, arc.depth_mm)
         slope -= 2 * math.atan(2 * arc.crown_mm / arc.chord_mm)
@@ -303,7 +303,7 @@ def _arc(face: str, y_mm: Any, depth: Any, crown_mm: Any, ends: tuple[Any, Any])
 
 
 def _journals(throw: ThrowTable, face: str) -> list[tuple[str, Any, float]]:
-    """The journal that stands on a face, then the other: name, journal, place of its axis."""
+    """Return the journal that stands on a face, then the other: name, journal, place of its axis."""
     both = [("main_journal", throw.main_journal, 0.0), ("crankpin", throw.crankpin, throw.radius_mm)]
     return both if face == "journal" else both[::-1]
 

@@ -74,7 +74,7 @@ class Body(ABC):
 
     @abstractmethod
     def solids(self) -> tuple[Solid, ...]:
-        """The exact body; it may reach beyond the web, if nothing of the web is there."""
+        """Return the exact body; it may reach beyond the web, if nothing of the web is there."""
 
     @property
     def y_breaks_mm(self) -> tuple[float, ...]:

@@ -187,7 +187,7 @@ class FittedFeature(ABC):
         return None
 
     def arc(self, named: Named, ends: Array) -> BevelArc | None:
-        """The end bevel that it is; None for others."""
+        """Return the end bevel that it is; None for others."""
         return None
 
     def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:

@@ -50,7 +50,7 @@ class FittedPocket(FittedFeature):
     @classmethod
     @abstractmethod
     def in_region(cls, region: Region) -> Self | None:
-        """The pocket that could take out a region; None if the region does not fit the kind."""
+        """Return the pocket that could take out a region; None if the region does not fit the kind."""
 
     @abstractmethod
     def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:

@@ -99,7 +99,7 @@ class Flank:
 
 
 def flank_through(half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]) -> Flank:
-    """The flank through half-widths at stations, (n,) each, mm.
+    """Return the flank through half-widths at stations, (n,) each, mm.
 
     Args:
         round_ends: whether the lower and the upper end cross x = 0 smoothly.
@@ -166,7 +166,7 @@ def largest_half_width_mm(flank: Flank) -> float:
 
 
 def _hermite(flank: Flank, piece: NDArray[np.int64], u: Array, axis: int) -> Array:
-    """One coordinate at u in [0, 1] of chosen pieces."""
+    """Return one coordinate at u in [0, 1] of chosen pieces."""
     start, first, second, third = _cubic(flank, piece, axis)
     return np.asarray(start + u * (first + u * (second + u * third)))
 

@@ -112,7 +112,7 @@ class ThrowTable(SceneTable):
         return (self.main_journal, 0.0), (self.crankpin, self.radius_mm)
 
     def features(self) -> Iterator[tuple[str, Feature]]:
-        """Each feature of journals and web together with its key path in the scene."""
+        """Yield each feature of journals and web together with its key path in the scene."""
         for index, drilling in enumerate(self.drilling):
             yield f"throw.drilling[{index}]", drilling
 

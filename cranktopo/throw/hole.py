@@ -86,7 +86,7 @@ class RectangularHole(Body):
 
 
 def bore_holes(scene: ThrowView) -> list[RoundHole]:
-    """The bores of main journal and crankpin where they run through the web, in that order."""
+    """Return the bores of main journal and crankpin where they run through the web, in that order."""
     names = ("main_journal", "crankpin")
     return [
         RoundHole(f"throw.{name}.bore_diameter_mm", scene.web_z_mm, 0.0, y, journal.bore_radius_mm)

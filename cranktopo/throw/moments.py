@@ -54,7 +54,7 @@ class Moments:
         return self + other.times(-1)
 
     def times(self, factor: float) -> Moments:
-        """All moments multiplied by a height or a density."""
+        """Return all moments multiplied by a height or a density."""
         return Moments(*(factor * value for value in (self.volume, self.first_x, self.first_y, self.polar)))
 
 

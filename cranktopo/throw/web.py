@@ -79,7 +79,7 @@ class WebTable(SceneTable, ABC):
 
     @abstractmethod
     def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
-        """The exact outline at a height, a closed loop."""
+        """Return the exact outline at a height, a closed loop."""
 
     def kinks_mm(self, throw_radius_mm: float) -> tuple[float, ...]:
         """Positions along the throw between its ends where the half-width is not smooth."""
@@ -93,7 +93,7 @@ class WebTable(SceneTable, ABC):
         """
 
     def features(self) -> Iterator[tuple[str, Feature]]:
-        """Each feature with its key path in the scene."""
+        """Yield each feature with its key path in the scene."""
         for key in self.feature_keys:
             for index, feature in enumerate(getattr(self, key)):
                 yield f"web.{key}[{index}]", feature
@@ -144,7 +144,7 @@ def web_bodies(scene: ThrowView) -> list[Body]:
 
 
 def _feature_bodies(scene: ThrowView) -> list[Body]:
-    """The bodies of all features of the web in the order of the scene."""
+    """Return the bodies of all features of the web in the order of the scene."""
     return [body for key, feature in scene.web.features() for body in feature.bodies(scene, key)]
 
 

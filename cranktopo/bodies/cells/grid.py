@@ -63,7 +63,7 @@ def plan_grid(
     resolution_mm: float,
     extent: Extent = "half",
 ) -> CellGrid:
-    """A grid whose cells are no larger than the resolution and whose planes meet the given ranges.
+    """Return a grid whose cells are no larger than the resolution and whose planes meet the given ranges.
 
     The half throw is planned, whatever the extent, so that quarter, half and full model have the same
     cells and give the same stiffness.

@@ -80,7 +80,7 @@ def _annulus(journal: Journal, y_mm: float) -> Section:
 
 
 def _own_web(scene: Scene) -> list[AxialLayer]:
-    """The web of the scene, or the body named as the original."""
+    """Return the web of the scene, or the body named as the original."""
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
     bodies = web_bodies(scene)
@@ -93,7 +93,7 @@ def _own_web(scene: Scene) -> list[AxialLayer]:
 
 
 def _body_from_file(scene: Scene, body: Manifold) -> list[AxialLayer]:
-    """A body of triangles as thin layers with the section in their middle."""
+    """Return a body of triangles as thin layers with the section in their middle."""
     found = []
     for z in _ranges_mm(scene, [float(z) for z in np.linspace(*scene.web_z_mm, SECTIONS + 1)]):
         shape = polygon_section([np.asarray(contour) for contour in body.slice(sum(z) / 2).to_polygons()])
@@ -106,7 +106,7 @@ def _section(bodies: Sequence[Body]) -> Section:
 
 
 def _design_space(scene: Scene) -> list[AxialLayer]:
-    """The envelope less the bores as layers, what is kept solid; in a clearance the journal alone."""
+    """Return the envelope less the bores as layers, what is kept solid; in a clearance the journal alone."""
     (start, stop), envelope, throw = scene.web_z_mm, design_envelope(scene), scene.throw
     low, high = start + envelope.bearing_clearance_mm, stop - envelope.rod_clearance_mm
     bores = [
@@ -132,7 +132,7 @@ def _design_space(scene: Scene) -> list[AxialLayer]:
 
 
 def _turning_free(scene: Scene, section: Section) -> Section:
-    """The part of a section that piston and crankcase leave free."""
+    """Return the part of a section that piston and crankcase leave free."""
     limit = clearance_limit(scene)
     if limit is None:
         return section
@@ -146,7 +146,7 @@ def _ranges_mm(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
 
 
 def design_envelope(scene: Scene) -> Envelope:
-    """The envelope of an optimisation.
+    """Return the envelope of an optimisation.
 
     Raises:
         CranktopoError: the scene has none.

@@ -136,7 +136,7 @@ def mesh_body(
 def _generate(
     gmsh: Any, size: float, mirrored: bool, *, smooth: bool = False, adapt: bool = False
 ) -> TetMesh:
-    """The mesh, smooth where stresses are wanted.
+    """Return the mesh, smooth where stresses are wanted.
 
     Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
     the stresses. Bores of a quarter model have no seam.
@@ -162,7 +162,7 @@ def _generate(
 
 
 def positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
-    """The half x >= 0 of a body; `reach` is a length of its size, mm."""
+    """Return the half x >= 0 of a body; `reach` is a length of its size, mm."""
     size = 20 * reach
     box = occ.addBox(0, -size, -size, size, 2 * size, 2 * size)
     kept, _ = occ.intersect(body, [(3, box)])
@@ -239,7 +239,7 @@ def _finest(scene: Scene, size: float, fillet: FilletSection, fraction: float | 
 
 
 def extract_mesh(gmsh: Any, *, mirrored: bool) -> TetMesh:
-    """The quadratic mesh of the open session, folded elements straightened."""
+    """Return the quadratic mesh of the open session, folded elements straightened."""
     coordinates, nodes = tetrahedra(gmsh, _TET10, 10)
     cells = nodes[:, _GMSH_TO_STANDARD]
     used, compact = np.unique(cells, return_inverse=True)

@@ -67,7 +67,7 @@ def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
 
 
 def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
-    """The cylinder within a wider one around the hole."""
+    """Return the cylinder within a wider one around the hole."""
     wide = _PIECE * (outlet.hole.radius + outlet.rounding_mm)
     outward, point = np.array(outlet.outward), np.array(outlet.at)
     deep = min(2 * wide, outlet.surface_mm)
@@ -78,7 +78,7 @@ def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
 
 
 def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
-    """The curves of a body that lie on both the cylinder and the hole."""
+    """Return the curves of a body that lie on both the cylinder and the hole."""
     import gmsh
 
     start, along = np.array(outlet.hole.start), np.array(outlet.outward)
@@ -95,7 +95,7 @@ def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
 
 
 def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> int:
-    """A body between two quadrilaterals, from six plane faces."""
+    """Return a body between two quadrilaterals, from six plane faces."""
     rings = [[occ.addPoint(*point) for point in ring] for ring in (floor, mouth)]
     low, high = ([occ.addLine(a, b) for a, b in pairwise([*ring, ring[0]])] for ring in rings)
     ribs = [occ.addLine(a, b) for a, b in zip(*rings, strict=True)]
@@ -113,7 +113,7 @@ class _Contour:
         self._points: dict[Point, int] = {}
 
     def face(self, curves: tuple[Any, ...]) -> int:
-        """The plane surface inside the loop."""
+        """Return the plane surface inside the loop."""
         if isinstance(curves[0], Rectangle):
             rectangle: Rectangle = curves[0]
             size = rectangle.size_x, rectangle.size_y

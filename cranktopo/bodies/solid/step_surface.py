@@ -72,7 +72,7 @@ def _check_step(path: Path, name: str) -> None:
 
 
 def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
-    """The one solid of a STEP file, in the open session, synchronised.
+    """Return the one solid of a STEP file, in the open session, synchronised.
 
     Args:
         name: of the file in messages.

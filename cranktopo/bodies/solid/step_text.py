@@ -47,7 +47,7 @@ def label_step(path: Path, label: StepLabel) -> None:
 
 
 def labelled(text: str, label: StepLabel) -> str:
-    """The text of a STEP file with the label in its header, its product and its solid.
+    """Return the text of a STEP file with the label in its header, its product and its solid.
 
     Raises:
         CranktopoError: the text does not hold exactly one product with one solid.

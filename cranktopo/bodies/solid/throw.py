@@ -46,7 +46,7 @@ class SolidProperties:
 
 
 def add_half_throw(occ: Any, scene: Scene) -> DimTags:
-    """The half throw, z from the mid-main-journal plane to the mid-pin plane, as one checked body.
+    """Return the half throw, z from the mid-main-journal plane to the mid-pin plane, as one checked body.
 
     A bore runs through its journal and the web and ends at the web's far face.
 
@@ -71,7 +71,7 @@ def _add_half(occ: Any, scene: Scene) -> DimTags:
 
 
 def add_full_throw(occ: Any, scene: Scene) -> DimTags:
-    """The throw between its two mid-main-journal planes as one checked body.
+    """Return the throw between its two mid-main-journal planes as one checked body.
 
     The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
@@ -91,7 +91,7 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
 
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
-    """All throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
+    """Return all throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
 
     Args:
         scene: the throw, and an engine with a firing order.

@@ -122,7 +122,7 @@ def _stays_round(scene: Scene, name: DimensionName) -> bool:
 
 
 def _shortest_journal(scene: Scene, name: DimensionName) -> tuple[str, float]:
-    """The journal of a fillet, and its least length, mm, at the web's greatest thickness."""
+    """Return the journal of a fillet, and its least length, mm, at the web's greatest thickness."""
     if fillet_of(name) == "pin_fillet":
         return "crankpin", scene.throw.crankpin.length_mm
     thickness = free_range_mm(scene, "web_thickness")

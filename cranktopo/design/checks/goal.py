@@ -73,7 +73,7 @@ def _limit_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
 
 
 def _written(scene: Scene, name: QuantityName) -> str:
-    """A limit as the scene gives it."""
+    """Return a limit as the scene gives it."""
     assert scene.goal is not None
     return f"goal.limits.{name} = {quoted(getattr(scene.goal.limits, name))}"
 

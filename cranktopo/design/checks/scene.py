@@ -39,7 +39,7 @@ def check_scene(scene: Scene) -> None:
 
 
 def _named_bores(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
-    """The drillings of a half by their keys in the whole scene."""
+    """Return the drillings of a half by their keys in the whole scene."""
     own = (f"throw.drilling[{i}]" for i, one in enumerate(scene.throw.drilling) if one.web != other)
     return [replace(bore, key=key) for key, bore in zip(own, drill_bores(half), strict=True)]
 

@@ -60,7 +60,7 @@ class SizedShaft:
 def size_shafts(
     shafts: Sequence[BalancerShaft], free: Sequence[FreeForce], w2: float
 ) -> tuple[tuple[SizedShaft, ...], tuple[FreeForce, ...]]:
-    """The shafts of a scene with all that they leave open, and what remains free by order.
+    """Return the shafts of a scene with all that they leave open, and what remains free by order.
 
     Shafts whose unbalance and phase are given count first, then those against forces, then those against
     moments: each of the latter two takes what the ones before leave.
@@ -79,7 +79,7 @@ def size_shafts(
 
 
 def needed_shafts(free: Sequence[FreeForce], w2: float, length_mm: float) -> tuple[SizedShaft, ...]:
-    """The shafts that leave nothing free in the first two orders; none where nothing is.
+    """Return the shafts that leave nothing free in the first two orders; none where nothing is.
 
     Args:
         length_mm: distance of the two masses of a shaft against a moment.
@@ -118,7 +118,7 @@ def _turn_of(shaft: BalancerShaft) -> int:
 def _size(
     shaft: BalancerShaft, free: FreeForce, w2: float, *, in_scene: bool
 ) -> tuple[SizedShaft, FreeForce]:
-    """The shaft with what it leaves open, and the force and moment that it adds."""
+    """Return the shaft with what it leaves open, and the force and moment that it adds."""
     newton = shaft.order**2 * w2 / MM_PER_M
     force, moment = (_part(vector, shaft) for vector in (free.force, free.moment))
     distance = shaft.distance_mm or 0.0

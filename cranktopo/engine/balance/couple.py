@@ -27,7 +27,7 @@ def product_of_inertia_kg_mm2(scene: Scene) -> complex:
 
 
 def _half(scene: Scene) -> complex:
-    """What a half throw adds, its places counted from the mid-pin plane.
+    """Return what a half throw adds, its places counted from the mid-pin plane.
 
     Main journals are about the axis and add nothing but what is drilled out of them.
     """

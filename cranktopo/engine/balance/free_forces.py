@@ -144,7 +144,7 @@ class TurningMasses:
 
 
 def turning_masses(scene: Scene) -> TurningMasses:
-    """The masses of a scene's engine at its speed; raises CranktopoError where there is no engine."""
+    """Return the masses of a scene's engine at its speed; raises CranktopoError where there is no engine."""
     engine, balance, radius = engine_of(scene), throw_balance(scene), scene.throw.radius_mm
     return TurningMasses(
         layout=engine_layout(scene),
@@ -168,7 +168,7 @@ def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> Free
 
 
 def _couple_of_product(masses: TurningMasses) -> FreeForce:
-    """The couples of all throws; counterweights take them."""
+    """Return the couples of all throws; counterweights take them."""
     couples = unit_vectors(masses.layout.throw_deg) * masses.couple_kg_mm2 * masses.w2 / MM_PER_M**2
     return FreeForce(1, ForceEllipse(), ForceEllipse(_sum(couples)))
 
@@ -194,7 +194,7 @@ def free_forces(masses: TurningMasses, counterweighted: bool = False) -> tuple[F
 
 
 def counterweights(masses: TurningMasses) -> tuple[NeededCounterweight, ...]:
-    """What every web needs, from the free end.
+    """Return what every web needs, from the free end.
 
     For the shaft, u = a + b z at each web, z its place from the middle of all webs, is the least of all that
     leave neither force nor moment.
@@ -271,7 +271,7 @@ def _free_force(order: int, forward: Complex, backward: Complex, z_mm: Array) ->
 
 
 def _sum(parts: Complex) -> complex:
-    """The sum, 0 where only rounding is left of it."""
+    """Return the sum, 0 where only rounding is left of it."""
     total = complex(parts.sum())
     return total if abs(total) > _NOTHING * float(np.abs(parts).sum()) else 0j
 

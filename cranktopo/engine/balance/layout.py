@@ -54,7 +54,7 @@ class EngineLayout:
 
 
 def engine_layout(scene: Scene) -> EngineLayout:
-    """The layout of a scene's engine; raises CranktopoError where there is none."""
+    """Return the layout of a scene's engine; raises CranktopoError where there is none."""
     engine, both = engine_of(scene), halves(scene)
     arranged, throws, numbers = engine.arranged, engine.throws, range(1, engine.cylinders + 1)
     pitch = arranged.cylinder_pitch_mm or scene.pitch_mm

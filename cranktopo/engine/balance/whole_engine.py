@@ -50,7 +50,7 @@ class EngineBalance:
 
 
 def engine_balance(scene: Scene) -> EngineBalance:
-    """The balance of a scene's engine at its speed.
+    """Return the balance of a scene's engine at its speed.
 
     Raises:
         CranktopoError: no engine, an engine that stands still, or gas data that cannot be used.

@@ -50,12 +50,12 @@ class PlanningContext:
         return throw_balance(self.scene)
 
     def state(self, kind: LoadKind) -> ExtremeState:
-        """The state that would be the load case of a kind."""
+        """Return the state that would be the load case of a kind."""
         return next(state for state in self.states if state.case.kind == kind and not state.redundant)
 
     @property
     def unit_loads(self) -> bool:
-        """Whether a main load is a unit load, so that sizes cannot be compared."""
+        """True if a main load is a unit load, so that sizes cannot be compared."""
         return any(state.unit and not state.redundant for state in self.states)
 
     def rotating(self, speed_rpm: float) -> RotatingForces:

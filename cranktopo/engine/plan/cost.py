@@ -73,7 +73,7 @@ class CostRates:
     seconds_per_evaluation: float = 15.0
 
     def solve_s(self, cells: float) -> float:
-        """One load case of one design iteration."""
+        """Return one load case of one design iteration."""
         return self.seconds_per_solve + cells * self.seconds_per_cell_solve
 
 
@@ -97,7 +97,7 @@ class ExpectedWork:
 
 
 def effort(scene: Scene, rates: CostRates | None = None) -> ExpectedWork:
-    """What the density optimisation of a scene is expected to do."""
+    """Return what the density optimisation of a scene is expected to do."""
     rates, settings = rates or CostRates(), scene.optimise
     lengths = (settings.min_member_mm, settings.min_gap_mm)
     moves = rates.moves if judged_by_evaluation(scene) else 0
@@ -124,7 +124,7 @@ class Costing:
         return round(estimated_cells(self._scene, edge, quarter=False, target=_target(self._scene)))
 
     def load_case(self) -> Cost:
-        """One more solve of each design in every iteration."""
+        """Return one more solve of each design in every iteration."""
         cells = self.half_throw_cells // (2 if self._mirrored else 1)
         seconds = self._optimiser_solves() * self._rates.solve_s(cells)
         return Cost(solves=float(self._effort.designs), seconds=seconds)
@@ -163,7 +163,7 @@ class Costing:
 
 
 def _target(scene: Scene) -> GridContent:
-    """What the grid holds; a throw whose envelope is absent, or its file gone, is not optimised."""
+    """Return what the grid holds; a throw whose envelope is absent, or its file gone, is not optimised."""
     envelope = scene.envelope
     gone = envelope is not None and envelope.stl_file is not None and not envelope.stl_file.is_file()
     return "web" if envelope is None or gone else "envelope"

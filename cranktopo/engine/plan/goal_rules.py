@@ -18,7 +18,7 @@ _NEGLIGIBLE = 1e-9
 
 
 def as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
-    """The estimate of a load case whose need a goal decides, not its size."""
+    """Return the estimate of a load case whose need a goal decides, not its size."""
     users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
     users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
     if not users:
@@ -38,7 +38,7 @@ def wants_safety(goal: Goal | None) -> str:
 
 
 def bound(context: PlanningContext) -> Estimate:
-    """What no web of the envelope can beat: wanted beside every result that it can be told of."""
+    """Return what no web of the envelope can beat: wanted beside every result that it can be told of."""
     absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
     if context.goal is not None and context.goal.quantity == "fatigue_safety":
         absent = "nothing is proven about stress"

@@ -97,7 +97,7 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
 
 
 def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
-    """The scene as its own effects plan has it simulated.
+    """Return the scene as its own effects plan has it simulated.
 
     Args:
         kept: features that stay even where the plan leaves them out.
@@ -109,7 +109,7 @@ def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:
-    """The mirror saves cells in the solve of every load case."""
+    """Return the mirror saves cells in the solve of every load case."""
     if effect.name != "lateral_symmetry":
         return effect
     cost = effect.cost.model_copy(update={"seconds": effect.cost.seconds * cases})

@@ -37,7 +37,7 @@ def simulated_scene(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] =
 
 
 def without(scene: Scene, feature: Feature) -> Scene:
-    """The scene with both journals without one feature; the same object when they have none."""
+    """Return the scene with both journals without one feature; the same object when they have none."""
     throw, update = scene.throw, _WITHOUT[feature]
     main, pin = (j.model_copy(update=update) for j in (throw.main_journal, throw.crankpin))
     if (main, pin) == (throw.main_journal, throw.crankpin):

@@ -115,7 +115,7 @@ def whole_throw(context: PlanningContext) -> tuple[Effect, ...]:
 
 
 def manufacturing_constraint(context: PlanningContext) -> Estimate:
-    """A die, a mould or a mill; what it costs is the difference between two optimisations."""
+    """Return a die, a mould or a mill; what it costs is the difference between two optimisations."""
     settings = context.scene.optimise
     process, along_x = settings.process, settings.parting == "lateral"
     changes = "the shape may have undercuts and closed hollows"

@@ -122,7 +122,7 @@ def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
 
 
 def estimated_chain(scene: Scene) -> ShaftChain:
-    """The chain with inertia and stiffness of the throws in closed form; the scene has an engine."""
+    """Return the chain with inertia and stiffness of the throws in closed form; the scene has an engine."""
     throws = len(scene.shaft_angles_deg)
     return shaft_chain(
         scene, throw_balance(scene).inertia_kg_mm2, (throw_stiffness_Nm_per_rad(scene),) * throws
@@ -132,7 +132,7 @@ def estimated_chain(scene: Scene) -> ShaftChain:
 def shaft_chain(
     scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tuple[float, ...]
 ) -> ShaftChain:
-    """The chain of a scene's shaft: one disk per throw in the plane of its crankpin.
+    """Return the chain of a scene's shaft: one disk per throw in the plane of its crankpin.
 
     The halves of neighbouring throws are springs in series; a half throw joins the ends. Halves that differ
     share the twist of their throw as their closed form has it. What is joined rigidly is one disk.

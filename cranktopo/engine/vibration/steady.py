@@ -110,7 +110,7 @@ def critical_speeds(
     range_rpm: tuple[float, float],
     orders: int = ORDERS,
 ) -> tuple[CriticalSpeed, ...]:
-    """Every crossing of an order with a natural frequency in a range of speeds, the slowest first."""
+    """Return every crossing of an order with a natural frequency in a range of speeds, the slowest first."""
     shifts = harmonics.shifts[1 : orders + 1]
     majors = harmonics.in_phase()[1 : orders + 1]
     rods = len(harmonics.firing_deg) / shaft.throws

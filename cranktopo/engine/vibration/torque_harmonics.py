@@ -57,7 +57,7 @@ class TorqueHarmonics:
 
 
 def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> TorqueHarmonics | None:
-    """All orders of the torque that the scene's cycle resolves; None when the scene gives no cycle.
+    """Return all orders of the torque that the scene's cycle resolves; None when the scene gives no cycle.
 
     Args:
         enabled: the inertia counts with `reciprocating_inertia` among these names.

@@ -38,15 +38,15 @@ class VibratingShaft:
     varying: VaryingPart
 
     def at(self, speeds_rpm: Array) -> Vibration:
-        """The steady response, with the varying inertia where it counts."""
+        """Return the steady response, with the varying inertia where it counts."""
         return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=self.varying.counting_kg_m2)
 
     def over_the_range(self) -> Vibration:
-        """The steady response over the scene's range, dense around its critical speeds."""
+        """Return the steady response over the scene's range, dense around its critical speeds."""
         return self.at(speeds_to_solve(self.range_rpm, self.critical, rise=self.varying.rise))
 
     def with_mean_inertia(self) -> Vibration:
-        """The steady response over the range with the mean inertia alone."""
+        """Return the steady response over the range with the mean inertia alone."""
         return vibration(self.shaft, self.harmonics, speeds_to_solve(self.range_rpm, self.critical))
 
 

@@ -34,7 +34,7 @@ def write_energies(code: VectorCode) -> None:
 def _layer(
     code: VectorCode, cells: Cells, start: Value, nx: Value, place: tuple[Value, Value]
 ) -> tuple[Planes, Planes]:
-    """Both planes of nodes of a layer of cells of a field."""
+    """Return both planes of nodes of a layer of cells of a field."""
     case, plane = place
     component = code.times(code.plus(nx, 1), cells.plane)
     planes = []

@@ -97,7 +97,7 @@ class VectorCode:
         return self.pick(one, one, [0] * self.width)
 
     def both(self, mask: Value, condition: Value) -> Value:
-        """A mask where a condition holds, else none of it."""
+        """Return a mask where a condition holds, else none of it."""
         return self.builder.select(condition, mask, ir.Constant(self.mask, [0] * self.width))
 
     def total(self, vector: Value) -> Value:
@@ -105,7 +105,7 @@ class VectorCode:
         return self.builder.call(self._total, [ir.Constant(self.number, 0.0), vector])
 
     def below(self, a: Value, b: Value) -> Value:
-        """Whether an integer is less than another."""
+        """Tell whether an integer is less than another."""
         return self.builder.icmp_signed("<", a, b)
 
     def prefetch(self, address: Value) -> None:
@@ -150,7 +150,7 @@ class VectorCode:
     def loop(
         self, start: Value, stop: Value, step: Value, carried: Sequence[Value] = ()
     ) -> Iterator[SimpleNamespace]:
-        """What is written inside runs for `index` from start to below stop.
+        """Return what is written inside runs for `index` from start to below stop.
 
         `values` are those carried from turn to turn, and after the loop the last ones; inside it, `following`
         is to be set to what the next turn gets.

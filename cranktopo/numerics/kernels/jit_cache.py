@@ -87,7 +87,7 @@ def _kept(made_from: str) -> Path | None:
 
 
 def _read(file: Path) -> bytes | None:
-    """What is kept in a file, where it is whole."""
+    """Return what is kept in a file, where it is whole."""
     try:
         found = file.read_bytes()
     except OSError:

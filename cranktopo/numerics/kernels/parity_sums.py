@@ -44,7 +44,7 @@ class Waves:
         self.inside = code.first_lanes(code.plus(cells.nz, code.builder.neg(k)))
 
     def along_z(self, row: Value) -> list[Value]:
-        """Those of a row of nodes, in the order of `ROWS`."""
+        """Return those of a row of nodes, in the order of `ROWS`."""
         code = self._code
         result: list[Value] = []
         for plane, c in product(self._field, range(3)):
@@ -54,7 +54,7 @@ class Waves:
         return result
 
     def classes(self, near: list[Value], far: list[Value]) -> Classes:
-        """Those of the cells between two rows of nodes."""
+        """Return those of the cells between two rows of nodes."""
         code, along_y, classes = self._code, {}, {}
         for (x, c, z), a, b in zip(ROWS, near, far, strict=True):
             for y, wave in enumerate(_waves(code, a, b, c == 1)):
@@ -78,6 +78,6 @@ def block_product(
 
 
 def _waves(code: VectorCode, near: Value, far: Value, own: bool) -> tuple[Value, Value]:
-    """Both waves along an axis; along its own axis a component has them in the other order."""
+    """Return both waves along an axis; along its own axis a component has them in the other order."""
     waves = code.add(far, near), code.subtract(far, near)
     return waves[::-1] if own else waves

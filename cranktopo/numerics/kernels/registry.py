@@ -106,7 +106,7 @@ def why_no_kernels() -> str:
 
 @cache
 def _fault() -> str:
-    """What is wrong with a first small product; told in one line."""
+    """Return what is wrong with a first small product; told in one line."""
     from cranktopo.numerics.grid.operator import apply_by_slabs
 
     try:
@@ -131,7 +131,7 @@ def _stiffness_product(target: str) -> Product:
 def by_kernel(
     kernel: Callable[..., _Result], elsewhere: Callable[..., _Result], *arguments: object
 ) -> _Result:
-    """What a kernel computes on a processor, and JAX code elsewhere.
+    """Return what a kernel computes on a processor, and JAX code elsewhere.
 
     Chosen when a program is traced, so that only one of them is.
     """
@@ -139,7 +139,7 @@ def by_kernel(
 
 
 def _on_processor() -> bool:
-    """Whether JAX computes on a processor now."""
+    """Tell whether JAX computes on a processor now."""
     chosen = getattr(jax.config, _CHOSEN_DEVICE)
     return (jax.default_backend() if chosen is None else getattr(chosen, "platform", chosen)) == "cpu"
 
@@ -155,7 +155,7 @@ def compile_kernels() -> None:
 
 
 def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
-    """What the kernel of an operator and a finish computes, in the precision of the field.
+    """Return what the kernel of an operator and a finish computes, in the precision of the field.
 
     Args:
         arrays: of the operator and of the finish, the field the first of these.

@@ -102,7 +102,7 @@ class _Nodes:
         return [self.code.at(address, row, self.k) for address in planes[to[0]]]
 
     def _along(self, step: int) -> Value:
-        """Which nodes have one so many on along z."""
+        """Return which nodes have one so many on along z."""
         code = self.code
         mask = code.first_lanes(code.plus(self.grid.nz, code.builder.neg(self.k), -step))
         if step >= 0:
@@ -111,7 +111,7 @@ class _Nodes:
         return code.builder.and_(mask, code.builder.select(at_start, code.later_lanes(), mask))
 
     def _exists(self, to: tuple[int, int]) -> Value:
-        """Whether a neighbouring row does."""
+        """Tell whether a neighbouring row does."""
         code, row = self.code, self.code.plus(self.row, to[1])
         exists = code.builder.and_(code.below(INT64(-1), row), code.below(row, self.grid.ny))
         return code.builder.and_(exists, self.inside) if to[0] else exists

@@ -98,6 +98,6 @@ class _Column:
 
 
 def _corners(code: VectorCode, first: Value, second: Value, own: bool) -> tuple[Value, Value]:
-    """The transpose: what both waves give to the near and to the far corner."""
+    """Return the transpose: what both waves give to the near and to the far corner."""
     near = code.subtract(second, first) if own else code.subtract(first, second)
     return near, code.add(first, second)

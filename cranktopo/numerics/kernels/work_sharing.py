@@ -95,7 +95,7 @@ def _planes(builder: ir.IRBuilder, task: Sequence[Value], number: Value, threads
 
 
 def _release(module: ir.Module, job: ir.Type) -> ir.Function:
-    """One holder less; the last one gives the memory back."""
+    """Return one holder less; the last one gives the memory back."""
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [POINTER]), "release")
     builder = ir.IRBuilder(function.append_basic_block())
     holders = _count(builder, function.args[0], job, _HOLDERS, -1)
@@ -106,7 +106,7 @@ def _release(module: ir.Module, job: ir.Type) -> ir.Function:
 
 
 def _begin(module: ir.Module, work: ir.Function, release: ir.Function) -> ir.Function:
-    """What a thread of the pool is given to do."""
+    """Return what a thread of the pool is given to do."""
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [POINTER]), "begin")
     builder = ir.IRBuilder(function.append_basic_block())
     builder.call(work, function.args)
@@ -159,5 +159,5 @@ def _at(builder: ir.IRBuilder, start: Value, kind: ir.Type, place: int) -> Value
 
 
 def _known(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
-    """A function of the C library."""
+    """Return a function of the C library."""
     return module.globals.get(name) or ir.Function(module, ir.FunctionType(result, inputs), name)

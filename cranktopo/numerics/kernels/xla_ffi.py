@@ -88,7 +88,7 @@ def _write_answer(builder: ir.IRBuilder, first: Value) -> None:
 
 
 def _task(builder: ir.IRBuilder, frame: Value, buffers: tuple[int, int]) -> list[Value]:
-    """What every part of a call gets: addresses of all buffers, cases, nodes along x, y and z."""
+    """Return what every part of a call gets: addresses of all buffers, cases, nodes along x, y and z."""
     lists = [_read(builder, frame, POINTER, CallFrame, name, "buffers") for name in ("args", "rets")]
     found = [_load(builder, lists[k], 8 * n, POINTER) for k in (0, 1) for n in range(buffers[k])]
     sizes = _read(builder, found[buffers[0]], POINTER, Buffer, "dims")

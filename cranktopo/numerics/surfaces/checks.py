@@ -61,7 +61,7 @@ def check_self_intersection(mesh: SurfaceMesh) -> None:
 
 
 def surface_refusal(what: str, remedy: str) -> CranktopoError:
-    """The error of a surface that fails a check."""
+    """Return the error of a surface that fails a check."""
     return CranktopoError(f"surface: {what}.", hint=remedy, code=ExitCode.CRITERION_NOT_MET)
 
 

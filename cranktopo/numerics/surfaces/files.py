@@ -56,7 +56,7 @@ def write_stl(path: Path, mesh: SurfaceMesh) -> None:
 
 
 def read_stl(path: Path, name: str = "") -> SurfaceMesh:
-    """The surface in an STL file, mm, vertices joined; nothing about it is checked.
+    """Return the surface in an STL file, mm, vertices joined; nothing about it is checked.
 
     Args:
         name: of the file in the message, by default its path.

@@ -53,14 +53,14 @@ class SurfaceMesh:
         return float(np.ptp(self.vertices_mm, axis=0).max())
 
     def as_trimesh(self) -> Any:
-        """The same vertices and faces as a `trimesh.Trimesh`."""
+        """Return the same vertices and faces as a `trimesh.Trimesh`."""
         import trimesh
 
         return trimesh.Trimesh(self.vertices_mm, self.faces, process=False)
 
 
 def solid_of(mesh: SurfaceMesh, name: str = "surface") -> Manifold:
-    """A closed mesh as a solid of the boolean engine; the message of an error calls it `name`.
+    """Return a closed mesh as a solid of the boolean engine; the message of an error calls it `name`.
 
     Raises:
         CranktopoError: the mesh is not a closed oriented 2-manifold.
@@ -78,7 +78,7 @@ def solid_of(mesh: SurfaceMesh, name: str = "surface") -> Manifold:
 
 
 def mesh_of(solid: Manifold) -> SurfaceMesh:
-    """The mesh of a solid, rounded to what a binary STL can hold and welded.
+    """Return the mesh of a solid, rounded to what a binary STL can hold and welded.
 
     Rounding here and not in the writer means that every check sees the coordinates that are written.
     """
@@ -94,7 +94,7 @@ def mesh_of(solid: Manifold) -> SurfaceMesh:
 
 
 def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
-    """The mesh of a solid without faces that rounding made flat; vertices near them may move."""
+    """Return the mesh of a solid without faces that rounding made flat; vertices near them may move."""
     mesh = mesh_of(solid)
     for _ in range(_REPAIRS):
         if mesh.areas_mm2.min(initial=np.inf) > DEGENERATE_MM2:

@@ -77,7 +77,7 @@ class Scene3D:
 
 
 def packed(scene3d: Scene3D) -> str:
-    """The scene3d as base64 text: a compressed block of a JSON header and the arrays it names.
+    """Return the scene3d as base64 text: a compressed block of a JSON header and the arrays it names.
 
     Positions are rounded to 1/65535 of the size, normals to 1/127, densities to 1/255.
     """
@@ -153,7 +153,7 @@ def _shares(
 
 
 def simplified(mesh: SurfaceMesh, most: int) -> SurfaceMesh:
-    """The mesh with at most so many faces, or as few as a tolerance of 0.8 mm gives."""
+    """Return the mesh with at most so many faces, or as few as a tolerance of 0.8 mm gives."""
     if len(mesh.faces) <= most:
         return mesh
     solid = solid_of(mesh)

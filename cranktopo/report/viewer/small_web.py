@@ -17,7 +17,7 @@ STEPS = 4095
 
 
 def packed_web(*halves: ShownBody) -> str:
-    """A half throw, or both where they differ, as `packed` of `scene3d`, in a quarter of the space.
+    """Return a half throw, or both where they differ, as `packed` of `scene3d`, in a quarter of the space.
 
     Positions are rounded to 1/4095 of the size. A corner is told by how many vertices came after its own, so
     that 0 is a new one: small numbers compress better.

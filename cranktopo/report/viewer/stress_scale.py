@@ -60,7 +60,7 @@ class StressScale:
 
 
 def stress_scales(bodies: Sequence[tuple[SurfaceMesh, SurfaceStress]]) -> tuple[StressScale, ...]:
-    """One scale per load case for all bodies, so that a colour means the same on each.
+    """Return one scale per load case for all bodies, so that a colour means the same on each.
 
     Args:
         bodies: surface and stresses of each body, all of the same load cases.

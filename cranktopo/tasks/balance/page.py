@@ -22,7 +22,7 @@ from cranktopo.tasks.balance.text import (
 
 
 def balance_page(balance: EngineBalance, written: str) -> Page:
-    """The balance of an engine as content; `written` is a date."""
+    """Return the balance of an engine as content; `written` is a date."""
     data = balance_result(balance)
     *free, bearing = balance_pictures(balance)
     shafts = shaft_table(data)

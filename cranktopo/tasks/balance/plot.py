@@ -47,7 +47,7 @@ def balance_pictures(balance: EngineBalance) -> tuple[Picture, ...]:
 
 
 def _free_curves(balance: EngineBalance, name: str) -> list[_Curve]:
-    """Each order over its turn, a line, an ellipse or a circle, and again where a state changes it."""
+    """Return each order over its turn, a line, an ellipse or a circle, and again where a state changes it."""
     largest = max(getattr(part, name).largest for parts in balance.free.values() for part in parts)
     curves = []
     for index, order in enumerate(ORDERS):
@@ -62,7 +62,7 @@ def _free_curves(balance: EngineBalance, name: str) -> list[_Curve]:
 
 
 def _bearing(balance: EngineBalance) -> Picture:
-    """The load of the bearing that carries most, over the cycle."""
+    """Return the load of the bearing that carries most, over the cycle."""
     index = balance.bearings[AS_IT_IS].most_loaded
     curves = [
         _Curve(state, bearings.load_N[index], f"C{number}", _STYLES[state])

@@ -100,7 +100,7 @@ def free_table(data: Balance) -> ResultTable:
 
 
 def counterweight_table(data: Balance) -> ResultTable:
-    """What every web needs beyond what it has."""
+    """Return what every web needs beyond what it has."""
     return tabulate(_COUNTERWEIGHTS, data.counterweights)
 
 
@@ -124,7 +124,7 @@ def bearing_table(data: Balance) -> ResultTable:
 
 
 def _balance_tables(data: Balance) -> list[tuple[str, ResultTable]]:
-    """All tables with their captions, in order."""
+    """Return all tables with their captions, in order."""
     shafts = shaft_table(data)
     return [
         ("Free forces and moments, the engine as it is", order_table(data)),
@@ -137,13 +137,13 @@ def _balance_tables(data: Balance) -> list[tuple[str, ResultTable]]:
 
 
 def shafts_caption(data: Balance) -> str:
-    """Whether the balancer shafts are those of the scene."""
+    """Tell whether the balancer shafts are those of the scene."""
     given = any(shaft.in_scene for shaft in data.balancer_shafts)
     return "Balancer shafts" if given else "Balancer shafts that would leave nothing in the first two orders"
 
 
 def bearings_caption(data: Balance) -> str:
-    """What the loads of the main bearings hold."""
+    """Return what the loads of the main bearings hold."""
     return "Main bearings" if data.gas_in_bearing_loads else "Main bearings, without gas: none is given"
 
 
@@ -160,7 +160,7 @@ def arrangement_words(data: Balance) -> str:
 
 
 def balance_headline(data: Balance) -> str:
-    """The largest free force and moment, state by state, in one sentence each; equal states in one."""
+    """Return the largest free force and moment, state by state, in one sentence each; equal states in one."""
     told: dict[str, list[str]] = {}
     for state in dict.fromkeys(entry.state for entry in data.free):
         told.setdefault(_left(data, state), []).append(state)
@@ -168,14 +168,14 @@ def balance_headline(data: Balance) -> str:
 
 
 def balance_text(data: Balance) -> str:
-    """What `cranktopo balance` prints."""
+    """Return what `cranktopo balance` prints."""
     parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
     return "\n\n".join([*parts, "\n".join(_ANGLES)])
 
 
 def angle_lines() -> tuple[str, ...]:
-    """What directions and places count from."""
+    """Return what directions and places count from."""
     return _ANGLES
 
 

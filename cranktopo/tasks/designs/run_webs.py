@@ -77,7 +77,7 @@ class WebTarget:
 
 
 def web_target(text: str, web: WebName | None = None) -> WebTarget:
-    """What a target is: a design, a scene file, a run, or the folder of a re-model.
+    """Return what a target is: a design, a scene file, a run, or the folder of a re-model.
 
     Args:
         web: of a design with two different webs the one that is meant.
@@ -102,7 +102,7 @@ def web_target(text: str, web: WebName | None = None) -> WebTarget:
 
 
 def parametric_scene(text: str, target: WebTarget) -> Scene:
-    """The scene whose web has dimensions.
+    """Return the scene whose web has dimensions.
 
     Raises:
         CranktopoError: a run that has no parametric web.
@@ -165,7 +165,7 @@ def _design_of(folder: Path) -> Path:
 
 
 def _of_remodel(folder: Path) -> WebTarget:
-    """The folder of a re-model; its original is that of the run that it was made of."""
+    """Return the folder of a re-model; its original is that of the run that it was made of."""
     name = read_json(folder / REMODEL).get("run")
     beside = folder.resolve().parent
     for place in (beside, beside / str(name), RUNS / str(name)):

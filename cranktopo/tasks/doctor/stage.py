@@ -41,7 +41,7 @@ class Check:
     remedy: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """The check as `doctor --json` prints it."""
+        """Return the check as `doctor --json` prints it."""
         return asdict(self)
 
 
@@ -73,7 +73,7 @@ _TOOLS = (
 
 
 def check_machine() -> list[Check]:
-    """Every check, what is needed first."""
+    """Return every check, what is needed first."""
     return [python(), *packages(), gmsh(), jax_device(), cores(), memory(), _runs_folder(), cache(), *tools()]
 
 
@@ -87,7 +87,7 @@ def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
 
 
 def packages() -> list[Check]:
-    """One check that names the installed packages, or one per missing package."""
+    """Return one check that names the installed packages, or one per missing package."""
     lines = [line for line in metadata.requires("cranktopo") or [] if "extra ==" not in line]
     names = [re.split(r"[<>=!~;\[ ]", line)[0] for line in lines]
     missing = [name for name in names if not _installed(name)]
@@ -100,7 +100,7 @@ def packages() -> list[Check]:
 
 
 def gmsh() -> Check:
-    """Whether gmsh finds its system libraries."""
+    """Tell whether gmsh finds its system libraries."""
     cost = f"no exact solids, no body-fitted evaluation, no STEP: {_NEED_GMSH} fail"
     try:
         module = importlib.import_module("gmsh")
@@ -112,7 +112,7 @@ def gmsh() -> Check:
 
 
 def jax_device() -> Check:
-    """The devices that the optimiser would run on."""
+    """Return the devices that the optimiser would run on."""
     try:
         import jax
 
@@ -151,7 +151,7 @@ def memory() -> Check:
 
 
 def _runs_folder(folder: Path | None = None) -> Check:
-    """Whether runs can be written in the current folder.
+    """Tell whether runs can be written in the current folder.
 
     Args:
         folder: where runs/ is or would be; the current folder by default.
@@ -164,7 +164,7 @@ def _runs_folder(folder: Path | None = None) -> Check:
 
 
 def cache() -> Check:
-    """The folder of compiled programs."""
+    """Return the folder of compiled programs."""
     from cranktopo.numerics.precision import cache_folder
 
     folder = cache_folder()
@@ -173,7 +173,7 @@ def cache() -> Check:
 
 
 def tools() -> list[Check]:
-    """The optional programs."""
+    """Return the optional programs."""
     return [_tool(tool) for tool in _TOOLS]
 
 

@@ -47,7 +47,7 @@ def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: S
 
 
 def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Withdrawal, scene: Scene) -> Array:
-    """Each side raised to what lies further out.
+    """Return each side raised to what lies further out.
 
     What ends at the parting plane goes on to the first points beyond it: its edge, which smoothing rounds,
     would otherwise be caught in its own half.

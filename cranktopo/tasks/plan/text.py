@@ -7,7 +7,7 @@ from cranktopo.report.text_table import text_table
 
 
 def plan_text(plan: PhysicsPlan) -> str:
-    """One row per effect: state, estimate, cost, reason, and what leaving it out changes."""
+    """Return one row per effect: state, estimate, cost, reason, and what leaving it out changes."""
     rows = []
     for effect in plan.effects:
         size = "-" if effect.estimate_percent is None else f"{effect.estimate_percent:.3g} %"

@@ -123,7 +123,7 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
 
 
 def _unchanged(scene: Scene) -> dict[str, Any]:
-    """The scene's features that no fit to a body changes."""
+    """Return the scene's features that no fit to a body changes."""
     found = {key: getattr(scene.web, key) for key in scene.web.single_keys}
     return {key: one.model_dump(exclude_none=True) for key, one in found.items() if one is not None}
 

@@ -18,7 +18,7 @@ from cranktopo.tasks.sweep.result import SweepResult
 
 
 def summarise_runs(root: Path = RUNS) -> list[dict[str, Any]]:
-    """The entries of `runs list --json`, oldest first."""
+    """Return the entries of `runs list --json`, oldest first."""
     return [_entry(run) for run in list_runs(root)]
 
 

@@ -42,7 +42,7 @@ class ShaftStiffness(Result):
     throws_Nm_per_rad: tuple[float, ...]
 
     def by_name(self) -> dict[str, float]:
-        """Every stiffness, N m/rad, by what it is of."""
+        """Return every stiffness, N m/rad, by what it is of."""
         throws = {f"throw {number}": k for number, k in enumerate(self.throws_Nm_per_rad, start=1)}
         return {"end to end": self.end_to_end_Nm_per_rad, **throws}
 
@@ -50,7 +50,7 @@ class ShaftStiffness(Result):
 def throw_blocks(
     model: Elasticity, scene: Scene, mirrored: bool, *, whole: bool = False
 ) -> list[tuple[Span, Superelement]]:
-    """The half throw condensed over all six motions of its section, symmetric and antisymmetric.
+    """Return the half throw condensed over all six motions of its section, symmetric and antisymmetric.
 
     Args:
         mirrored: the model is the half x >= 0 of it.

@@ -56,7 +56,7 @@ class Session:
     function: PointFunction | None = None
 
     def computed(self, points: Sequence[Point], looks: Sequence[Point], original: Point) -> Computed:
-        """All rows.
+        """Return all rows.
 
         Args:
             looks: the same points in the same order as a first look computes them; none where all of them
@@ -92,7 +92,7 @@ class Session:
         return Computed(tuple(rows), _row(original, reference), _webs({**coarse, **full}), undecided)
 
     def _results(self, points: Sequence[Point], end: float = float("inf")) -> dict[str, PointResult]:
-        """The result of every point by its id: kept, impossible from the start, or computed now.
+        """Return the result of every point by its id: kept, impossible from the start, or computed now.
 
         Args:
             end: time of the monotonic clock at which the rest is left.

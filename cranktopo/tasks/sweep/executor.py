@@ -131,7 +131,7 @@ def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], 
 
 @contextmanager
 def _given_up(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[None]:
-    """What is left at the end is cancelled, and all of it once workers of our own are gone.
+    """Return what is left at the end is cancelled, and all of it once workers of our own are gone.
 
     Dask starts a worker again that died, but not one whose start took too long; it would wait for ever.
     """
@@ -165,7 +165,7 @@ def _told(error: BaseException) -> str:
 
 @contextmanager
 def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
-    """A connection to the scheduler, to one of our own where no other is asked for."""
+    """Return a connection to the scheduler, to one of our own where no other is asked for."""
     dask, distributed = _dask()
     with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
         if engine.scheduler is None:
@@ -251,7 +251,7 @@ def pin(number: int, threads: int) -> None:
 
 @contextmanager
 def _connected(distributed: Any, address: str, patience_s: float) -> Iterator[Any]:
-    """A client of a scheduler that may still be coming up."""
+    """Return a client of a scheduler that may still be coming up."""
     try:
         client = distributed.Client(address, timeout=patience_s, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -265,7 +265,7 @@ def _connected(distributed: Any, address: str, patience_s: float) -> Iterator[An
 
 @contextmanager
 def _closing(part: Any) -> Iterator[Any]:
-    """A client or a cluster that ends with the block; a worker in long work does not hold that up.
+    """Return a client or a cluster that ends with the block; a worker in long work does not hold that up.
 
     Workers end with this process in any case, and what they leave is continued by the next one.
     """

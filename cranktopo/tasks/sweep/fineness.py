@@ -46,7 +46,7 @@ class Fineness:
         return {"element_size_mm": self.element_size_mm, **accuracy, **coarser}
 
     def evaluation(self, target: Target) -> Evaluation:
-        """The body-fitted evaluation of a target; what this machine measured earlier has no say in it.
+        """Return the body-fitted evaluation of a target; what this machine measured earlier has no say in it.
 
         Raises:
             CranktopoError: no valid mesh, or a failed solve.
@@ -56,7 +56,7 @@ class Fineness:
         return evaluate(target, self._element_size_mm(target.scene))
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with the cells of its optimisation."""
+        """Return the scene with the cells of its optimisation."""
         if self.coarser == 1:
             return scene
         return scene.with_optimise(resolution_mm=self.coarser * scene.optimise.resolution_mm)

@@ -59,7 +59,7 @@ def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
 
 
 def rounded(value: float) -> float:
-    """A value to `_DIGITS` digits."""
+    """Return a value to `_DIGITS` digits."""
     return float(f"{value:.{_DIGITS}g}")
 
 

@@ -33,7 +33,7 @@ def varied_limits(limits: Sequence[str]) -> tuple[list[str], list[Variation]]:
 def with_goal_tables(
     tables: dict[str, Any], design: str, minimise: str | None, maximise: str | None, limits: Sequence[str]
 ) -> dict[str, Any]:
-    """The tables of a scene with another goal or other limits, as `with_goal` changes a scene.
+    """Return the tables of a scene with another goal or other limits, as `with_goal` changes a scene.
 
     Raises:
         CranktopoError: a goal or limit that makes no sense.

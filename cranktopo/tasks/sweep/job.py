@@ -49,7 +49,7 @@ class Job:
 
 
 def kept_result(job: Job) -> PointResult | None:
-    """What a finished point told; None where it is still to be computed."""
+    """Return what a finished point told; None where it is still to be computed."""
     file = job.folder / RESULT
     return PointResult.read(file) if file.is_file() else None
 
@@ -62,7 +62,7 @@ def keep_result(job: Job, result: PointResult) -> None:
 
 
 def do_job(job: Job) -> PointResult:
-    """The result of a point, computed now unless it is kept already.
+    """Return the result of a point, computed now unless it is kept already.
 
     A worker that does not see the directory of the sweep computes in a folder of its own; whoever asked
     keeps the result.
@@ -130,7 +130,7 @@ def _computed(job: Job, folder: Path) -> PointResult:
 
 
 def _named(scene: Scene, identity: str) -> Scene:
-    """Every point has a name of its own in tables and run directories."""
+    """Return every point has a name of its own in tables and run directories."""
     return scene.model_copy(update={"name": f"{scene.name}-{identity}"})
 
 

@@ -43,7 +43,7 @@ _TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "
 
 
 def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
-    """The page as the text of an HTML file.
+    """Return the page as the text of an HTML file.
 
     Args:
         webs: bodies by the id of their point, from `packed_web`; those of picks and front go first where
@@ -73,7 +73,7 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
 
 
 def _page_data(data: SweepResult) -> dict[str, Any]:
-    """What the page's program reads: columns, rows of cells, and which rows are what.
+    """Return what the page's program reads: columns, rows of cells, and which rows are what.
 
     Returns:
         `columns`: name, label, unit, whether it varied, better direction, column of its error in percent,
@@ -112,7 +112,7 @@ def _fitting(data: SweepResult, webs: Mapping[str, str], letters: int) -> list[s
 
 
 def _columns(data: SweepResult) -> list[str]:
-    """What varied, what is compared, and the rest, as far as any point tells it."""
+    """Return what varied, what is compared, and the rest, as far as any point tells it."""
     rows = [point.row() for point in data.points]
     told = dict.fromkeys(name for row in rows for name in row)
     apart = [name for name in ("design", "stage") if len({row[name] for row in rows}) > 1]
@@ -144,7 +144,7 @@ def _value(point: PointResult, name: str) -> Any:
 
 
 def _cell(value: Any) -> Any:
-    """A number rounded for the page; words and yes or no as text; None where there is nothing."""
+    """Return a number rounded for the page; words and yes or no as text; None where there is nothing."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):

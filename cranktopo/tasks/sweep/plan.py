@@ -96,7 +96,7 @@ class SweepPlan:
 
 
 def plan_from_json(data: Mapping[str, Any]) -> SweepPlan:
-    """The plan that `as_json` told."""
+    """Return the plan that `as_json` told."""
     vary = tuple(from_json(entry) for entry in data["vary"])
     kept = {**data, "designs": tuple(data["designs"]), "tables": tuple(data["tables"]), "vary": vary}
     return SweepPlan(**kept)
@@ -116,7 +116,7 @@ def sweep_plan(
     maximise: str | None = None,
     limits: Sequence[str] = (),
 ) -> SweepPlan:
-    """A plan that was checked: every design is valid, every key exists.
+    """Return a plan that was checked: every design is valid, every key exists.
 
     Args:
         designs: TOML paths or names of built-in designs; the first is the original.

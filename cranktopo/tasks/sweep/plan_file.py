@@ -42,7 +42,7 @@ def read_plan(file: Path) -> SweepPlan:
 
 
 def is_plan(text: str) -> bool:
-    """Whether what the user typed is the file of a sweep and no design."""
+    """Tell whether what the user typed is the file of a sweep and no design."""
     path = Path(text)
     if path.suffix.lower() != ".toml" or not path.is_file():
         return False

@@ -47,7 +47,7 @@ class Point:
 def points_of(
     plan: SweepPlan, settings: Mapping[str, Any] | None = None, fineness: Fineness | None = None
 ) -> tuple[Point, ...]:
-    """The points of a plan in order, those that are the same only once.
+    """Return the points of a plan in order, those that are the same only once.
 
     Args:
         settings: what the result depends on beside scene, stage and fineness.
@@ -62,7 +62,7 @@ def points_of(
 
 
 def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> Point:
-    """The first design as it is, evaluated as far as the points are: what they are compared with."""
+    """Return the first design as it is, evaluated as far as the points are: what they are compared with."""
     stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
     original = replace(plan, stage=stage)
     return _point(original, plan.designs[0], plan.tables[0], {}, settings or {}, plan.fineness)

@@ -44,7 +44,7 @@ def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: Poi
 def _beats(
     one: PointResult, other: PointResult, objectives: Sequence[str], seen: Mapping[str, float]
 ) -> bool:
-    """Whether a point is for certain no worse in any quantity, and better in one, at full accuracy."""
+    """Tell whether a point is for certain no worse in any quantity, and better in one, at full accuracy."""
     leads = [
         OBJECTIVES[name] * 100 * (one.number(name) / other.number(name) - 1)
         - _margin_percent(one, other, name, seen)
@@ -54,7 +54,7 @@ def _beats(
 
 
 def _margin_percent(one: PointResult, other: PointResult, name: str, seen: Mapping[str, float]) -> float:
-    """What the relative difference between two first looks may be wrong by."""
+    """Return what the relative difference between two first looks may be wrong by."""
     if name not in _ERRORS:
         return seen.get(name, 0.0)
     triangles = _OF_TRIANGLES in (one.stage, other.stage)
@@ -65,7 +65,7 @@ def _margin_percent(one: PointResult, other: PointResult, name: str, seen: Mappi
 
 
 def _seen_percent(looks: _Looks, full: Mapping[str, PointResult]) -> dict[str, float]:
-    """How much the points that have both accuracies changed in relation to each other, by quantity."""
+    """Return how much the points that have both accuracies changed in relation to each other, by quantity."""
     both = [(row, full[point.id]) for point, row in looks if point.id in full]
     found = {}
     for name in OBJECTIVES:

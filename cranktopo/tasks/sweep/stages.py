@@ -91,7 +91,7 @@ def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 
 
 def _densities(scene: Scene, folder: Path) -> RunMetrics:
-    """The metrics of the density optimisation of a point, begun, continued or finished."""
+    """Return the metrics of the density optimisation of a point, begun, continued or finished."""
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 
     run = folder / RUN
@@ -171,7 +171,7 @@ def _is_done(run: Path) -> bool:
 
 
 def _told(status: str, iterations: int) -> Json:
-    """How an optimisation ended."""
+    """Return how an optimisation ended."""
     return {"optimiser_status": status, "iterations": iterations}
 
 
@@ -185,7 +185,7 @@ def _limits(goal: GoalOutcome | None) -> Json:
 
 
 def _bound(bound: BoundStatement | NoBound | None) -> Json:
-    """What no web of the point's envelope can beat, named after its quantity."""
+    """Return what no web of the point's envelope can beat, named after its quantity."""
     if not isinstance(bound, BoundStatement) or bound.value is None:
         return {}
     names = {

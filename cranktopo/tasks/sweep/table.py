@@ -20,7 +20,7 @@ _LEFT_OUT = ("varied", "target")
 
 
 def frame_of(rows: Sequence[PointResult], front: Sequence[str] = ()) -> pandas.DataFrame:
-    """A frame with one row per point: its keys, its quantities, how it ended, its hash and version.
+    """Return a frame with one row per point: its keys, its quantities, how it ended, its hash and version.
 
     Args:
         rows: one per point.
@@ -59,13 +59,13 @@ def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, 
 
 
 def _flat(point: PointResult) -> dict[str, Any]:
-    """What varied beside what came of it; a quantity that is called like a key is the quantity."""
+    """Return what varied beside what came of it; a quantity that is called like a key is the quantity."""
     told = {name: value for name, value in point.row().items() if name not in _LEFT_OUT}
     return {**{name: told[name] for name in _FIRST if name in told}, **point.varied, **told}
 
 
 def _plain(column: pandas.Series) -> pandas.Series:
-    """A column of words and numbers, as of a key that takes both, is one of words."""
+    """Return a column of words and numbers, as of a key that takes both, is one of words."""
     kinds = {type(value) for value in column if value is not None and value == value}
     mixed = len(kinds) > 1 and not kinds <= {int, float}
     return column.map(lambda value: value if value is None else str(value)) if mixed else column

@@ -13,7 +13,7 @@ from cranktopo.tasks.sweep.result import SweepResult
 
 
 def with_picks(targets: Sequence[str]) -> list[str]:
-    """The targets as the user types them, every sweep replaced by the webs of its picks, each once.
+    """Return the targets as the user types them, every sweep replaced by the webs of its picks, each once.
 
     Raises:
         CranktopoError: a sweep that is not finished, or has no webs to compare.

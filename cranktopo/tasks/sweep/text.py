@@ -30,7 +30,7 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
 
 
 def _front_table(data: SweepResult) -> ResultTable:
-    """The points of the front, the original first where it is known."""
+    """Return the points of the front, the original first where it is known."""
     original = data.original
     chosen = [row for row in data.points if row.id in set(data.front)][:_MOST_ROWS]
     known = {name: digits for name, digits in _QUANTITIES.items() if name in chosen[0].numbers}
@@ -62,13 +62,13 @@ def _cell(value: Any) -> str | None:
 
 
 def point_words(points: Sequence[PointResult], row: PointResult) -> str:
-    """What tells a point from the others: its design where there are several, and what varied."""
+    """Return what tells a point from the others: its design where there are several, and what varied."""
     values = [f"{key} = {_cell(value)}" for key, value in row.varied.items()]
     return ", ".join([row.design, *values] if _designs(points) > 1 or not values else values)
 
 
 def _reasons(data: SweepResult) -> list[str]:
-    """The first reasons why points have no numbers."""
+    """Return the first reasons why points have no numbers."""
     found = list(dict.fromkeys(f"{row.status}: {row.reason}" for row in data.points if row.reason))
     more = [f"  and {len(found) - _MOST_REASONS} other reasons"] * (len(found) > _MOST_REASONS)
     return [f"  {line}" for line in found[:_MOST_REASONS]] + more

@@ -37,7 +37,7 @@ class Variation:
     ends: tuple[float, float] | None = None
 
     def at(self, share: float) -> Value:
-        """The value at a share from 0 up to 1 of the range, or of the list."""
+        """Return the value at a share from 0 up to 1 of the range, or of the list."""
         if self.ends is None:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         low, high = self.ends
@@ -45,7 +45,7 @@ class Variation:
 
 
 def read_option(text: str) -> Variation:
-    """A variation as `--vary` takes it: `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`.
+    """Return a variation as `--vary` takes it: `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`.
 
     Raises:
         CranktopoError: another form, or a range without numbers.
@@ -57,7 +57,7 @@ def read_option(text: str) -> Variation:
 
 
 def read_text(key: str, text: str) -> Variation:
-    """A variation from what stands behind its key.
+    """Return a variation from what stands behind its key.
 
     Raises:
         CranktopoError: no key path, or a range whose numbers make no sense.
@@ -95,7 +95,7 @@ def as_json(variation: Variation) -> dict[str, Any]:
 
 
 def from_json(data: Mapping[str, Any]) -> Variation:
-    """A variation as `as_json` wrote it."""
+    """Return a variation as `as_json` wrote it."""
     ends = data.get("ends")
     return Variation(str(data["key"]), tuple(data["values"]), None if ends is None else (ends[0], ends[1]))
 
@@ -130,7 +130,7 @@ def _number(text: str) -> int | float | None:
 
 
 def _value(text: str) -> Value:
-    """A number, `true` or `false` as in TOML; anything else is text."""
+    """Return a number, `true` or `false` as in TOML; anything else is text."""
     try:
         found = tomllib.loads(f"value = {text}")
     except ValueError:

@@ -16,7 +16,7 @@ _COARSER = 2
 
 
 def web_view(target: Target) -> str:
-    """The half throw of a target, or both where they differ, as text that a browser draws."""
+    """Return the half throw of a target, or both where they differ, as text that a browser draws."""
     scene = target.scene
     facet_mm = _COARSER * coarse_facet_mm(scene)
     meshes: tuple[SurfaceMesh, ...]

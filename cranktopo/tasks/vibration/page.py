@@ -17,7 +17,7 @@ from cranktopo.tasks.vibration.text import (
 
 
 def vibration_page(study: VibrationStudy, written: str) -> Page:
-    """The vibration of a shaft as content; `written` is a date."""
+    """Return the vibration of a shaft as content; `written` is a date."""
     campbell, torque, modes = vibration_pictures(study)
     critical = critical_table(study)
     return Page(

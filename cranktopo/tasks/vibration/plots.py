@@ -16,7 +16,7 @@ _MODES = 3
 
 
 def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
-    """The plots of a study, with their text."""
+    """Return the plots of a study, with their text."""
     worst, response = study.response.worst, study.response
     section = study.shaft.sections[worst.section]
     frequencies = ", ".join(f"{mode.frequency_Hz:.0f}" for mode in study.modes)

@@ -40,7 +40,7 @@ def critical_table(study: VibrationStudy) -> ResultTable:
 
 
 def sections_table(study: VibrationStudy) -> ResultTable:
-    """Every section of the shaft at the speed where it swings most."""
+    """Return every section of the shaft at the speed where it swings most."""
     response, shaft = study.response, study.shaft
     rows: list[Row] = []
     for index, name in enumerate(shaft.sections):
@@ -60,7 +60,7 @@ def sections_table(study: VibrationStudy) -> ResultTable:
 
 
 def worst_sentence(study: VibrationStudy) -> str:
-    """The largest torque of the crankshaft in one sentence."""
+    """Return the largest torque of the crankshaft in one sentence."""
     worst, response = study.response.worst, study.response
     amplitude = response.worst_Nm
     return (
@@ -71,7 +71,7 @@ def worst_sentence(study: VibrationStudy) -> str:
 
 
 def barred_sentence(study: VibrationStudy) -> str:
-    """The barred ranges of speed in one sentence."""
+    """Return the barred ranges of speed in one sentence."""
     permitted = study.scene.shaft.permitted_shear_MPa if study.scene.shaft else None
     if study.barred_rpm is None:
         return "No range of speed is barred: shaft.permitted_shear_MPa is not given."
@@ -82,7 +82,7 @@ def barred_sentence(study: VibrationStudy) -> str:
 
 
 def varying_sentence(study: VibrationStudy) -> str:
-    """Whether the varying inertia of rod and piston counts, by what estimate, and what it changes."""
+    """Tell whether the varying inertia of rod and piston counts, by what estimate, and what it changes."""
     part, threshold = study.varying, 100 * study.scene.effects.threshold
     start = (
         f"The inertia of rod and piston varies over a turn by +-{study.varying_inertia_percent:.1f} % of a "
@@ -100,7 +100,7 @@ def varying_sentence(study: VibrationStudy) -> str:
 
 
 def run_up_sentence(study: VibrationStudy) -> str:
-    """The largest torque of a passage through the range of speeds; empty when none was asked for."""
+    """Return the largest torque of a passage through the range of speeds; empty when none was asked for."""
     worst, passage = study.run_up_worst(), study.run_up
     if worst is None or passage is None:
         return ""
@@ -115,7 +115,7 @@ def run_up_sentence(study: VibrationStudy) -> str:
 
 
 def _stiffness_sentence(study: VibrationStudy) -> str:
-    """What load cases take instead, where that is not what was given."""
+    """Return what load cases take instead, where that is not what was given."""
     scene, chain = study.scene, study.shaft.chain
     if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None or study.shaft.throws < 2:
         return ""

@@ -82,7 +82,7 @@ class Counterweight(Feature):
         return (sector,) if circle is None else (sector, CornerFillet(key, sector.z_mm, circle))
 
     def circle(self, scene: ThrowView) -> TangentCircle | None:
-        """The circle of its fillets; None without."""
+        """Return the circle of its fillets; None without."""
         if self.fillet_mm is None:
             return None
         half_angle = math.radians(self.half_angle_deg)
@@ -203,7 +203,7 @@ class Counterweight(Feature):
 
 @lru_cache(maxsize=16)
 def _outline(web: Any, throw_radius_mm: float) -> OutlineSection:
-    """The outline of a web table."""
+    """Return the outline of a web table."""
     return OutlineSection(lambda y: web.half_width_mm(throw_radius_mm, y), web.y_range_mm(throw_radius_mm))
 
 

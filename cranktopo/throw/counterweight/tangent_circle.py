@@ -111,7 +111,7 @@ class OutlineSection:
 
 
 def tangent_circle(outline: OutlineSection, half_angle: float, radius_mm: float) -> TangentCircle:
-    """The circle of a radius; the flank is taken to have no end.
+    """Return the circle of a radius; the flank is taken to have no end.
 
     Args:
         half_angle: of the flank to the direction away from the crankpin, rad.

@@ -164,7 +164,7 @@ def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> f
 
 
 def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[Journal, int, float]:
-    """A journal, on which side of it the web lies, and the height of that face."""
+    """Return a journal, on which side of it the web lies, and the height of that face."""
     start, end = scene.web_z_mm
     if outlet.journal == "main_journal":
         return scene.throw.main_journal, 1, start

@@ -150,7 +150,7 @@ def _chord(circle: tuple[float, float, float], place: float) -> tuple[float, flo
 
 
 def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[Array]:
-    """The part of a convex polygon on one side of a line: sign times a coordinate >= limit."""
+    """Return the part of a convex polygon on one side of a line: sign times a coordinate >= limit."""
     kept: list[Array] = []
     for here, after in zip(corners, [*corners[1:], *corners[:1]], strict=True):
         one, other = sign * here[axis] - limit, sign * after[axis] - limit

@@ -137,7 +137,7 @@ class Drilling(Feature):
 
 
 def drill_bores(scene: ThrowView) -> tuple[DrillBore, ...]:
-    """The drillings of the half throw as bodies; none for most throws."""
+    """Return the drillings of the half throw as bodies; none for most throws."""
     return _bores(scene.throw, scene.web_z_mm, scene.pitch_mm) if scene.throw.drilling else ()
 
 
