@@ -16,14 +16,14 @@ from typing import Any
 
 from cranktopo.base.files import write_json
 from cranktopo.base.progress import Json
-from cranktopo.tasks.sweep.executor import Engine, compute
+from cranktopo.tasks.sweep.executor import WorkerPool, compute
 from cranktopo.tasks.sweep.job import Job
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
 from cranktopo.tasks.sweep.points import points_of
 from cranktopo.tasks.sweep.variation import Variation, read_option
 
 OPTIMISED = ["optimise.resolution_mm=3", "optimise.max_iterations=20", "effects.bound=off"]
-ENGINES = (Engine(1, 1), Engine(1, 2), Engine(2, 1))
+ENGINES = (WorkerPool(1, 1), WorkerPool(1, 2), WorkerPool(2, 1))
 MEASURED: dict[str, tuple[int, int, list[str]]] = {
     "evaluate": (2, 10, ["web.width_mm=50:61:12"]),
     "optimise": (2, 4, [*OPTIMISED, "optimise.volume_fraction=0.26:0.36:6"]),
@@ -47,7 +47,7 @@ def main(stages: list[str]) -> None:
         print(f"| {stage} | {points} | {shown} |", flush=True)
 
 
-def seconds(plan: SweepPlan, warming: int, points: int, engine: Engine) -> float:
+def seconds(plan: SweepPlan, warming: int, points: int, engine: WorkerPool) -> float:
     """From the end of the warming points, or else from the start, to the end of all others."""
     ends: list[float] = [time.perf_counter()]
 

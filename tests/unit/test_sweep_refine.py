@@ -7,7 +7,7 @@ from typing import Any
 
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.front import front_of
-from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.points import SweepPoint
 from cranktopo.tasks.sweep.refine import worth_refining
 from cranktopo.tasks.sweep.result import PointResult
 from tests.sweep_cases import point_result
@@ -20,11 +20,13 @@ def row(mass_kg: float, torsion: float, bending: float, **more: Any) -> PointRes
     return point_result("of the look", **{**known, **ERRORS, **more})
 
 
-def look(name: str, result: PointResult) -> tuple[Point, PointResult]:
-    return Point(name, name, "evaluate", {}, "mikron-iiic", {}, Fineness()), result
+def look(name: str, result: PointResult) -> tuple[SweepPoint, PointResult]:
+    return SweepPoint(name, name, "evaluate", {}, "mikron-iiic", {}, Fineness()), result
 
 
-def names(looks: list[tuple[Point, PointResult]], full: dict[str, PointResult] | None = None) -> list[str]:
+def names(
+    looks: list[tuple[SweepPoint, PointResult]], full: dict[str, PointResult] | None = None
+) -> list[str]:
     return [point.id for point in worth_refining(looks, full or {}, row(1.6, 100.0, 100.0))]
 
 

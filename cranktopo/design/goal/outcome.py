@@ -57,7 +57,7 @@ class LimitOutcome(Result):
     """Share of its scale by which the limit is broken, negative where there is room; no part of the JSON."""
 
 
-class MovedBounds(Result):
+class LimitRound(Result):
     """Bounds of the limits in the cells as they were moved after an iteration."""
 
     iteration: int
@@ -73,7 +73,7 @@ class GoalEvaluation(Result):
     fillets: bool
     element_size_mm: float
     error_estimate_percent: dict[str, float]
-    rounds: tuple[MovedBounds, ...]
+    rounds: tuple[LimitRound, ...]
 
 
 class GoalWords(Result):

@@ -28,7 +28,7 @@ from cranktopo.numerics.kernels.plane_sweep import (
     write_planes,
 )
 from cranktopo.numerics.kernels.stencil import Stencil
-from cranktopo.numerics.kernels.stiffness import Stiffness
+from cranktopo.numerics.kernels.stiffness import StiffnessOperator
 from cranktopo.numerics.kernels.transfer import write_prolongation, write_restriction
 from cranktopo.numerics.kernels.trial import Product, find_fault, first_line, register
 from cranktopo.numerics.kernels.xla_ffi import write_handler
@@ -66,7 +66,7 @@ SWITCH, OFF = "CRANKTOPO_KERNELS", "off"
 """Variable of the environment, and what it is where no kernel is wanted."""
 _MOST_THREADS = 16
 _CHOSEN_DEVICE = "jax_default_device"
-_OPERATORS: Mapping[str, Operator] = {"stiffness": Stiffness(), "stencil": Stencil()}
+_OPERATORS: Mapping[str, Operator] = {"stiffness": StiffnessOperator(), "stencil": Stencil()}
 _FINISHES: Mapping[str, Finish] = {"product": Store(), "free_forces": FreeForces(), "smoothing": Smooth()}
 _KERNELS: Mapping[str, _Kernel] = {
     **{f"{o}_{f}": _coupling(_OPERATORS[o], _FINISHES[f]) for o in _OPERATORS for f in _FINISHES},

@@ -10,7 +10,7 @@ from cranktopo.numerics.kernels.parity_sums import ROWS, Cells, Waves, block_pro
 from cranktopo.numerics.kernels.plane_sweep import Grid, Layer, Pair
 
 
-class Stiffness:
+class StiffnessOperator:
     """Layers of cells: reflection blocks (8, 3, 3, cells along z) and moduli (cells...)."""
 
     arrays = 2

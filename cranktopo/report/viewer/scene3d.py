@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.report.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
-from cranktopo.report.viewer.stress_scale import FACES_ALONG, StressScale, SurfaceStress
+from cranktopo.report.viewer.stress_scale import FACES_ALONG, StressedBody, StressScale
 
 SCRIPT = Path(__file__).with_name("viewer.js")
 """The browser's part: draws what `packed` holds."""
@@ -45,7 +45,7 @@ class ShownBody:
     mesh: SurfaceMesh
     web_z_mm: tuple[float, float]
     half_pitch_mm: float
-    stress: SurfaceStress | None = None
+    stress: StressedBody | None = None
     partner: int = 0
 
 
@@ -143,7 +143,7 @@ def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[StressSca
 
 
 def _shares(
-    mesh: ShadedMesh, stress: SurfaceStress | None, scales: Sequence[StressScale]
+    mesh: ShadedMesh, stress: StressedBody | None, scales: Sequence[StressScale]
 ) -> list[NDArray[Any]]:
     """Stress at the corners of a body over the top of its scale, one array per load case."""
     if stress is None or not scales:

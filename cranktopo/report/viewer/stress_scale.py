@@ -29,7 +29,7 @@ class LoadedCase(Protocol):
         """Name and load."""
 
 
-class SurfaceStress(Protocol):
+class StressedBody(Protocol):
     """Stresses of load cases that can be told at any point of a surface."""
 
     @property
@@ -59,7 +59,7 @@ class StressScale:
     top_MPa: float
 
 
-def stress_scales(bodies: Sequence[tuple[SurfaceMesh, SurfaceStress]]) -> tuple[StressScale, ...]:
+def stress_scales(bodies: Sequence[tuple[SurfaceMesh, StressedBody]]) -> tuple[StressScale, ...]:
     """Return one scale per load case for all bodies, so that a colour means the same on each.
 
     Args:
@@ -72,7 +72,7 @@ def stress_scales(bodies: Sequence[tuple[SurfaceMesh, SurfaceStress]]) -> tuple[
     return tuple(StressScale(case.name, case.label, float(top)) for case, top in cases)
 
 
-def quantiles_MPa(mesh: SurfaceMesh, stress: SurfaceStress, *shares: float) -> NDArray[np.float64]:
+def quantiles_MPa(mesh: SurfaceMesh, stress: StressedBody, *shares: float) -> NDArray[np.float64]:
     """Von Mises stress that parts of the surface's area stay below, MPa, shape (shares, load cases).
 
     Args:

@@ -15,7 +15,7 @@ from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, Eng
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
 
 
-class EngineLayout(Result):
+class ArrangementSummary(Result):
     """Cylinders and throws of the engine."""
 
     layout: str
@@ -93,7 +93,7 @@ class Balance(Result):
     schema_version: int = 1
     design: str
     speed_rpm: float
-    arrangement: EngineLayout
+    arrangement: ArrangementSummary
     orders: tuple[MassForces, ...]
     free: tuple[StateForces, ...]
     counterweights: tuple[NeededCounterweight, ...]
@@ -111,7 +111,7 @@ def balance_result(balance: EngineBalance) -> Balance:
     return Balance(
         design=scene.name,
         speed_rpm=engine.speed_rpm,
-        arrangement=EngineLayout(
+        arrangement=ArrangementSummary(
             layout=engine.arranged.layout,
             cylinders=engine.cylinders,
             throws=engine.throws,

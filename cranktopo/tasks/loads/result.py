@@ -60,7 +60,7 @@ class SeriesDifference(Result):
     acceleration: float
 
 
-class ThrowMasses(Result):
+class ThrowMassProperties(Result):
     """Mass properties of the throw, and its balance with the rod."""
 
     rotating_unbalance_kg_mm: float
@@ -113,7 +113,7 @@ class Loads(Result):
     engine_torque_Nm: EngineTorque
     indicated_work_per_cylinder_J: float | None
     series_difference_percent: SeriesDifference | None
-    balance: ThrowMasses
+    balance: ThrowMassProperties
     clearance: WebClearance
     load_cases: tuple[LoadCase, ...]
     extreme_states: tuple[LoadState, ...]
@@ -160,9 +160,9 @@ def engine_torque_of(cycle: Cycle | None) -> EngineTorque:
     return EngineTorque(mean=mean, max=high.value, max_deg=high.deg, min=low.value, min_deg=low.deg)
 
 
-def balance_of(found: ThrowBalance) -> ThrowMasses:
+def balance_of(found: ThrowBalance) -> ThrowMassProperties:
     """Return the balance of a throw with units in the names."""
-    return ThrowMasses(
+    return ThrowMassProperties(
         rotating_unbalance_kg_mm=found.rotating_unbalance_kg_mm,
         inertia_kg_mm2=found.inertia_kg_mm2,
         counterweight_kg_mm=found.counterweight_kg_mm,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.text_table import text_table
-from cranktopo.tasks.loads.result import Loads, LoadState, Range, ThrowMasses
+from cranktopo.tasks.loads.result import Loads, LoadState, Range, ThrowMassProperties
 
 
 def loads_text(loads: Loads) -> str:
@@ -80,7 +80,7 @@ def _torque(loads: Loads) -> str:
     )
 
 
-def _balance(balance: ThrowMasses) -> str:
+def _balance(balance: ThrowMassProperties) -> str:
     needed = balance.counterweight_kg_mm
     one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"

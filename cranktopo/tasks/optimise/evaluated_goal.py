@@ -15,7 +15,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.constraint import ACTIVE, TOLERANCE, bound_in_model
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, MovedBounds, goal_outcome
+from cranktopo.design.goal.outcome import GoalOutcome, LimitOutcome, LimitRound, goal_outcome
 from cranktopo.design.goal.wanted import judged_by_evaluation, wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
@@ -218,7 +218,7 @@ def goal_by_evaluation(goal: GoalOutcome, case: EvaluatedGoal, state: State, fai
         fillets=False,
         element_size_mm=kept[name]["mesh"]["element_size_mm"],
         error_estimate_percent=kept[name]["error_estimate_percent"],
-        rounds=tuple(MovedBounds(iteration=r.iteration, bounds=tuple(r.bounds)) for r in state.rounds),
+        rounds=tuple(LimitRound(iteration=r.iteration, bounds=tuple(r.bounds)) for r in state.rounds),
     )
 
 

@@ -62,7 +62,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     """
     from cranktopo.runs.directories import open_run
     from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command
-    from cranktopo.tasks.run_list.stage import result_of
+    from cranktopo.tasks.run_list.stage import run_result
 
     found = open_run(run, root)
     manifest, kind = found.manifest(), kind_of(found)
@@ -73,7 +73,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
         return
     click.echo(f"{found.path}: {manifest['status']}, started {manifest['started']}")
     click.echo(f"{' '.join(manifest['command'])}\n")
-    result = result_of(found)
+    result = run_result(found)
     if result is None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
     else:

@@ -50,7 +50,7 @@ def _entry(run: RunStore) -> dict[str, Any]:
     kind, manifest = kind_of(run), run.manifest()
     entry |= {"command": kind, "design": manifest["design"], "started": manifest["started"]}
     try:
-        result = result_of(run)
+        result = run_result(run)
         return entry if result is None else entry | _ENTRIES[kind](result)
     except CranktopoError:  # one damaged run does not hide the others
         return entry | {"result": "unreadable"}
@@ -105,7 +105,7 @@ _ENTRIES: dict[RunKind, Callable[[Any], dict[str, Any]]] = {
 }
 
 
-def result_of(run: RunStore) -> Result | None:
+def run_result(run: RunStore) -> Result | None:
     """Return what a run left; None where it is not finished.
 
     Raises:

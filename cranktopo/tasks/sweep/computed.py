@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.sweep.executor import Engine, compute
-from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, result_of
+from cranktopo.tasks.sweep.executor import WorkerPool, compute
+from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, point_result
 from cranktopo.tasks.sweep.plan import SweepPlan
-from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.points import SweepPoint
 from cranktopo.tasks.sweep.progress import Progress
 from cranktopo.tasks.sweep.refine import worth_refining
 from cranktopo.tasks.sweep.result import COARSE, FAILED, FULL, IMPOSSIBLE, VIEW, PointResult
@@ -55,7 +55,9 @@ class Session:
     info: Info
     function: PointFunction | None = None
 
-    def computed(self, points: Sequence[Point], looks: Sequence[Point], original: Point) -> Computed:
+    def computed(
+        self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
+    ) -> Computed:
         """Return all rows.
 
         Args:
@@ -68,7 +70,9 @@ class Session:
         rows = tuple(_row(point, found[point.id]) for point in points)
         return Computed(rows, _row(original, found[original.id]), _webs(found))
 
-    def _front_refined(self, points: Sequence[Point], looks: Sequence[Point], original: Point) -> Computed:
+    def _front_refined(
+        self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
+    ) -> Computed:
         """Rounds of full accuracy until no other point may be on the front, or the time is used."""
         self.info("first look: all points, coarse")
         coarse = self._results([*looks, original])
@@ -91,7 +95,7 @@ class Session:
         undecided = tuple(names[point.id] for point in todo)
         return Computed(tuple(rows), _row(original, reference), _webs({**coarse, **full}), undecided)
 
-    def _results(self, points: Sequence[Point], end: float = float("inf")) -> dict[str, PointResult]:
+    def _results(self, points: Sequence[SweepPoint], end: float = float("inf")) -> dict[str, PointResult]:
         """Return the result of every point by its id: kept, impossible from the start, or computed now.
 
         Args:
@@ -100,7 +104,7 @@ class Session:
         jobs = [Job(point, self.root, self.function) for point in {p.id: p for p in points}.values()]
         found: dict[str, PointResult] = {}
         for job in jobs:
-            kept = result_of(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
+            kept = point_result(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
             if kept is not None:
                 found[job.point.id] = kept
         progress = Progress(len(jobs), len(found), self.info)
@@ -116,20 +120,20 @@ class Session:
             compute(left, self._engine(len(left)), done, self.info, lambda: time.monotonic() >= end)
         return found
 
-    def _engine(self, points: int) -> Engine:
+    def _engine(self, points: int) -> WorkerPool:
         plan, place = self.plan, self.place
         if place.scheduler is not None:
-            return Engine(scheduler=place.scheduler)
+            return WorkerPool(scheduler=place.scheduler)
         memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
         workers = workers_for(points, memory, place.workers)
-        return Engine(workers, max(1, usable_cores() // workers))
+        return WorkerPool(workers, max(1, usable_cores() // workers))
 
 
 def _webs(found: Mapping[str, PointResult]) -> dict[str, str]:
     return {one: view for one, result in found.items() if (view := result.number(VIEW))}
 
 
-def _row(point: Point, result: PointResult, **more: str) -> PointResult:
+def _row(point: SweepPoint, result: PointResult, **more: str) -> PointResult:
     """Return the result as of this point; `original` and a point of the same scene share one."""
     kept = {name: value for name, value in result.as_json().items() if name != VIEW}
     return PointResult(**{**kept, "varied": dict(point.varied), "design": point.design, **more})

@@ -15,7 +15,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.sweep.job import Job, do_job, result_of
+from cranktopo.tasks.sweep.job import Job, do_job, point_result
 from cranktopo.tasks.sweep.result import FAILED, PointResult
 
 _INSTALL = "pip install dask distributed bokeh pandas pyarrow"
@@ -39,7 +39,7 @@ _Done = Callable[[Job, PointResult], None]
 
 
 @dataclass(frozen=True)
-class Engine:
+class WorkerPool:
     """Where jobs run.
 
     Attributes:
@@ -71,7 +71,7 @@ class _LostError(Exception):
 
 def compute(
     jobs: Sequence[Job],
-    engine: Engine,
+    engine: WorkerPool,
     done: _Done,
     info: Info = lambda _: None,
     enough: Callable[[], bool] = lambda: False,
@@ -122,7 +122,7 @@ def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], 
                     raise error
                 died = isinstance(error, KilledWorker)
                 reason = f"its worker died more than {_DEATHS} times" if died else _told(error)
-                told(by_key[future.key], result_of(by_key[future.key], FAILED, reason))
+                told(by_key[future.key], point_result(by_key[future.key], FAILED, reason))
             future.release()
             if enough():
                 client.cancel(futures, force=True)
@@ -164,7 +164,7 @@ def _told(error: BaseException) -> str:
 
 
 @contextmanager
-def _client(engine: Engine, patience_s: float, info: Info) -> Iterator[Any]:
+def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
     """Return a connection to the scheduler, to one of our own where no other is asked for."""
     dask, distributed = _dask()
     with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
@@ -207,7 +207,7 @@ def _dask() -> tuple[Any, Any]:
     return dask, distributed
 
 
-def _local_cluster(distributed: Any, engine: Engine) -> Any:
+def _local_cluster(distributed: Any, engine: WorkerPool) -> Any:
     """Workers on this machine; without a limit of memory, because their number was chosen by it."""
     return distributed.LocalCluster(
         n_workers=engine.workers,
@@ -218,7 +218,7 @@ def _local_cluster(distributed: Any, engine: Engine) -> Any:
     )
 
 
-def _pinning(distributed: Any, engine: Engine) -> Any:
+def _pinning(distributed: Any, engine: WorkerPool) -> Any:
     """A plugin that gives every worker cores of its own, so that two of them do not wait for each other.
 
     It is made here because Dask is loaded late.

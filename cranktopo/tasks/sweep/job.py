@@ -17,7 +17,7 @@ from cranktopo.base.files import UnwritableError, unwritable, write_json
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.runs.lock import locked
-from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.points import SweepPoint
 from cranktopo.tasks.sweep.result import DONE, FAILED, IMPOSSIBLE, PointResult
 from cranktopo.tasks.sweep.stages import run_stage
 
@@ -38,7 +38,7 @@ class Job:
         function: in place of the stages: numbers of a scene, by name.
     """
 
-    point: Point
+    point: SweepPoint
     root: str
     function: PointFunction | None = None
 
@@ -91,7 +91,7 @@ def _kept_or_computed(job: Job) -> PointResult:
         return kept
 
 
-def result_of(job: Job, status: str, reason: str = "", **numbers: Any) -> PointResult:
+def point_result(job: Job, status: str, reason: str = "", **numbers: Any) -> PointResult:
     """Return how a point ended.
 
     Args:
@@ -125,8 +125,8 @@ def _computed(job: Job, folder: Path) -> PointResult:
     except CranktopoError as error:
         if error.code in _TRY_AGAIN:
             raise
-        return result_of(job, IMPOSSIBLE if error.code in _NO_WEB else FAILED, str(error))
-    return result_of(job, DONE, **{**found, "seconds": time.perf_counter() - began})
+        return point_result(job, IMPOSSIBLE if error.code in _NO_WEB else FAILED, str(error))
+    return point_result(job, DONE, **{**found, "seconds": time.perf_counter() - began})
 
 
 def _named(scene: Scene, identity: str) -> Scene:

@@ -21,7 +21,7 @@ _ID_LETTERS = 12
 
 
 @dataclass(frozen=True)
-class Point:
+class SweepPoint:
     """One point, whether it can be made or not.
 
     Attributes:
@@ -46,14 +46,14 @@ class Point:
 
 def points_of(
     plan: SweepPlan, settings: Mapping[str, Any] | None = None, fineness: Fineness | None = None
-) -> tuple[Point, ...]:
+) -> tuple[SweepPoint, ...]:
     """Return the points of a plan in order, those that are the same only once.
 
     Args:
         settings: what the result depends on beside scene, stage and fineness.
         fineness: another one than that of the plan.
     """
-    found: dict[str, Point] = {}
+    found: dict[str, SweepPoint] = {}
     for design, tables in zip(plan.designs, plan.tables, strict=True):
         for varied in _varied_values(plan):
             point = _point(plan, design, tables, varied, settings or {}, fineness or plan.fineness)
@@ -61,7 +61,7 @@ def points_of(
     return tuple(found.values())
 
 
-def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> Point:
+def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> SweepPoint:
     """Return the first design as it is, evaluated as far as the points are: what they are compared with."""
     stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
     original = replace(plan, stage=stage)
@@ -98,7 +98,7 @@ def _point(
     varied: Mapping[str, Value],
     settings: Mapping[str, Any],
     fineness: Fineness,
-) -> Point:
+) -> SweepPoint:
     stage = cast(Stage, varied.get(STAGE, plan.stage))
     for key, value in varied.items():
         if key != STAGE:
@@ -107,7 +107,7 @@ def _point(
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
     sha256 = settings_hash(tables if scene is None else _given(scene), known)
-    return Point(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
+    return SweepPoint(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
 
 
 def _given(scene: Scene) -> dict[str, Any]:

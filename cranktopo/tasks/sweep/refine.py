@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
-from cranktopo.tasks.sweep.points import Point
+from cranktopo.tasks.sweep.points import SweepPoint
 from cranktopo.tasks.sweep.result import DONE, PointResult
 
-_Looks = Sequence[tuple[Point, PointResult]]
+_Looks = Sequence[tuple[SweepPoint, PointResult]]
 """Every point as it is computed at full accuracy, with the result of its coarse first look."""
 _ERRORS = {"torsion_Nm_per_rad": "torsion_error_percent", "bending_N_per_mm": "bending_error_percent"}
 _TOLD_APART_PERCENT = 0.2
@@ -18,7 +18,7 @@ _OF_TRIANGLES = "optimise"
 """The stage whose bodies are surfaces, which meshes replace each in its own way."""
 
 
-def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: PointResult) -> list[Point]:
+def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: PointResult) -> list[SweepPoint]:
     """Points without full accuracy that may be on the front with it, those that matter most first.
 
     A point is left out where another one beats it by more than the bound of the error of their difference, or

@@ -24,7 +24,7 @@ from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, plan_from_json
-from cranktopo.tasks.sweep.points import Point, original_of, points_of
+from cranktopo.tasks.sweep.points import SweepPoint, original_of, points_of
 from cranktopo.tasks.sweep.result import (
     COARSE,
     DONE,
@@ -130,7 +130,7 @@ def _settings(function: PointFunction | None) -> dict[str, Any]:
 def _worked(
     run: RunStore,
     plan: SweepPlan,
-    points: Sequence[Point],
+    points: Sequence[SweepPoint],
     place: Workplace,
     info: Info,
     function: PointFunction | None,
