@@ -45,8 +45,7 @@ from cranktopo.throw.primitives import (
 )
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import ThrowTable
-    from cranktopo.throw.throw_view import ThrowView
+    from cranktopo.throw.throw_view import JournalsView, ThrowView
 
 _HALF = 0.5
 _LEAST_DEPTH_MM = 1.0
@@ -302,7 +301,7 @@ def _arc(face: str, y_mm: Any, depth: Any, crown_mm: Any, ends: tuple[Any, Any])
     return BevelArc(-y_mm, -ends[0], depth, crown_mm, -1.0)
 
 
-def _journals(throw: ThrowTable, face: str) -> list[tuple[str, Any, float]]:
+def _journals(throw: JournalsView, face: str) -> list[tuple[str, Any, float]]:
     """Return the journal that stands on a face, then the other: name, journal, place of its axis."""
     both = [("main_journal", throw.main_journal, 0.0), ("crankpin", throw.crankpin, throw.radius_mm)]
     return both if face == "journal" else both[::-1]

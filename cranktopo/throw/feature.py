@@ -20,8 +20,7 @@ from cranktopo.base.table import SceneTable
 from cranktopo.throw.primitives import FeatureDrawing, Solid
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import ThrowTable
-    from cranktopo.throw.throw_view import ThrowView
+    from cranktopo.throw.throw_view import JournalsView, ThrowView
 
 Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
@@ -36,7 +35,7 @@ ROUNDING_MM = 1e-9
 _SAMPLES = 2001
 
 
-def least_shoulder_mm(throw: ThrowTable) -> float:
+def least_shoulder_mm(throw: JournalsView) -> float:
     """Least width of flat web face left beyond a fillet; less gives needle-shaped faces."""
     thinner = min(journal.outer_diameter_mm for journal, _ in throw.journals)
     return min(_SHOULDER_MM, _SHOULDER_SHARE * thinner)

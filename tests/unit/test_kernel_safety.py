@@ -19,7 +19,7 @@ from click.testing import CliRunner
 
 from cranktopo.base.cache import private_cache
 from cranktopo.cli.verbosity import verbosity_options
-from cranktopo.numerics.grid import operator
+from cranktopo.numerics.grid import operator, slab_product
 from cranktopo.numerics.grid.transfer import restrict
 from cranktopo.numerics.kernels import frames, trial
 from cranktopo.numerics.kernels import jit_cache as machine_code
@@ -225,8 +225,8 @@ def test_the_trial_is_shared_out() -> None:
 def test_a_wrong_product_disables_the_kernels(
     anew: None, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    other = operator.apply_by_slabs
-    monkeypatch.setattr(operator, "apply_by_slabs", lambda *arrays: 1.0001 * other(*arrays))
+    other = slab_product.apply_by_slabs
+    monkeypatch.setattr(slab_product, "apply_by_slabs", lambda *arrays: 1.0001 * other(*arrays))
     assert not processor.kernels_usable()
     assert "a product differs from that of JAX by 0.01 %" in caplog.text
 
@@ -234,7 +234,7 @@ def test_a_wrong_product_disables_the_kernels(
 def test_a_product_that_is_not_written() -> None:
     nothing = trial._HANDLER(_answer_alone)
     address = ctypes.cast(nothing, ctypes.c_void_p).value or 0
-    found = trial.find_fault(address, processor._stiffness_product, operator.apply_by_slabs)
+    found = trial.find_fault(address, processor._stiffness_product, slab_product.apply_by_slabs)
     assert found.startswith("a product differs")
 
 

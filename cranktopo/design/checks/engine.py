@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.design.arrangement import check_arrangement
+from cranktopo.design.checks.arrangement import check_arrangement
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
 

@@ -8,13 +8,13 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.checks.engine import check_engine
 from cranktopo.design.checks.free_dimensions import check_free_dimensions
 from cranktopo.design.checks.goal import check_goal
+from cranktopo.design.checks.shaft import check_shaft
 from cranktopo.design.checks.sizes import check_envelope_reach, check_proportions, check_web_extent
+from cranktopo.design.checks.supports import check_supports
 from cranktopo.design.checks.web import check_solid
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.halves import halves, of_second
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import check_shaft
-from cranktopo.design.supports import check_supports
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.checks import check_across_pin
 from cranktopo.throw.drilling.table import drill_bores

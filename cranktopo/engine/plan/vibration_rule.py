@@ -9,8 +9,9 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.design.checks.shaft import is_damped, speed_range_rpm
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import ShaftTable, is_damped, speed_range_rpm
+from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.estimate import Estimate

@@ -18,7 +18,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.element import CORNERS
 from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_stiffness
-from cranktopo.numerics.grid.operator import add_slabs
+from cranktopo.numerics.grid.slab_product import add_slabs
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
 from cranktopo.numerics.kernels.stencil import OFFSETS
 from cranktopo.numerics.precision import Precision

@@ -107,7 +107,7 @@ def why_no_kernels() -> str:
 @cache
 def _fault() -> str:
     """Return what is wrong with a first small product; told in one line."""
-    from cranktopo.numerics.grid.operator import apply_by_slabs
+    from cranktopo.numerics.grid.slab_product import apply_by_slabs
 
     try:
         address = _address("stiffness_product", "float32", vector_width("float32"), _threads())

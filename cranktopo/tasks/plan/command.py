@@ -38,11 +38,11 @@ def command(
         assumed_text,
         assumptions,
     )
+    from cranktopo.design.checks.shaft import shaft_warnings
     from cranktopo.design.goal.limit import goal_text
     from cranktopo.design.goal.outcome import stated_goal
     from cranktopo.design.goal.wanted import wanted
     from cranktopo.design.loading import load_scene
-    from cranktopo.design.shaft import shaft_warnings
     from cranktopo.engine.plan.cost import effort
     from cranktopo.engine.plan.planning import plan
     from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations

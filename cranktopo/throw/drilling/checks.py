@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.ends import DrillingEnd
 from cranktopo.throw.drilling.outlet_ring import ring_points
 from cranktopo.throw.feature import Body, least_shoulder_mm
 from cranktopo.throw.web import web_bodies
 
 if TYPE_CHECKING:
-    from cranktopo.throw.drilling.table import Drilling
-    from cranktopo.throw.geometry import Journal
-    from cranktopo.throw.throw_view import ThrowView
+    from cranktopo.throw.throw_view import JournalView, ThrowView
 
+Ends = tuple[tuple[str, DrillingEnd], tuple[str, DrillingEnd]]
+"""Ends of a drilling with their keys."""
 _LARGEST_SHARE = 0.4
 """Largest diameter of a drilling over that of the thinnest journal it opens in."""
 _LARGEST_OBLIQUITY_DEG = 50.0
@@ -31,14 +32,14 @@ _BORES = "throw."
 """How the keys of the bodies begin that are bores."""
 
 
-def check_ends(scene: ThrowView, key: str, drilling: Drilling) -> None:
+def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outlet_radius_mm: float) -> None:
     """Check the dimensions of a drilling against those of its journals.
 
     Raises:
         CranktopoError: first inconsistency found, with its key.
     """
-    for name, end in drilling.ends:
-        journal: Journal = getattr(scene.throw, end.journal_key)
+    for name, end in ends:
+        journal: JournalView = getattr(scene.throw, end.journal_key)
         if end.in_bore and not journal.bore_diameter_mm:
             allowed = f"throw.{end.journal_key} has no bore (bore_diameter_mm = 0)"
             raise invalid(f"{key}.{name}.on", end.on, allowed, f"Write '{end.journal_key}', or give a bore.")
@@ -46,22 +47,22 @@ def check_ends(scene: ThrowView, key: str, drilling: Drilling) -> None:
             allowed = f"must be at most half the journal's length ({journal.length_mm / 2:g} mm)"
             raise invalid(f"{key}.{name}.place_mm", end.place_mm, allowed)
         largest = _LARGEST_SHARE * journal.outer_diameter_mm
-        if drilling.diameter_mm > largest:
+        if diameter_mm > largest:
             allowed = f"must be at most {largest:.4g} mm, {_LARGEST_SHARE:g} of throw.{end.journal_key}"
-            raise invalid(f"{key}.diameter_mm", drilling.diameter_mm, allowed)
-    if drilling.outlet_radius_mm > drilling.diameter_mm:
-        allowed = f"must be at most diameter_mm = {drilling.diameter_mm:g} mm"
-        raise invalid(f"{key}.outlet_radius_mm", drilling.outlet_radius_mm, allowed)
+            raise invalid(f"{key}.diameter_mm", diameter_mm, allowed)
+    if outlet_radius_mm > diameter_mm:
+        allowed = f"must be at most diameter_mm = {diameter_mm:g} mm"
+        raise invalid(f"{key}.outlet_radius_mm", outlet_radius_mm, allowed)
 
 
-def check_bore(scene: ThrowView, drilling: Drilling, bore: DrillBore) -> None:
+def check_bore(scene: ThrowView, ends: Ends, bore: DrillBore) -> None:
     """Check that a drilling joins its two surfaces inside the throw.
 
     Raises:
         CranktopoError: first inconsistency found, with the key of the drilling.
     """
     _check_lean(bore)
-    _check_outlets(scene, drilling, bore)
+    _check_outlets(scene, ends, bore)
     _check_in_journals(scene, bore)
     _check_in_web(scene, bore)
     _check_bores(scene, bore)
@@ -132,9 +133,9 @@ def _words(outlet: DrillOutlet) -> str:
     return outlet.journal.replace("_", " ") + ("'s bore" if outlet.in_bore else "")
 
 
-def _check_outlets(scene: ThrowView, drilling: Drilling, bore: DrillBore) -> None:
+def _check_outlets(scene: ThrowView, ends: Ends, bore: DrillBore) -> None:
     """Outlets with their rounding stay on the cylinder of the journal, clear of the fillet."""
-    for (name, end), outlet in zip(drilling.ends, bore.outlets, strict=True):
+    for (name, end), outlet in zip(ends, bore.outlets, strict=True):
         over = _over_fillet_mm(scene, bore, outlet)
         if over > 0 and not outlet.in_bore:
             raise invalid(
@@ -163,7 +164,7 @@ def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> f
     return float((toward * z).max() - limit)
 
 
-def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[Journal, int, float]:
+def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[JournalView, int, float]:
     """Return a journal, on which side of it the web lies, and the height of that face."""
     start, end = scene.web_z_mm
     if outlet.journal == "main_journal":

@@ -16,49 +16,17 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.table import Length, LengthOrZero, SceneTable
+from cranktopo.base.table import Length, LengthOrZero
 from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
 from cranktopo.throw.drilling.checks import check_bore, check_ends
+from cranktopo.throw.drilling.ends import DrillingEnd, DrillingSecondEnd
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, Feature
 from cranktopo.throw.primitives import FeatureDrawing, Polyline
 
 if TYPE_CHECKING:
-    from cranktopo.throw.geometry import Journal, ThrowTable
-    from cranktopo.throw.throw_view import ThrowView
+    from cranktopo.throw.throw_view import JournalsView, JournalView, ThrowView
 
-Surface = Literal["main_journal", "crankpin", "main_journal_bore", "crankpin_bore"]
-_BORE = "_bore"
 _DIGITS = 6
-
-
-class DrillingEnd(SceneTable):
-    """One end of a drilling: a point on a journal, or on the wall of its axial bore."""
-
-    on: Surface = Field(examples=["main_journal"])
-    """The surface: of a journal, or of its axial bore, where the drilling ends in that."""
-    angle_deg: float = Field(ge=-360, le=360, examples=[180.0])
-    """Angle about that journal's axis: 0 points from the crank axis to the crankpin, 90 to +x, 180 back."""
-    place_mm: LengthOrZero = Field(examples=[5.0])
-    """Distance from the middle of that journal toward the web."""
-
-    @property
-    def in_bore(self) -> bool:
-        """True if it lies on the wall of an axial bore."""
-        return self.on.endswith(_BORE)
-
-    @property
-    def journal_key(self) -> str:
-        """Key of its journal in the throw."""
-        return self.on.removesuffix(_BORE)
-
-
-class DrillingSecondEnd(DrillingEnd):
-    """The other end of a drilling, given in the same way."""
-
-    on: Surface = Field(examples=["crankpin"])
-    """The surface, as of the first end."""
-    angle_deg: float = Field(ge=-360, le=360, examples=[0.0])
-    """Angle about that journal's axis, as of the first end."""
 
 
 class Drilling(Feature):
@@ -89,11 +57,11 @@ class Drilling(Feature):
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
-        check_ends(scene, key, self)
+        check_ends(scene, key, self.ends, self.diameter_mm, self.outlet_radius_mm)
 
     @override
     def check_in_web(self, scene: ThrowView, key: str) -> None:
-        check_bore(scene, self, *self.bodies(scene, key))
+        check_bore(scene, self.ends, *self.bodies(scene, key))
 
     @override
     def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
@@ -142,14 +110,14 @@ def drill_bores(scene: ThrowView) -> tuple[DrillBore, ...]:
 
 
 @lru_cache(maxsize=16)
-def _bores(throw: ThrowTable, web_z_mm: tuple[float, float], pitch_mm: float) -> tuple[DrillBore, ...]:
+def _bores(throw: JournalsView, web_z_mm: tuple[float, float], pitch_mm: float) -> tuple[DrillBore, ...]:
     return tuple(
         _bore(throw, pitch_mm, drilling, f"throw.drilling[{index}]")
         for index, drilling in enumerate(throw.drilling)
     )
 
 
-def _bore(throw: ThrowTable, pitch_mm: float, drilling: Drilling, key: str) -> DrillBore:
+def _bore(throw: JournalsView, pitch_mm: float, drilling: Drilling, key: str) -> DrillBore:
     ends = drilling.start, drilling.end
     first, second = (np.array(_point(throw, pitch_mm, end)) for end in ends)
     length = float(np.linalg.norm(second - first))
@@ -161,7 +129,7 @@ def _bore(throw: ThrowTable, pitch_mm: float, drilling: Drilling, key: str) -> D
     return DrillBore.between(key, drilling.diameter_mm / 2, (outlets[0], outlets[1]), drilling.web != "both")
 
 
-def _point(throw: ThrowTable, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:
+def _point(throw: JournalsView, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:
     journal, y = _journal(throw, end)
     radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
     angle = math.radians(end.angle_deg)
@@ -171,7 +139,7 @@ def _point(throw: ThrowTable, pitch_mm: float, end: DrillingEnd) -> tuple[float,
 
 
 def _outlet(
-    throw: ThrowTable, end: DrillingEnd, point: Array, outward: Array, rounding: float
+    throw: JournalsView, end: DrillingEnd, point: Array, outward: Array, rounding: float
 ) -> DrillOutlet:
     journal, y = _journal(throw, end)
     radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
@@ -179,7 +147,7 @@ def _outlet(
     return DrillOutlet(place, way, y, radius, end.in_bore, 0.0 if end.in_bore else rounding, end.journal_key)
 
 
-def _journal(throw: ThrowTable, end: DrillingEnd) -> tuple[Journal, float]:
+def _journal(throw: JournalsView, end: DrillingEnd) -> tuple[JournalView, float]:
     (main, _), (pin, radius) = throw.journals
     return (main, 0.0) if end.journal_key == "main_journal" else (pin, radius)
 
