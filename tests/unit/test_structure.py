@@ -122,7 +122,7 @@ def test_the_check_never_reaches_what_it_checks(task: str) -> None:
 
 
 def imported_files(file: Path) -> set[Path]:
-    """Files that a file names in any import, late ones and those for types alone too, its own packages apart."""
+    """Files that a file names in any import, late ones and those for types alone included."""
     own = {folder / "__init__.py" for folder in file.parents}
     return {f for name in imported_names(file) for f in files_of(name)} - own - {file}
 
