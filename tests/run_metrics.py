@@ -19,8 +19,16 @@ SURFACE: dict[str, Any] = {
     "x_symmetric": True,
     "fallback": "",
 }
+
+
+def load_of(name: str) -> dict[str, Any]:
+    """A load case of one kind, as `loads --json` prints it."""
+    sizes = {"radial_N": 0.0, "tangential_N": 0.0, "torque_Nm": 0.0, "speed_rpm": 0.0}
+    return {"name": name, "kind": name, **sizes, "from": ""}
+
+
 _CASES: dict[str, Any] = {
-    name: {unit: 1.0, "compliance_N_mm": 1.0, "support": "free", "load": {}}
+    name: {unit: 1.0, "compliance_N_mm": 1.0, "support": "free", "load": load_of(name)}
     for name, unit in (("torsion", "stiffness_Nm_per_rad"), ("bending", "stiffness_N_per_mm"))
 }
 _WEB: dict[str, Any] = {

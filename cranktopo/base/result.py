@@ -21,6 +21,13 @@ UNLESS_NONE: Any = Field(default=None, exclude_if=left_out)
 """Default of a key that the JSON has only where there is a value; elsewhere None is written as null."""
 
 
+def _listed(value: Any) -> Any:
+    """Return plain data with lists for tuples, as JSON has them."""
+    if isinstance(value, dict):
+        return {key: _listed(one) for key, one in value.items()}
+    return [_listed(one) for one in value] if isinstance(value, list | tuple) else value
+
+
 class Result(BaseModel):
     """What a stage returns, and what its command prints with `--json`: fields are keys, units in their names.
 
@@ -36,8 +43,8 @@ class Result(BaseModel):
     )
 
     def as_json(self) -> dict[str, Any]:
-        """Return the result as plain data, keys in the order of the fields."""
-        return self.model_dump(mode="python")
+        """Return the result as plain data, keys in the order of the fields, as a file of it is read."""
+        return {name: _listed(value) for name, value in self.model_dump(mode="python").items()}
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], where: str) -> Self:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from functools import partial
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from functools import wraps
 from typing import Any
 
 import click
@@ -20,11 +22,29 @@ def verbosity_options(function: Any) -> Any:
         ("-v", "--verbose", VERBOSE, "More detail on stderr."),
         ("-q", "--quiet", QUIET, "No progress or notes on stderr; results and errors only."),
     )
-    for short, long, level, text in options:
+    for short, long, its_level, text in options:
         function = click.option(
-            short, long, is_flag=True, expose_value=False, callback=_setter(level), help=text
+            short, long, is_flag=True, expose_value=False, callback=_setter(its_level), help=text
         )(function)
-    return function
+
+    @wraps(function)
+    def command(*arguments: Any, **options: Any) -> Any:
+        with _notes_silenced() if level() == QUIET else nullcontext():
+            return function(*arguments, **options)
+
+    return command
+
+
+@contextmanager
+def _notes_silenced() -> Iterator[None]:
+    """Keep notes of the package's own off stderr: those that no `info` reaches."""
+    logger = logging.getLogger("cranktopo")
+    before = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
 
 
 def level() -> int:
@@ -58,14 +78,5 @@ def _setter(level: int) -> Any:
         if context.meta.get(_LEVEL, level) != level:
             raise click.UsageError("--quiet and --verbose exclude each other.", context)
         context.meta[_LEVEL] = level
-        if level == QUIET:
-            _silence_notes(context)
 
     return callback
-
-
-def _silence_notes(context: click.Context) -> None:
-    """No notes of the package's own on stderr until the command ends: those that no `info` reaches."""
-    logger = logging.getLogger("cranktopo")
-    context.call_on_close(partial(logger.setLevel, logger.level))
-    logger.setLevel(logging.ERROR)

@@ -41,7 +41,7 @@ def file_state(path: str | Path) -> FileState:
     """Return the state of a file; that of one that is not there is its path alone."""
     try:
         found = Path(path).stat()
-    except OSError:
+    except (OSError, ValueError):  # not there, or no name that a file can have
         return str(path), 0, 0
     return str(path), found.st_mtime_ns, found.st_size
 

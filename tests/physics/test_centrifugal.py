@@ -16,7 +16,7 @@ from tests.physics.throw_cases import CENTRIFUGAL
 
 def test_resultant_is_unbalance_times_speed_squared(float64: None, mikron: Scene) -> None:
     """Closed form of the half throw without pin force: rho w^2 (web area moment + pin area x r)."""
-    case = type(CENTRIFUGAL)("centrifugal", "centrifugal", speed_rpm=3000.0)
+    case = type(CENTRIFUGAL)(name="centrifugal", kind="centrifugal", speed_rpm=3000.0)
     domain = build_domain(mikron, 2.0, "web", "half")
     model = build_model(mikron, domain, (case,))
     force = np.asarray(case_forces(model, jnp.asarray(domain.passive_fraction)))[0] * model.modulus_MPa

@@ -28,7 +28,7 @@ from cranktopo.tasks.fea.level import BENDING, EVALUATION, OPTIMISER, TORSION, L
 from cranktopo.tasks.fea.stored_studies import StoredStudy, key_of, load_study, store_study
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.optimise.page import accuracy_section
-from tests.run_metrics import run_metrics
+from tests.run_metrics import load_of, run_metrics
 
 MACHINE = Machine("a processor", 2, 0.1)
 
@@ -133,8 +133,9 @@ def test_json_and_pages(front: ParetoFront) -> None:
 
 def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
     cases = {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}}
-    others = {"compliance_N_mm": 1.0, "support": "free", "load": {}}
-    metrics = run_metrics(load_cases={name: {**case, **others} for name, case in cases.items()})
+    others = {"compliance_N_mm": 1.0, "support": "free"}
+    known = {name: {**case, **others, "load": load_of(name)} for name, case in cases.items()}
+    metrics = run_metrics(load_cases=known)
     plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front.as_json()))
     assert {"what": "error estimate, torsion", "value": "1.3 %"} in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == [

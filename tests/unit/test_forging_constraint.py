@@ -20,7 +20,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
-from cranktopo.throw.geometry import OutlineEnvelope
+from cranktopo.throw.envelope import OutlineEnvelope
 from tests.physics.throw_cases import forged
 from tests.unit.surface_cases import scene_with
 

@@ -18,7 +18,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.iterate import step_solids
 from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
 from cranktopo.tasks.iterate.step_solids import read_solids, transition_mm, write_envelope, write_solids
-from cranktopo.throw.geometry import StlEnvelope
+from cranktopo.throw.envelope import StlEnvelope
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
 

@@ -24,7 +24,7 @@ from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.run_record import MOST_CELLS, coarsened, evenly_spread
 from cranktopo.tasks.optimise.verdict import fatigue_fact, headline, run_undercuts_fact
 from tests.packed_scenes import unpacked
-from tests.run_metrics import SURFACE, run_metrics
+from tests.run_metrics import SURFACE, load_of, run_metrics
 
 
 def mesh_of(body: trimesh.Trimesh) -> SurfaceMesh:
@@ -37,7 +37,7 @@ def metrics(mass: float, torsion: float, bending: float) -> RunMetrics:
     def web(mass: float, torsion: float, bending: float) -> dict[str, Any]:
         stiffness = {"stiffness_Nm_per_rad": 1e5 * torsion}, {"stiffness_N_per_mm": 2e5 * bending}
         cases = {
-            name: {**value, "compliance_N_mm": 1.0, "support": "free", "load": {}}
+            name: {**value, "compliance_N_mm": 1.0, "support": "free", "load": load_of(name)}
             for name, value in zip(("torsion", "bending"), stiffness, strict=True)
         }
         masses = {"throw": 2.0 * mass, "web": mass}

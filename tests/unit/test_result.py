@@ -28,6 +28,7 @@ def test_fields_are_keys_in_order() -> None:
     whole = Whole(parts=(Part(mass_kg=1.5, source="CAD"), Part(mass_kg=2.0, source="typed", note="heavy")))
     assert list(whole.as_json()) == ["schema_version", "parts"]
     first, second = whole.as_json()["parts"]
+    assert isinstance(whole.as_json()["parts"], list)
     assert first == {"mass_kg": 1.5, "from": "CAD", "bound": None}
     assert second == {"mass_kg": 2.0, "from": "typed", "note": "heavy", "bound": None}
 
