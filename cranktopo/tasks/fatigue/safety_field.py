@@ -17,7 +17,7 @@ from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan
 from cranktopo.tasks.fatigue.fillets import Place, place
-from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
+from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm, load_rules
 from cranktopo.tasks.fatigue.local_stress import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
@@ -110,11 +110,14 @@ class FatigueField:
 
 
 def check_method(scene: Scene, method: str) -> None:
-    """Check that material and fillets are what a method needs.
+    """Check that material, fillets and packages are what a method needs.
 
     Raises:
-        CranktopoError: a strength is missing, or an elliptical fillet, of which the rule has no strength.
+        CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
+            strength.
     """
+    if method == "fkm":
+        load_rules()
     needed = {"lsa": ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa")}
     for key in needed.get(method, ("ultimate_MPa",)):
         if getattr(scene.material, key) is None:
