@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import subprocess
 import sys
@@ -11,15 +12,15 @@ import pytest
 
 from cranktopo.tasks.doctor import stage as checks
 
-WITHOUT = """
-import sys
-
+PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
 LEFT_OUT = {"bokeh", "dask", "distributed", "h5py", "pandas", "pyarrow", "pylife"}
+WITHOUT = f"""
+import sys
 
 class Missing:
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in LEFT_OUT:
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        if name.partition(".")[0] in {LEFT_OUT!r}:
+            raise ModuleNotFoundError("No module named " + repr(name), name=name)
 
 sys.meta_path.insert(0, Missing())
 from cranktopo.app.main import main
@@ -27,6 +28,7 @@ main()
 """
 """The command line in a process that finds no package of an extra."""
 SWEEP = ["sweep", "mikron-iiic", "--vary", "web.width_mm=48,50"]
+COMPARE = ["compare", "mikron-iiic", "--baseline", "mikron-iiic"]
 
 
 def without_extras(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -40,7 +42,7 @@ def without_extras(folder: Path, *words: str) -> subprocess.CompletedProcess[str
         (SWEEP, "sweep", "dask", "sweep"),
         (["sweep", "--resume", "any"], "sweep", "dask", "sweep"),
         (["fatigue", "--method", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
-        (["compare", "mikron-iiic", "--fatigue", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
+        ([*COMPARE, "--fatigue", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
     ],
     ids=["sweep", "resume", "fatigue", "compare"],
 )
@@ -65,14 +67,25 @@ def test_a_missing_extra_ends_before_anything_is_done(
         "loads",
         "plan",
         "fatigue --fillet-fraction 0.5",
-        "compare mikron-iiic --baseline mikron-iiic --element-size-mm 8 --report page.html",
-        "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1 --no-evaluation",
+        "evaluate --element-size-mm 8",
+        "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1",
     ],
 )
 def test_the_core_does_without_extras(tmp_path: Path, line: str) -> None:
     done = without_extras(tmp_path, *line.split())
     assert done.stdout, done.stderr
     assert done.returncode == (5 if "--max-iterations" in line else 0), done.stderr
+
+
+def test_nothing_else_imports_packages_of_extras() -> None:
+    importing = set()
+    for file in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            if {name.partition(".")[0] for name in names} & LEFT_OUT:
+                importing.add(file.relative_to(PACKAGE / "tasks").as_posix())
+    assert {name for name in importing if not name.startswith("sweep/")} == {"fatigue/fkm.py"}
 
 
 def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:
