@@ -1,6 +1,6 @@
 """`cranktopo doctor`
 
-Check this machine: Python, JAX, gmsh, memory, optional tools, and how to install them.
+Check this machine: Python, JAX, gmsh, memory, extras, optional tools, and how to install them.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ _COLOURS = {"ok": "green", "missing": "red", "absent": "yellow"}
 @click.command("doctor")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(as_json: bool) -> int:
-    """Check Python, JAX, gmsh, cores, memory and optional tools.
+    """Check Python, JAX, gmsh, cores, memory, extras and optional tools.
 
     Says for whatever is missing what that costs and which line installs it. Exit code 7 when something
-    needed is missing; without an optional tool ("absent") everything else works.
+    needed is missing; without an extra or an optional tool ("absent") everything else works.
 
     Example: cranktopo doctor
     """

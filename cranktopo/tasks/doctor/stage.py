@@ -13,6 +13,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
+from cranktopo.base.extras import EXTRAS, install_line
 from cranktopo.base.machine import usable_cores
 
 _EXAMPLE = "mikron-iiic"
@@ -74,7 +75,8 @@ _TOOLS = (
 
 def check_machine() -> list[Check]:
     """Return every check, what is needed first."""
-    return [python(), *packages(), gmsh(), jax_device(), cores(), memory(), _runs_folder(), cache(), *tools()]
+    needed = [python(), *packages(), gmsh(), jax_device(), cores(), memory(), _runs_folder(), cache()]
+    return [*needed, *extras(), *tools()]
 
 
 def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
@@ -88,9 +90,8 @@ def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
 
 def packages() -> list[Check]:
     """Return one check that names the installed packages, or one per missing package."""
-    lines = [line for line in metadata.requires("cranktopo") or [] if "extra ==" not in line]
-    names = [re.split(r"[<>=!~;\[ ]", line)[0] for line in lines]
-    missing = [name for name in names if not _installed(name)]
+    names = _required("")
+    missing = _missing(names)
     if not missing:
         return [Check("packages", "ok", f"all {len(names)} installed")]
     return [
@@ -172,6 +173,19 @@ def cache() -> Check:
     return Check("compiled programs", state, str(folder), "every run compiles again", "set XDG_CACHE_HOME")
 
 
+def extras() -> list[Check]:
+    """Packages that some commands alone need."""
+    return [_extra(name) for name in EXTRAS]
+
+
+def _extra(name: str) -> Check:
+    names = _required(name)
+    missing = _missing(names)
+    value = f"missing: {', '.join(missing)}" if missing else f"all {len(names)} installed"
+    state: State = "absent" if missing else "ok"
+    return Check(f"extra {name}", state, value, f"no {EXTRAS[name]}", install_line(name))
+
+
 def tools() -> list[Check]:
     """Return the optional programs."""
     return [_tool(tool) for tool in _TOOLS]
@@ -180,6 +194,19 @@ def tools() -> list[Check]:
 def _tool(tool: Tool) -> Check:
     path = next((found for name in tool.programs if (found := shutil.which(name))), None)
     return Check(tool.name, "ok" if path else "absent", path or "", tool.cost, tool.remedy)
+
+
+def _required(extra: str) -> list[str]:
+    """Packages that an extra requires; those of the core for an empty name."""
+    marked = [
+        re.match(r"([\w.-]+)(?:.*extra == ['\"](.+)['\"])?", line)
+        for line in metadata.requires("cranktopo") or []
+    ]
+    return [found[1] for found in marked if found and (found[2] or "") == extra]
+
+
+def _missing(names: list[str]) -> list[str]:
+    return [name for name in names if not _installed(name)]
 
 
 def _installed(name: str) -> bool:

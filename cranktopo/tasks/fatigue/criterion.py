@@ -36,9 +36,11 @@ class FatigueCriterion:
         point_safety: safety of points of a scene whose material is checked.
         haigh_limit_MPa: amplitude that a point endures at given mean stresses (n,), from its fully reversed
             strength in MPa and its related stress gradient in 1/mm.
+        load_packages: loads the optional packages that it takes, before any solve; fails where one is missing.
     """
 
     name: str
     needs: tuple[str, ...]
     point_safety: Callable[[Scene, LocalStress], PointSafety]
     haigh_limit_MPa: Callable[[Scene, float, float, Array], Array]
+    load_packages: Callable[[], object] = lambda: None

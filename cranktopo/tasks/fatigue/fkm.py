@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.extras import packages_of
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
 from cranktopo.tasks.fatigue.local_stress import LocalStress
@@ -58,10 +59,7 @@ class FkmResult:
 
 def fkm(stress: LocalStress, strength: FkmStrength) -> FkmResult:
     """Safety of points by the FKM guideline."""
-    import pandas as pd
-    from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
-
-    rules = FkmLinearFunctions()
+    pd, rules = load_rules()
     count = len(stress.amplitude_MPa)
     group, kind = pd.Series([strength.group] * count), pd.Series(["normal"] * count)
     constants, shares = rules.get_material_constants(group, kind)
@@ -83,6 +81,18 @@ def fkm(stress: LocalStress, strength: FkmStrength) -> FkmResult:
         np.asarray(design),
         np.asarray(mean),
     )
+
+
+def load_rules() -> tuple[Any, Any]:
+    """Return pandas and the guideline's rules of pyLife, which takes its frames.
+
+    Raises:
+        CranktopoError: one of them is missing.
+    """
+    with packages_of("fatigue"):
+        import pandas
+        from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
+    return pandas, FkmLinearFunctions()
 
 
 def _mean_factor(rules: Any, stress: LocalStress, sensitivity: Array) -> Array:
@@ -120,4 +130,4 @@ def _haigh_limit_MPa(scene: Scene, strength_MPa: float, gradient_per_mm: float, 
     return amplitude
 
 
-FKM = FatigueCriterion("fkm", ("ultimate_MPa",), _point_safety, _haigh_limit_MPa)
+FKM = FatigueCriterion("fkm", ("ultimate_MPa",), _point_safety, _haigh_limit_MPa, load_rules)

@@ -105,12 +105,16 @@ class FatigueField:
 
 
 def check_method(scene: Scene, method: str) -> None:
-    """Check that material and fillets are what a method needs.
+    """Check that material, fillets and packages are what a method needs.
 
     Raises:
-        CranktopoError: a strength is missing, or an elliptical fillet, of which the rule has no strength.
+        CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
+            strength.
     """
-    for key in ("ultimate_MPa",) if method == "m53" else CRITERIA[method].needs:
+    criterion = CRITERIA.get(method)
+    if criterion is not None:
+        criterion.load_packages()
+    for key in ("ultimate_MPa",) if criterion is None else criterion.needs:
         if getattr(scene.material, key) is None:
             raise CranktopoError(
                 f"{scene.name}: material.{key}: is missing, method '{method}' needs it "

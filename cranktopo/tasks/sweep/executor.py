@@ -11,14 +11,15 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.extras import packages_of
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.job import Job, do_job, point_result
 from cranktopo.tasks.sweep.result import FAILED, PointResult
 
-_INSTALL = "pip install dask distributed bokeh pandas pyarrow"
 _BATCH = 500
 _RETRIES, _DEATHS = 2, 5
 """How often a point is tried again after an error of the machine, and after the death of its worker."""
@@ -53,16 +54,27 @@ class WorkerPool:
     scheduler: str | None = None
 
 
-def check_scheduler(address: str | None) -> None:
-    """Check, before anything is written, that Dask is there and a scheduler answers.
+def check_packages() -> None:
+    """Load what a sweep takes, Dask for its jobs and pandas with Parquet for its table.
 
     Raises:
-        CranktopoError: Dask is missing, or no scheduler at the address.
+        CranktopoError: one is missing.
     """
-    _, distributed = _dask()
-    if address is not None:
-        with _quiet(), _connected(distributed, address, _FIRST_S):
-            pass
+    with packages_of("sweep"):
+        for name in ("dask", "distributed", "pandas", "pyarrow"):
+            import_module(name)
+
+
+def check_scheduler(address: str) -> None:
+    """Check, before anything is written, that a scheduler answers.
+
+    Raises:
+        CranktopoError: no scheduler at the address.
+    """
+    import distributed
+
+    with _quiet(), _connected(distributed, address, _FIRST_S):
+        pass
 
 
 class _LostError(Exception):
@@ -84,7 +96,7 @@ def compute(
         enough: asked after each; once it is so, the rest is left.
 
     Raises:
-        CranktopoError: Dask is missing, no scheduler, or an output that cannot be written.
+        CranktopoError: no scheduler, or an output that cannot be written.
         KeyboardInterrupt: Ctrl-C; jobs that were told are finished.
     """
     left = {job.point.id: job for job in jobs}
@@ -166,7 +178,9 @@ def _told(error: BaseException) -> str:
 @contextmanager
 def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
     """Return a connection to the scheduler, to one of our own where no other is asked for."""
-    dask, distributed = _dask()
+    import dask
+    import distributed
+
     with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
         if engine.scheduler is None:
             cluster = stack.enter_context(_closing(_local_cluster(distributed, engine)))
@@ -192,19 +206,6 @@ def _quiet() -> Iterator[None]:
     finally:
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)
-
-
-def _dask() -> tuple[Any, Any]:
-    try:
-        import dask
-        import distributed
-    except ImportError as error:
-        raise CranktopoError(
-            f"a sweep runs on Dask, which cannot be loaded: {error}.",
-            hint=f"Install it: {_INSTALL}",
-            code=ExitCode.MISSING_TOOL,
-        ) from None
-    return dask, distributed
 
 
 def _local_cluster(distributed: Any, engine: WorkerPool) -> Any:

@@ -61,7 +61,7 @@ def sweep(
         A frame, units in the column names; its `attrs` hold the run directory, the front and the picks.
 
     Raises:
-        CranktopoError: bad input, Dask missing, or interruption.
+        CranktopoError: bad input, a package missing, or interruption.
     """
     place = Workplace(workers, scheduler)
     if resume is not None:

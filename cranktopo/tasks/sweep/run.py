@@ -19,7 +19,7 @@ from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind
 from cranktopo.runs.status import working_in
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.computed import Computed, Session, Workplace
-from cranktopo.tasks.sweep.executor import check_scheduler
+from cranktopo.tasks.sweep.executor import check_packages, check_scheduler
 from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
@@ -78,15 +78,17 @@ def run_sweep(
         function: in place of the stages: numbers of a scene, by name.
 
     Raises:
-        CranktopoError: bad input, no point that can be, Dask missing, or interruption (exit code 130).
+        CranktopoError: bad input, no point that can be, a package missing, or interruption (exit code 130).
     """
+    check_packages()
     check_destination(out)
     points = points_of(plan, _settings(function))
     if all(point.reason for point in points):
         raise CranktopoError(f"no point of the sweep can be: {points[0].reason}", hint="Check the values.")
     if function is not None and plan.refine == "front":
         raise invalid("refine", plan.refine, "a function has one accuracy alone", "Leave it out.")
-    check_scheduler(None if place is None else place.scheduler)
+    if place is not None and place.scheduler is not None:
+        check_scheduler(place.scheduler)
     run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **_settings(function)})
     return _worked(run, plan, points, place or Workplace(), info, function)
 
@@ -106,6 +108,7 @@ def resume_sweep(
     Raises:
         CranktopoError: no sweep, a changed input, another function, or as `run_sweep`.
     """
+    check_packages()
     run = open_run(reference)
     require_kind(run, SWEEP)
     run.require_same_inputs()

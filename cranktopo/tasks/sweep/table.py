@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import replacing, write_text
 from cranktopo.tasks.sweep.result import PointResult
 
@@ -40,21 +39,14 @@ def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, 
     """Write the frame as CSV and Parquet; returns their names by kind.
 
     Raises:
-        CranktopoError: a file cannot be written, or pyarrow is missing.
+        CranktopoError: a file cannot be written.
     """
     files = {"table": f"{stem}.csv", "parquet": f"{stem}.parquet"}
     text = io.StringIO()
     frame.to_csv(text, index=False, lineterminator="\n")
     write_text(folder / files["table"], text.getvalue())
-    try:
-        with replacing(folder / files["parquet"]) as temporary:
-            frame.to_parquet(temporary, index=False)
-    except ImportError:
-        raise CranktopoError(
-            "table.parquet cannot be written: pyarrow is missing.",
-            hint="Install it: pip install pyarrow",
-            code=ExitCode.MISSING_TOOL,
-        ) from None
+    with replacing(folder / files["parquet"]) as temporary:
+        frame.to_parquet(temporary, index=False)
     return files
 
 
