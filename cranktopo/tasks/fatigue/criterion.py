@@ -36,7 +36,7 @@ class FatigueCriterion:
         point_safety: safety of points of a scene whose material is checked.
         haigh_limit_MPa: amplitude that a point endures at given mean stresses (n,), from its fully reversed
             strength in MPa and its related stress gradient in 1/mm.
-        load_packages: loads the optional packages that it takes, before any solve; fails where one is missing.
+        load_packages: loads the optional packages that it takes; fails before any solve where one is missing.
     """
 
     name: str

@@ -111,7 +111,7 @@ def check_method(scene: Scene, method: str) -> None:
         CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
             strength.
     """
-    criterion = CRITERIA.get(method)
+    criterion = None if method == "m53" else CRITERIA[method]
     if criterion is not None:
         criterion.load_packages()
     for key in ("ultimate_MPa",) if criterion is None else criterion.needs:
