@@ -31,8 +31,9 @@ y = np.linspace(*scene.web.y_range_mm(scene.throw.radius_mm), 400)
 x = scene.web.half_width_mm(scene.throw.radius_mm, y)
 figure, axes = plt.subplots(figsize=(4, 5), layout="constrained")
 axes.fill_betweenx(y, -x, x, color="0.85", edgecolor="black")
-for centre, part in ((0.0, scene.throw.main_journal), (scene.throw.radius_mm, scene.throw.crankpin)):
-    for diameter in (part.outer_diameter_mm, part.bore_diameter_mm):
-        axes.add_patch(plt.Circle((0.0, centre), diameter / 2, fill=False))
+behind, front = scene.throw.main_journal, scene.throw.crankpin
+for centre, part, line in ((0.0, behind, "--"), (scene.throw.radius_mm, front, "-")):
+    axes.add_patch(plt.Circle((0.0, centre), part.outer_diameter_mm / 2, fill=False, linestyle=line))
+    axes.add_patch(plt.Circle((0.0, centre), part.bore_diameter_mm / 2, facecolor="white", edgecolor="black"))
 axes.set(aspect="equal", xlabel="x, mm", ylabel="y along the throw, mm", title=scene.name)
 figure.savefig(out / "01_own_throw.svg")

@@ -18,17 +18,15 @@ own = (
 )
 found = evaluate_target("mikron-iiic", MeshRequest(element_size_mm=9.0))
 
-moved = {}
-for case in (*unit, *load_cases(scene), *own):
-    if case.kind == "bending":
-        moved[f"{case.label}, um"] = 1000 * case.radial_N / found.bending_N_per_mm
-    if case.kind == "torsion":
-        moved[f"{case.label}, mrad"] = 1000 * case.torque_Nm / found.torsion_Nm_per_rad
-for name, value in moved.items():
-    print(f"{name}: {value:.3g}")
-
-figure, axes = plt.subplots(figsize=(6.5, 3), layout="constrained")
-axes.bar_label(axes.barh(list(moved), list(moved.values())), fmt="%.3g", padding=3)
-axes.set(xscale="log", xlim=(1e-3, 2000), xlabel="deflection of the crankpin, or twist of the throw")
-axes.invert_yaxis()
+kinds = {  # unit of the movement, and the movement by a unit of the load
+    "bending": ("deflection of the crankpin, um", 1000 / found.bending_N_per_mm),
+    "torsion": ("twist of the throw, mrad", 1000 / found.torsion_Nm_per_rad),
+}
+figure, panels = plt.subplots(2, figsize=(6.5, 4), layout="constrained")
+for axes, (kind, (label, per_unit)) in zip(panels, kinds.items(), strict=True):
+    cases = [case for case in (*unit, *load_cases(scene), *own) if case.kind == kind]
+    moved = [(case.radial_N or case.torque_Nm) * per_unit for case in cases]
+    axes.bar_label(axes.barh([case.label for case in cases], moved), fmt="%.3g", padding=3)
+    axes.set(xlabel=label, xlim=(0, 1.15 * max(moved)))
+    axes.invert_yaxis()
 figure.savefig(out / "03_own_load_case.svg")

@@ -12,7 +12,7 @@ from cranktopo import load_scene, optimise_design
 out = Path(sys.argv[1] if sys.argv[1:] else "examples/out")
 run = out / "run"
 if not run.is_dir():
-    optimise_design(load_scene("mikron-iiic").with_optimise(resolution_mm=4.5, max_iterations=12), out=run)
+    optimise_design(load_scene("mikron-iiic").with_optimise(resolution_mm=4.5, max_iterations=20), out=run)
 
 metrics = json.loads((run / "metrics.json").read_text())
 history = pd.read_csv(run / "history.csv", index_col="iteration")
@@ -25,5 +25,5 @@ for case in metrics["load_cases"]:
 above.set(ylabel="compliance over the last", yscale="log", title=f"{metrics['design']}: {metrics['status']}")
 above.legend()
 below.plot(history["greyness"], color="black")
-below.set(xlabel="iteration", ylabel="greyness")
+below.set(xlabel="iteration", ylabel="greyness", xticks=range(0, len(history) + 1, 4))
 figure.savefig(out / "08_finished_run.svg")

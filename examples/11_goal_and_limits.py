@@ -20,12 +20,15 @@ with double_precision():
 
 history = optimum.state.history
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
-left.plot([row.goals[0] for row in history])
-left.set(xlabel="iteration", ylabel="mass of the throw, kg")
+left.plot([row.iteration for row in history], [row.goals[0] for row in history])
+left.set(xlabel="iteration", xticks=range(0, len(history) + 1, 4))
+left.set_ylabel("mass of the throw, kg", color="tab:blue")
 broken = left.twinx()
-broken.plot([100 * max(row.broken, 0) for row in history], color="tab:red")
+broken.plot(
+    [row.iteration for row in history], [100 * max(row.broken, 0) for row in history], color="tab:red"
+)
 broken.set_ylabel("worst limit is broken by, %", color="tab:red")
 half = optimum.design.physical.mean(axis=2)  # over the thickness; the half x >= 0 is computed
 right.imshow(np.concatenate([half[::-1], half]).T, origin="lower", cmap="Greys", vmin=0, vmax=1)
-right.set(title="density, mean over the thickness", xticks=[], yticks=[])
+right.set(title="mean density", xticks=[], yticks=[])
 figure.savefig(out / "11_goal_and_limits.png", dpi=100)
