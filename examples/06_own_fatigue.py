@@ -1,4 +1,4 @@
-"""A fatigue judgement of your own: Gerber's parabola on the stresses of every fillet node over the cycle."""
+"""A fatigue judgement of your own: Gerber's parabola on the stresses of every node of the fillets."""
 
 import sys
 from pathlib import Path

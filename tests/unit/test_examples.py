@@ -51,4 +51,4 @@ def test_an_example_is_short_and_begins_with_its_topic_and_its_idea(script: Path
     topic, _, idea = (ast.get_docstring(ast.parse(text)) or "").partition(": ")
     assert 0 < len(topic) < 60
     assert idea.endswith(".")
-    assert len(text.splitlines()) <= 50
+    assert len(text.splitlines()) <= 45
