@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ from cranktopo.design.schema import material_library
 from cranktopo.design.supports import bearing_library
 
 ROOT = Path(__file__).resolve().parents[1]
+PAGES = ROOT / "docs" / "pages"
 PICTURES = ("designs/mikron-iiic.png",)
 
 
@@ -163,6 +165,24 @@ def goal_quantities() -> str:
     return "\n".join([head, *rows])
 
 
+def examples() -> str:
+    """Every example: its idea, its picture, its code."""
+    return "\n\n".join(_example(script) for script in sorted((ROOT / "examples").glob("[0-9]*.py")))
+
+
+def _example(script: Path) -> str:
+    text = script.read_text(encoding="utf-8")
+    idea = ast.get_docstring(ast.parse(text)) or ""
+    topic, _, sentence = idea.partition(": ")
+    (picture,) = (PAGES / "images" / "examples").glob(f"{script.stem}.*")
+    code = text.replace(f'"""{idea}"""', "", 1).strip()
+    return (
+        f"## {topic}\n\n{sentence[:1].upper()}{sentence[1:]}\n\n"
+        f"![{sentence.rstrip('.')}]({picture.relative_to(PAGES).as_posix()})\n\n"
+        f'```python title="examples/{script.name}"\n{code}\n```'
+    )
+
+
 GENERATED: dict[str, Any] = {
     "scene": scene_tables,
     "libraries": libraries,
@@ -170,4 +190,5 @@ GENERATED: dict[str, Any] = {
     "exit_codes": exit_codes,
     "api": public_names,
     "quantities": goal_quantities,
+    "examples": examples,
 }

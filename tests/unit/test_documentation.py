@@ -129,6 +129,13 @@ def test_named_files_exist(path: str) -> None:
     assert (ROOT / path).is_file() or (PACKAGE / path).is_file()
 
 
+def test_the_glossary_says_each_word_once_in_one_or_two_sentences() -> None:
+    text = (PAGES / "glossary.md").read_text(encoding="utf-8")
+    words = re.findall(r"(?m)^\| (?!word|-)(.+?) \| (.+) \|$", text)
+    assert len({word.lower() for word, _ in words}) == len(words) >= 60
+    assert all(1 <= len(re.findall(r"\.(?: |$)", meaning)) <= 2 for _, meaning in words)
+
+
 def test_every_benchmark_table_names_its_command_date_and_machine() -> None:
     """In the form that docs/record.py writes, so that it finds and replaces them."""
     marked = re.findall(r"(?ms)^<!-- benchmark: (\S[^\n]*) -->\n(.*?)\n\n(.*?)\n<!-- end -->", TEXT)

@@ -61,6 +61,14 @@ def test_python_page_has_every_public_name(hooks: Any) -> None:
     assert sorted(re.findall(r"::: cranktopo\.(\w+)", hooks.public_names())) == sorted(cranktopo.__all__)
 
 
+def test_examples_page_has_the_code_and_the_picture_of_every_script(hooks: Any) -> None:
+    page = hooks.examples()
+    for script in (DOCS.parent / "examples").glob("*.py"):
+        code = script.read_text(encoding="utf-8").split('"""\n', 1)[1].strip()
+        assert f'title="examples/{script.name}"\n{code}\n```' in page
+        assert f"(images/examples/{script.stem}." in page
+
+
 def test_equations_become_mathml_and_code_stays(hooks: Any) -> None:
     class Page:
         meta: dict[str, Any] = {}  # noqa: RUF012
