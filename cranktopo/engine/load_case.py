@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from cranktopo.base.result import Result
 
@@ -72,6 +72,8 @@ MAIN_KINDS: tuple[LoadKind, ...] = tuple(name for name, kind in LOAD_TYPES.items
 
 class LoadCase(Result):
     """One load case of a throw; forces are those of the full throw."""
+
+    model_config = ConfigDict(extra="forbid")  # a script that misspells a load would otherwise go without it
 
     name: str
     kind: LoadKind
