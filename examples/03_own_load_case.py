@@ -13,8 +13,12 @@ out.mkdir(parents=True, exist_ok=True)
 scene = load_scene("mikron-iiic")
 unit = load_cases(scene.model_copy(update={"engine": None}))  # without an engine: 1000 N and 1 N m
 own = (
-    LoadCase(name="hydraulic lock", kind="bending", radial_N=60_000.0, source="estimate of the cylinder's strength"),
-    LoadCase(name="propeller strike", kind="torsion", torque_Nm=2_000.0, source="shear of the propeller bolts"),
+    LoadCase(
+        name="hydraulic lock", kind="bending", radial_N=60_000.0, source="estimate of the cylinder's strength"
+    ),
+    LoadCase(
+        name="propeller strike", kind="torsion", torque_Nm=2_000.0, source="shear of the propeller bolts"
+    ),
 )
 found = evaluate_target("mikron-iiic", MeshRequest(element_size_mm=9.0))
 
