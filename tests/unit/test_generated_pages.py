@@ -125,16 +125,22 @@ def broken(value: Any, schema: dict[str, Any], defs: dict[str, Any], where: str 
     return [found for place, item, part in parts for found in broken(item, part, defs, place)]
 
 
-def test_what_is_written_keeps_its_schema(hooks: Any, tmp_path: Path, capsys: Any) -> None:
+def check_schema(hooks: Any, name: str, text: str) -> None:
+    schema = json.loads(dict(hooks.schema_files())[f"schema/{name}.json"])
+    data = json.loads(text)
+    assert broken(data, schema, schema["$defs"]) == []
+    assert broken({**data, "schema_version": "1"}, schema, schema["$defs"]) == [".schema_version"]
+    del data["design"]
+    assert broken(data, schema, schema["$defs"]) == [".design"]
+
+
+def test_a_sweep_keeps_its_schema(hooks: Any, tmp_path: Path) -> None:
+    sweep(vary={"web.width_mm": [50, 3]}, out=tmp_path / "out", function=sweep_cases.empty, workers=1)
+    check_schema(hooks, "sweep", (tmp_path / "out" / "sweep.json").read_text())
+
+
+@pytest.mark.slow
+def test_a_bound_keeps_its_schema(hooks: Any, capsys: Any) -> None:
     goal = ["--maximise", "torsion", "--limit", "bending none", "--resolution-mm", "4.5", "--quiet"]
     assert main(["bound", *goal, "--json"]) == ExitCode.DONE
-    sweep(vary={"web.width_mm": [50, 3]}, out=tmp_path / "out", function=sweep_cases.empty, workers=1)
-    written = {"bound": capsys.readouterr().out, "sweep": (tmp_path / "out" / "sweep.json").read_text()}
-    schemas = dict(hooks.schema_files())
-    for name, text in written.items():
-        schema = json.loads(schemas[f"schema/{name}.json"])
-        data = json.loads(text)
-        assert broken(data, schema, schema["$defs"]) == []
-        assert broken({**data, "schema_version": "1"}, schema, schema["$defs"]) == [".schema_version"]
-        del data["design"]
-        assert broken(data, schema, schema["$defs"]) == [".design"]
+    check_schema(hooks, "bound", capsys.readouterr().out)
