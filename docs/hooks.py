@@ -13,6 +13,7 @@ from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+from results import result_tables, schema_files
 
 import cranktopo
 from cranktopo.app.main import COMMANDS, cli
@@ -27,10 +28,12 @@ PICTURES = ("designs/mikron-iiic.png",)
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pictures that are kept beside the designs."""
+    """Add the pictures that are kept beside the designs, and the JSON schemas of results."""
     for path in PICTURES:
         picture = File.generated(config, f"images/{Path(path).name}", abs_src_path=str(ROOT / path))
         files.append(picture)
+    for path, text in schema_files():
+        files.append(File.generated(config, path, content=text))
     return files
 
 
@@ -186,6 +189,7 @@ def _example(script: Path) -> str:
 GENERATED: dict[str, Any] = {
     "scene": scene_tables,
     "libraries": libraries,
+    "results": result_tables,
     "commands": command_pages,
     "exit_codes": exit_codes,
     "api": public_names,
