@@ -13,6 +13,11 @@ from pydantic.json_schema import GenerateJsonSchema
 from cranktopo.base.units import stem_and_unit
 
 ROOTS = {
+    "plan": ("`plan --json`", "cranktopo.tasks.plan.result:DesignPlan"),
+    "loads": ("`loads --json`", "cranktopo.tasks.loads.result:Loads"),
+    "balance": ("`balance --json`", "cranktopo.tasks.balance.result:Balance"),
+    "vibration": ("`vibration --json`", "cranktopo.tasks.vibration.result:ShaftVibration"),
+    "shaft": ("`shaft --json`", "cranktopo.tasks.shaft.stage:ShaftEvaluation"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),
     "shape": ("`shape --json` and `shape.json`", "cranktopo.tasks.shape.result:ShapeResult"),
     "metrics": ("`optimise --json` and `metrics.json`", "cranktopo.tasks.optimise.result:RunMetrics"),

@@ -99,7 +99,7 @@ class LoadState(Result):
     redundant_because: str
 
 
-class Loads(Result):
+class LoadsAtSpeed(Result):
     """The loads of a scene at one speed; values that the scene does not tell are null."""
 
     schema_version: int = 1
@@ -119,7 +119,12 @@ class Loads(Result):
     extreme_states: tuple[LoadState, ...]
     effects: tuple[Effect, ...]
     assumed: tuple[Assumption, ...]
-    sweep: tuple[Loads, ...] | None = UNLESS_NONE
+
+
+class Loads(LoadsAtSpeed):
+    """The loads of a scene at its speed, or at the first of several."""
+
+    sweep: tuple[LoadsAtSpeed, ...] | None = UNLESS_NONE
     """The loads at every speed of a sweep, beside those at its first."""
 
 
