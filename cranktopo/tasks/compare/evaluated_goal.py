@@ -29,4 +29,6 @@ def evaluated_goals(
 
 
 def _values(target: Target, entry: Entry) -> dict[str, float]:
-    return goal_values(target.scene, {**entry.evaluation.as_json(), "fatigue_safety": entry.safety})
+    return goal_values(
+        target.scene, entry.evaluation.result.model_copy(update={"fatigue_safety": entry.safety})
+    )

@@ -237,7 +237,7 @@ def _accuracy(comparison: Comparison) -> Section:
 def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
     """What a target does not say, one table for all; fatigue names what it uses as well."""
     known = comparison.fatigue.json["fatigue"] if comparison.fatigue else []
-    entries = [entry.evaluation.as_json() for entry in comparison.entries]
+    entries = [entry.evaluation.result.as_json() for entry in comparison.entries]
     found = [
         {**item, "key": f"{entry['target']}: {item['key']}"}
         for entry in known or entries

@@ -108,7 +108,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
     return {
         "schema_version": SCHEMA_VERSION,
         "baseline": comparison.base.name,
-        "evaluations": [entry.evaluation.as_json() for entry in comparison.entries],
+        "evaluations": [entry.evaluation.result.as_json() for entry in comparison.entries],
         "percent_of_baseline": records(percent_table(comparison)),
         "change_error_percent": [
             {"target": entry.name, **dict(_change_errors(comparison, row))}
