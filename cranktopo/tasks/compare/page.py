@@ -16,7 +16,7 @@ from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.sections import assumed_tables, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
-from cranktopo.tasks.accuracy.plot import error_picture
+from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.compare.plot import scatter_points
@@ -221,9 +221,7 @@ def _accuracy(comparison: Comparison) -> Section:
         ),
         evaluations,
     )
-    found = [
-        {"name": e.target, "seconds": e.total_seconds, "error_percent": e.error_percent} for e in evaluations
-    ]
+    found = [TimedError(e.target, e.total_seconds, e.error_percent) for e in evaluations]
     return Section(
         "accuracy",
         "Accuracy and what it costs",
