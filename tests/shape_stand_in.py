@@ -18,6 +18,7 @@ from cranktopo.runs.directories import RunStore, create_run, open_run
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import ShapedRun
 from cranktopo.tasks.shape.stage import ShapeSettings
+from tests.told_evaluation import told_evaluation
 
 ORIGINAL = {
     "mass": 1.6,
@@ -89,7 +90,7 @@ class ShapeStandIn:
             "design": scene.name,
             "status": "converged",
             "stop_reason": "as it was told",
-            "original": {},
+            "original": told_evaluation(),
             "change_percent": {},
             "parameters": [],
             "worst_case_percent": {},
@@ -104,13 +105,7 @@ class ShapeStandIn:
             "evaluations": 0,
             "goal": goal_outcome(goal, now, ORIGINAL, 5e-4).as_json(),
             "values": {"original": ORIGINAL, "result": now},
-            "result": {
-                "supports": {"torsion": "free", "bending": "pinned"},
-                "mass_kg": {"throw": now["mass"], "web": now["mass"] / 3},
-                "torsion": {"free_Nm_per_rad": now["torsion"]},
-                "bending": {"pinned_N_per_mm": now["bending"]},
-                "error_estimate_percent": {"torsion": 0.3, "bending": 0.4},
-            },
+            "result": told_evaluation(now["torsion"], now["bending"], now["mass"]),
             "seconds": {"total": 1.0},
             "files": {"design": "web.toml"},
         }

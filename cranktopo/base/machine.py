@@ -8,9 +8,8 @@ import resource
 import sys
 import time
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 _NUMBERS, _REPEATS = 1_000_000, 5
 
@@ -22,10 +21,6 @@ class Machine:
     processor: str
     cores: int
     reference_s: float
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the machine as an object."""
-        return asdict(self)
 
     def same_kind(self, other: Machine) -> bool:
         """Tell whether times of one hold for the other but for a common factor."""

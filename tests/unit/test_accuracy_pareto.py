@@ -19,7 +19,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.accuracy.cell_choice import choose_cells
 from cranktopo.tasks.accuracy.page import accuracy_page
 from cranktopo.tasks.accuracy.pareto import ParetoFront, pareto_front
-from cranktopo.tasks.accuracy.plot import error_picture
+from cranktopo.tasks.accuracy.plot import study_pictures
 from cranktopo.tasks.accuracy.study import Study, run_studies
 from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table
 from cranktopo.tasks.fea import error_target, stored_studies
@@ -114,9 +114,9 @@ def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(front: ParetoF
 
 
 def test_json_and_pages(front: ParetoFront) -> None:
-    result = front.as_json()
-    assert json.loads(json.dumps(result, allow_nan=False)) == result
-    assert {r["ladder"] for r in result["recommendations"]} == {"judge", "optimiser"}
+    result = front.result
+    assert json.loads(json.dumps(result.as_json(), allow_nan=False)) == result.as_json()
+    assert {r.ladder for r in result.recommendations} == {"judge", "optimiser"}
     tables = dict(level_tables(result))
     assert list(tables) == ["Body-fitted evaluation", "Optimiser"]
     assert tables["Body-fitted evaluation"].cell(0, "level") == "uniform 9*"
@@ -125,7 +125,7 @@ def test_json_and_pages(front: ParetoFront) -> None:
     assert limit_lines(result)[0].startswith("body-fitted evaluation, extrapolated: torsion 0.1 kN m/rad +-")
     page = accuracy_page(result, "today")
     assert "8 levels in 20 of 30 s" in page.headline
-    axes = error_picture(result["rungs"]).figure.axes[0]
+    axes = study_pictures(result)[0].figure.axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     joined = next(line for line in axes.lines if line.get_label() == "body-fitted evaluation, Pareto front")
     assert list(joined.get_xdata()) == [3.0, 4.0, 8.0, 16.0]
@@ -136,7 +136,7 @@ def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
     others = {"compliance_N_mm": 1.0, "support": "free"}
     known = {name: {**case, **others, "load": load_of(name)} for name, case in cases.items()}
     metrics = run_metrics(load_cases=known)
-    plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front.as_json()))
+    plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front.result))
     assert {"what": "error estimate, torsion", "value": "1.3 %"} in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == [
         "This run",
@@ -151,12 +151,12 @@ def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
 
 
 def test_one_level_has_no_error_and_no_plot() -> None:
-    result = pareto_front(study(mesh_level(2, 3.0))).as_json()
+    result = pareto_front(study(mesh_level(2, 3.0))).result
     page = accuracy_page(result, "today")
     assert page.sections[0].pictures == ()
     assert page.facts[0].value == "no accuracy reached"
     assert limit_lines(result) == ["body-fitted evaluation, extrapolated: nothing, fewer than two levels"]
-    assert result["rungs"][0]["error_percent"] is None
+    assert result.rungs[0].error_percent is None
 
 
 class Clock:
@@ -213,7 +213,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch, mik
     found, _ = run(monkeypatch, mikron, 60.0, [*done, KeyboardInterrupt()])
     assert found.interrupted
     assert list(found.levels) == done
-    assert "interrupted after" in accuracy_page(pareto_front(found).as_json(), "").headline
+    assert "interrupted after" in accuracy_page(pareto_front(found).result, "").headline
 
 
 @pytest.fixture
@@ -223,7 +223,7 @@ def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: ParetoFront) -> None:
-    result = front.as_json()
+    result = front.result
     assert load_study("by-hand", EVALUATION) is None
     assert store_study("by-hand", result) == stored_studies.studies_path()
     found, other = load_study("by-hand", EVALUATION), load_study("another", EVALUATION)
@@ -236,16 +236,16 @@ def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: Paret
     assert newest is not None
     assert newest.design == "newer"
     for name in ("by-hand", "newer"):
-        store_study(name, {**result, "machine": replace(MACHINE, cores=64).as_json()})
+        store_study(name, result.model_copy(update={"machine": replace(MACHINE, cores=64)}))
     assert load_study("by-hand", EVALUATION) is None, "times of another machine say nothing"
 
 
 def test_only_a_study_of_the_same_kind_is_loaded(cache: None, front: ParetoFront, mikron: Scene) -> None:
     """A surface is only evaluated; so is a design whose budget ended before the optimiser's turn."""
-    evaluated = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0))).as_json()
+    evaluated = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0))).result
     store_study("web", evaluated)
     assert load_study(mikron.name, OPTIMISER) is None
-    store_study("by-hand", front.as_json())
+    store_study("by-hand", front.result)
     store_study(mikron.name, evaluated)
     for wanted in (mikron.name, "another"):
         found = load_study(wanted, OPTIMISER)
@@ -265,14 +265,14 @@ def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> No
 
 
 def test_a_damaged_file_holds_nothing(cache: None, front: ParetoFront) -> None:
-    store_study("by-hand", front.as_json())
+    store_study("by-hand", front.result)
     stored_studies.studies_path().write_text('{"schema_version": 2, "designs": 3}', encoding="utf-8")
     assert load_study("by-hand", EVALUATION) is None
 
 
 def test_the_first_level_follows_from_what_was_measured(front: ParetoFront) -> None:
     """Steps 2, 1, 0: 4 + (3 not measured), 8 + 4, 16 + 8 s here, twice as much on the slower machine."""
-    known = StoredStudy("by-hand", 2.0, front.as_json())
+    known = StoredStudy("by-hand", 2.0, front.result)
     bound = front.levels[2].bound_percent
     assert bound is not None
     assert first_level(ErrorTarget(percent=bound + 0.01), known, triangles=True) == 1
@@ -336,7 +336,7 @@ def test_evaluation_keeps_within_its_budget(
 
 
 def test_measured_times_replace_the_rough_ones(mikron: Scene, front: ParetoFront) -> None:
-    known = StoredStudy("by-hand", 2.0, front.as_json())
+    known = StoredStudy("by-hand", 2.0, front.result)
     guess, found = (choose_cells(mikron, 5.0, None, k) for k in (None, known))
     assert guess.cell_mm == found.cell_mm
     assert "measured on by-hand" in str(found)

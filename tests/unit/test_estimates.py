@@ -9,6 +9,7 @@ from cranktopo.tasks.iterate.result import StepRow
 from cranktopo.tasks.iterate.text import steps_estimate
 from cranktopo.tasks.refit.result import RefitResult
 from cranktopo.tasks.refit.text import refit_text
+from tests.told_evaluation import told_evaluation
 
 
 def test_the_largest_of_each() -> None:
@@ -29,12 +30,7 @@ def test_steps() -> None:
 
 
 def evaluation(torsion_percent: float, bending_percent: float) -> dict[str, Any]:
-    return {
-        "torsion": {"free_Nm_per_rad": 150e3},
-        "bending": {"pinned_N_per_mm": 230e3},
-        "supports": {"torsion": "free", "bending": "pinned"},
-        "error_estimate_percent": {"torsion": torsion_percent, "bending": bending_percent},
-    }
+    return told_evaluation(error_percent=(torsion_percent, bending_percent))
 
 
 def test_remodel_says_it_below_both_stiffnesses() -> None:

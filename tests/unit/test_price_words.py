@@ -11,6 +11,7 @@ from cranktopo.report.plot import picture
 from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import multiplier_table, multiplier_text
+from tests.told_evaluation import told_evaluation
 
 
 @pytest.fixture
@@ -38,8 +39,8 @@ def data() -> dict[str, Any]:
         "design": "invented",
         "status": "converged",
         "stop_reason": "",
-        "original": {},
-        "result": {},
+        "original": told_evaluation(),
+        "result": told_evaluation(),
         "change_percent": {},
         "parameters": [],
         "worst_case_percent": {},

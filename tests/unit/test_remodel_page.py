@@ -14,16 +14,12 @@ from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.tasks.refit.page import refit_page, refit_section
 from cranktopo.tasks.refit.result import RefitResult
 from cranktopo.tasks.refit.text import refit_text
+from tests.told_evaluation import told_evaluation
 from tests.unit.remodel_cases import WHOLE, body_of, known_scene
 
 
 def evaluated(torsion: float, bending: float) -> dict[str, Any]:
-    return {
-        "torsion": {"free_Nm_per_rad": torsion},
-        "bending": {"pinned_N_per_mm": bending},
-        "supports": {"torsion": "free", "bending": "pinned"},
-        "error_estimate_percent": {"torsion": 0.48, "bending": 1.4},
-    }
+    return told_evaluation(torsion, bending, error_percent=(0.48, 1.4))
 
 
 @pytest.fixture

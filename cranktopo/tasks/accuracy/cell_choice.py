@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import median
-from typing import Any
 
 import numpy as np
 
@@ -29,6 +27,7 @@ from cranktopo.tasks.fea.error_target import expected_seconds
 from cranktopo.tasks.fea.level import OPTIMISER
 from cranktopo.tasks.fea.levels import EvaluationMesh
 from cranktopo.tasks.fea.stored_studies import StoredStudy
+from cranktopo.tasks.fea.study_result import LevelResult
 
 _START_S = 13.0
 """Compiling and writing files where nothing was measured, roughly."""
@@ -135,7 +134,7 @@ def _seconds(
     Args:
         solves: load cases times designs of an iteration.
     """
-    levels = [r for r in measured.levels(OPTIMISER) if r["family"] == "cells"] if measured else []
+    levels = [r for r in measured.levels(OPTIMISER) if r.family == "cells"] if measured else []
     if measured is None or not levels:
         iterations = todo.iterations + todo.more_iterations
         seconds = _START_S + iterations * solves * CostRates().solve_s(cells)
@@ -144,12 +143,12 @@ def _seconds(
     sizes, times = np.array(sorted(_timed(level, todo) for level in levels)).T
     inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))
     beyond = max(1.0, work / float(sizes[-1]))
-    compiling = median(level["compile_seconds"] for level in levels)
+    compiling = median(level.compile_seconds for level in levels)
     return measured.slowdown * (inside * beyond + compiling), f"measured on {measured.design}"
 
 
-def _timed(level: Mapping[str, Any], todo: ExpectedWork) -> tuple[float, float]:
+def _timed(level: LevelResult, todo: ExpectedWork) -> tuple[float, float]:
     """Cells times load cases times designs of a measured level; its seconds with the iterations to come."""
-    settings = level["settings"]
+    settings = level.settings
     work = settings["cells"] * settings["load_cases"] * settings.get("designs", 1)  # older studies have one
-    return work, level["seconds"] * (1 + todo.more_iterations / settings["iterations"])
+    return work, level.seconds * (1 + todo.more_iterations / settings["iterations"])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,6 +15,9 @@ from cranktopo.base.errors import ExitCode
 from cranktopo.cli.completion import designs
 from cranktopo.cli.options import DEFAULT_DESIGN, seconds
 from cranktopo.cli.verbosity import info, verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.tasks.fea.study_result import StudyResult
 
 _BUDGET_S = 120.0
 
@@ -51,20 +54,21 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
     from cranktopo.tasks.accuracy.stage import study_accuracy
 
     found = study_accuracy(design, budget_s, out, journals, info)
-    click.echo(json.dumps({**found.result, "files": found.files}) if as_json else _text(found.result))
+    shown = found.result.model_copy(update={"files": found.files})
+    click.echo(json.dumps(shown.as_json()) if as_json else _text(found.result))
     for path in (*found.files.values(), *([str(found.kept)] if found.kept else [])):
         info(path)
-    return ExitCode.INTERRUPTED if found.result["interrupted"] else ExitCode.DONE
+    return ExitCode.INTERRUPTED if found.result.interrupted else ExitCode.DONE
 
 
-def _text(result: dict[str, Any]) -> str:
+def _text(result: StudyResult) -> str:
     from cranktopo.report.result_table import terminal
     from cranktopo.tasks.accuracy.page import accuracy_headline
     from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table
 
-    lines = [f"{result['design']}: {accuracy_headline(result)}"]
+    lines = [f"{result.design}: {accuracy_headline(result)}"]
     for study, table in level_tables(result):
         lines += ["", f"{study} (* on the Pareto front)", terminal(table)]
     lines += ["", *limit_lines(result), "", terminal(recommendation_table(result))]
-    lines += [f"no answer: {failure}" for failure in result["failures"]]
+    lines += [f"no answer: {failure}" for failure in result.failures]
     return "\n".join(lines)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.tasks.accuracy.plot import study_pictures
 from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table, study_name
+from cranktopo.tasks.fea.study_result import StudyResult
 
 _LEGEND = (
     "A star marks the Pareto front: no cheaper level has a smaller error. Errors are against the "
@@ -16,16 +14,16 @@ _LEGEND = (
 )
 
 
-def accuracy_page(result: Mapping[str, Any], written: str) -> Page:
-    """The studies of a design as content; `result` as `accuracy --json` prints it, `written` a date."""
-    machine = result["machine"]
+def accuracy_page(result: StudyResult, written: str) -> Page:
+    """The studies of a design as content, written on a date."""
+    machine = result.machine
     return Page(
-        title=f"What accuracy costs in time: {result['design']}",
-        subtitle=f"{machine['processor']}, {machine['cores']} cores, {written}",
+        title=f"What accuracy costs in time: {result.design}",
+        subtitle=f"{machine.processor}, {machine.cores} cores, {written}",
         headline=accuracy_headline(result),
         facts=tuple(
             Fact(study_name(study).capitalize(), *_cheapest(result, study), "neutral")
-            for study in result["limits"]
+            for study in result.limits
         ),
         sections=(
             Section(
@@ -44,19 +42,19 @@ def accuracy_page(result: Mapping[str, Any], written: str) -> Page:
     )
 
 
-def accuracy_headline(result: Mapping[str, Any]) -> str:
+def accuracy_headline(result: StudyResult) -> str:
     """The outcome in one sentence."""
-    ended = "interrupted after" if result["interrupted"] else "in"
+    ended = "interrupted after" if result.interrupted else "in"
     return (
-        f"{len(result['rungs'])} levels {ended} {result['spent_s']:.0f} of {result['budget_s']:g} s; "
-        f"{sum(level['efficient'] for level in result['rungs'])} of them are on the Pareto front."
+        f"{len(result.rungs)} levels {ended} {result.spent_s:.0f} of {result.budget_s:g} s; "
+        f"{sum(level.efficient for level in result.rungs)} of them are on the Pareto front."
     )
 
 
-def _cheapest(result: Mapping[str, Any], study: str) -> tuple[str, str]:
+def _cheapest(result: StudyResult, study: str) -> tuple[str, str]:
     """The most exact recommendation of a study that its budget reached."""
-    rows = [r for r in result["recommendations"] if r["ladder"] == study and r["rung"]]
+    rows = [r for r in result.recommendations if r.ladder == study and r.rung]
     if not rows:
         return "no accuracy reached", "give it a larger budget"
     best = rows[-1]
-    return f"{best['accuracy_percent']:g} % in {best['seconds']:.3g} s", best["rung"]
+    return f"{best.accuracy_percent:g} % in {best.seconds:.3g} s", str(best.rung)

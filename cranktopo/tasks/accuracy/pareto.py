@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from cranktopo.numerics.extrapolation import Extrapolation, extrapolate, observed_order
 from cranktopo.tasks.accuracy.study import Study
 from cranktopo.tasks.fea.level import EVALUATION, FILLET_STRESS, OPTIMISER, Level, StudyName
+from cranktopo.tasks.fea.study_result import LevelResult, Recommendation, StudyResult
 
-SCHEMA_VERSION = 1
 WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
 _REFERENCES: dict[StudyName, tuple[str, ...]] = {
     EVALUATION: ("graded", "uniform"),
@@ -48,27 +47,28 @@ class LevelError:
             return None
         return self.error_percent + self.uncertainty_percent
 
-    def as_json(self) -> dict[str, Any]:
+    @property
+    def result(self) -> LevelResult:
         """The level as an entry of `accuracy --json`."""
         level = self.level
-        return {
-            "ladder": level.study,
-            "name": level.name,
-            "family": level.family,
-            "settings": level.settings,
-            "unknowns": level.unknowns,
-            "seconds": level.seconds,
-            "compile_seconds": level.compile_seconds,
-            "peak_memory_MiB": level.peak_memory_MiB,
+        return LevelResult(
+            ladder=level.study,
+            name=level.name,
+            family=level.family,
+            settings=level.settings,
+            unknowns=level.unknowns,
+            seconds=level.seconds,
+            compile_seconds=level.compile_seconds,
+            peak_memory_MiB=level.peak_memory_MiB,
             **level.values,
-            "model": level.model,
-            "errors_percent": self.errors_percent,
-            "model_errors_percent": self.model_errors_percent,
-            "orders": self.orders,
-            "error_percent": self.error_percent,
-            "uncertainty_percent": self.uncertainty_percent,
-            "efficient": self.efficient,
-        }
+            model=level.model,
+            errors_percent=self.errors_percent,
+            model_errors_percent=self.model_errors_percent,
+            orders=self.orders,
+            error_percent=self.error_percent,
+            uncertainty_percent=self.uncertainty_percent,
+            efficient=self.efficient,
+        )
 
 
 @dataclass(frozen=True)
@@ -88,35 +88,32 @@ class ParetoFront:
 
         return min(filter(fits, self.levels), key=lambda found: found.level.seconds, default=None)
 
-    def as_json(self) -> dict[str, Any]:
-        """What `accuracy --json` prints and accuracy.json holds."""
+    @property
+    def result(self) -> StudyResult:
+        """What `accuracy --json` prints, but for what the design does not say."""
         study = self.study
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "design": study.design,
-            "budget_s": study.budget_s,
-            "spent_s": study.spent_s,
-            "interrupted": study.interrupted,
-            "machine": study.machine.as_json(),
-            "limits": {
-                name: {value: asdict(limit) for value, limit in limits.items()}
-                for name, limits in self.limits.items()
-            },
-            "rungs": [found.as_json() for found in self.levels],
-            "recommendations": [
+        return StudyResult(
+            design=study.design,
+            budget_s=study.budget_s,
+            spent_s=study.spent_s,
+            interrupted=study.interrupted,
+            machine=study.machine,
+            limits=self.limits,
+            rungs=[found.result for found in self.levels],
+            recommendations=[
                 self._recommendation(name, percent) for name in self.limits for percent in WANTED_PERCENT
             ],
-            "failures": list(study.failures),
-        }
+            failures=list(study.failures),
+        )
 
-    def _recommendation(self, study: StudyName, percent: float) -> dict[str, Any]:
+    def _recommendation(self, study: StudyName, percent: float) -> Recommendation:
         found = self.cheapest(study, percent)
-        return {
-            "ladder": study,
-            "accuracy_percent": percent,
-            "rung": found.level.name if found else None,
-            "seconds": found.level.seconds if found else None,
-        }
+        return Recommendation(
+            ladder=study,
+            accuracy_percent=percent,
+            rung=found.level.name if found else None,
+            seconds=found.level.seconds if found else None,
+        )
 
 
 def pareto_front(study: Study) -> ParetoFront:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from cranktopo.base.files import write_json
-from cranktopo.design.assumed import EVALUATED, assumed_json, filter_by_table
+from cranktopo.design.assumed import EVALUATED, filter_by_table
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder
 from cranktopo.runs.directories import RUNS
@@ -18,6 +17,7 @@ from cranktopo.tasks.accuracy.pareto import pareto_front
 from cranktopo.tasks.accuracy.study import run_studies
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.stored_studies import key_of, store_study
+from cranktopo.tasks.fea.study_result import StudyResult
 from cranktopo.tasks.fea.targets import Target, resolve_target
 
 BUDGET_S = 120.0
@@ -27,7 +27,7 @@ BUDGET_S = 120.0
 class AccuracyStudy:
     """What `accuracy --json` prints, its files by kind, and where it is kept for later commands."""
 
-    result: dict[str, Any]
+    result: StudyResult
     files: dict[str, str]
     kept: Path | None
 
@@ -53,9 +53,9 @@ def study_accuracy(
     folder = out or _folder(resolved)
     check_folder(folder)
     print_assumed([resolved], EVALUATED, info)
-    result = pareto_front(run_studies(resolved, budget_s, info)).as_json()
+    result = pareto_front(run_studies(resolved, budget_s, info)).result
     kept = store_study(key_of(resolved), result)
-    result["assumed"] = assumed_json(filter_by_table(resolved.assumed, EVALUATED))
+    result = result.model_copy(update={"assumed": list(filter_by_table(resolved.assumed, EVALUATED))})
     return AccuracyStudy(result, _write(result, folder), kept)
 
 
@@ -63,10 +63,10 @@ def _folder(target: Target) -> Path:
     return target.run or RUNS / f"accuracy-{target.file.stem if target.file else target.name}"
 
 
-def _write(result: dict[str, Any], folder: Path) -> dict[str, str]:
+def _write(result: StudyResult, folder: Path) -> dict[str, str]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = {"json": folder / "accuracy.json", "markdown": folder / "accuracy.md"}
-    write_json(paths["json"], result)
+    write_json(paths["json"], result.as_json())
     page = accuracy_page(result, timestamp()[:10])
     write_report(page, paths["markdown"])
     for picture in page.sections[0].pictures:

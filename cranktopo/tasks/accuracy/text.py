@@ -1,39 +1,36 @@
-"""Tables of an accuracy study: error against seconds, level by level.
-
-`result` is everywhere what `cranktopo accuracy --json` prints; a study is its `ladder`, a level its `rung`.
-"""
+"""Tables of an accuracy study: error against seconds, level by level."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
+from cranktopo.numerics.extrapolation import Extrapolation
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fea.level import EVALUATION, FILLET_STRESS, OPTIMISER, TITLES
 from cranktopo.tasks.fea.quantities import BENDING, TORSION
+from cranktopo.tasks.fea.study_result import LevelResult, Recommendation, StudyResult
 
-Level = Mapping[str, Any]
 _TORSION, _BENDING, _STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
 _KILO = 1000.0
 
 
-def _scaled(name: str) -> Callable[[Level], float | None]:
+def _scaled(name: str) -> Callable[[LevelResult], float | None]:
     """A stiffness in thousands of its unit."""
-    return lambda level: None if level.get(name) is None else level[name] / _KILO
+    return lambda level: None if getattr(level, name) is None else getattr(level, name) / _KILO
 
 
-def _of(table: str, name: str) -> Callable[[Level], Cell]:
-    return lambda level: level[table].get(name)
+def _of(table: str, name: str) -> Callable[[LevelResult], Cell]:
+    return lambda level: getattr(level, table).get(name)
 
 
-_COST: tuple[Column[Level], ...] = (
-    Column("level", 0, lambda level: level["name"]),
-    Column("unknowns", 0, lambda level: float(level["unknowns"])),
-    Column("time_s", 1, lambda level: level["seconds"]),
-    Column("memory_MiB", 0, lambda level: level["peak_memory_MiB"]),
+_COST: tuple[Column[LevelResult], ...] = (
+    Column("level", 0, lambda level: level.name),
+    Column("unknowns", 0, lambda level: float(level.unknowns)),
+    Column("time_s", 1, lambda level: level.seconds),
+    Column("memory_MiB", 0, lambda level: level.peak_memory_MiB),
 )
-_UNCERTAINTY: Column[Level] = Column("uncertainty_percent", 2, lambda level: level["uncertainty_percent"])
-_COLUMNS: dict[str, tuple[Column[Level], ...]] = {
+_UNCERTAINTY: Column[LevelResult] = Column("uncertainty_percent", 2, lambda level: level.uncertainty_percent)
+_COLUMNS: dict[str, tuple[Column[LevelResult], ...]] = {
     EVALUATION: (
         Column(TORSION.column, TORSION.digits, _scaled(_TORSION)),
         Column("torsion_error_percent", 2, _of("errors_percent", _TORSION)),
@@ -44,13 +41,13 @@ _COLUMNS: dict[str, tuple[Column[Level], ...]] = {
         Column("order_in_bending", 1, _of("orders", _BENDING)),
     ),
     FILLET_STRESS: (
-        Column(_STRESS, 1, lambda level: level.get(_STRESS)),
+        Column(_STRESS, 1, lambda level: level.fillet_stress_MPa),
         Column("error_percent", 2, _of("errors_percent", _STRESS)),
         _UNCERTAINTY,
         Column("order", 1, _of("orders", _STRESS)),
     ),
     OPTIMISER: (
-        Column("iterations", 0, lambda level: float(level["settings"]["iterations"])),
+        Column("iterations", 0, lambda level: float(level.settings["iterations"])),
         Column(TORSION.column, TORSION.digits, _scaled(_TORSION)),
         Column("torsion_of_shape_percent", 2, _of("errors_percent", _TORSION)),
         Column("torsion_own_value_percent", 2, _of("model_errors_percent", _TORSION)),
@@ -67,40 +64,40 @@ def study_name(study: str) -> str:
     return TITLES.get(study, study)
 
 
-def level_tables(result: Mapping[str, Any]) -> list[tuple[str, ResultTable]]:
+def level_tables(result: StudyResult) -> list[tuple[str, ResultTable]]:
     """One table per study, by its title; a star at the levels on its Pareto front."""
     found = []
     for study, columns in _COLUMNS.items():
-        levels = [level for level in result["rungs"] if level["ladder"] == study]
+        levels = [level for level in result.rungs if level.ladder == study]
         if levels:
-            efficient = frozenset((row, "level") for row, level in enumerate(levels) if level["efficient"])
+            efficient = frozenset((row, "level") for row, level in enumerate(levels) if level.efficient)
             table = tabulate((*_COST, *columns), levels, efficient)
             found.append((study_name(study).capitalize(), table))
     return found
 
 
-def recommendation_table(result: Mapping[str, Any]) -> ResultTable:
+def recommendation_table(result: StudyResult) -> ResultTable:
     """The cheapest level of each study for each accuracy."""
-    columns: tuple[Column[Mapping[str, Any]], ...] = (
-        Column("accuracy", 0, lambda r: f"{r['accuracy_percent']:g} %"),
-        Column("study", 0, lambda r: study_name(r["ladder"])),
-        Column("cheapest_level", 0, lambda r: r["rung"] or "none within this budget"),
-        Column("time_s", 1, lambda r: r["seconds"]),
+    columns: tuple[Column[Recommendation], ...] = (
+        Column("accuracy", 0, lambda r: f"{r.accuracy_percent:g} %"),
+        Column("study", 0, lambda r: study_name(r.ladder)),
+        Column("cheapest_level", 0, lambda r: r.rung or "none within this budget"),
+        Column("time_s", 1, lambda r: r.seconds),
     )
-    return tabulate(columns, result["recommendations"])
+    return tabulate(columns, result.recommendations)
 
 
-def limit_lines(result: Mapping[str, Any]) -> list[str]:
+def limit_lines(result: StudyResult) -> list[str]:
     """The extrapolated values with their uncertainty, one line per study."""
     lines = []
-    for study, limits in result["limits"].items():
+    for study, limits in result.limits.items():
         values = ", ".join(_limit_text(name, limit) for name, limit in limits.items())
         lines.append(f"{study_name(study)}, extrapolated: {values or 'nothing, fewer than two levels'}")
     return lines
 
 
-def _limit_text(name: str, limit: Mapping[str, Any]) -> str:
+def _limit_text(name: str, limit: Extrapolation) -> str:
     units = {_TORSION: ("torsion", "kN m/rad", _KILO), _BENDING: ("bending", "kN/mm", _KILO)}
     label, unit, scale = units.get(name, ("fillet stress", "MPa", 1.0))
-    order = "" if limit["order"] is None else f", order {limit['order']:.1f}"
-    return f"{label} {limit['value'] / scale:.5g} {unit} +-{limit['uncertainty_percent']:.2g} %{order}"
+    order = "" if limit.order is None else f", order {limit.order:.1f}"
+    return f"{label} {limit.value / scale:.5g} {unit} +-{limit.uncertainty_percent:.2g} %{order}"

@@ -114,7 +114,7 @@ def _text(comparison: Comparison, form: str) -> str:
     from cranktopo.tasks.compare import text as tables
 
     if form == "json":
-        return json.dumps(tables.comparison_json(comparison), indent=2)
+        return json.dumps(tables.comparison_result(comparison).as_json(), indent=2)
     if form == "csv":
         return comma_separated(tables.flat_table(comparison))
     printed = markdown if form == "markdown" else terminal

@@ -16,7 +16,7 @@ from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.sections import assumed_tables, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
-from cranktopo.tasks.accuracy.plot import error_picture
+from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.compare.plot import scatter_points
@@ -221,9 +221,7 @@ def _accuracy(comparison: Comparison) -> Section:
         ),
         evaluations,
     )
-    found = [
-        {"name": e.target, "seconds": e.total_seconds, "error_percent": e.error_percent} for e in evaluations
-    ]
+    found = [TimedError(e.target, e.total_seconds, e.error_percent) for e in evaluations]
     return Section(
         "accuracy",
         "Accuracy and what it costs",
@@ -237,7 +235,7 @@ def _accuracy(comparison: Comparison) -> Section:
 def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
     """What a target does not say, one table for all; fatigue names what it uses as well."""
     known = comparison.fatigue.json["fatigue"] if comparison.fatigue else []
-    entries = [entry.evaluation.as_json() for entry in comparison.entries]
+    entries = [entry.evaluation.result.as_json() for entry in comparison.entries]
     found = [
         {**item, "key": f"{entry['target']}: {item['key']}"}
         for entry in known or entries

@@ -5,14 +5,42 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.schema import Published
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, Quantity, evaluation_values
+from cranktopo.tasks.fea.result import EvaluationResult
+
+
+class ChangeErrors(Result):
+    """Bounds of the errors of both stiffnesses in percent of the baseline."""
+
+    target: str
+    torsion: float
+    bending: float
+
+
+class ComparisonResult(Result):
+    """What `compare --format json` prints."""
+
+    schema_version: int = 1
+    baseline: str
+    evaluations: list[EvaluationResult]
+    percent_of_baseline: list[dict[str, Any]]
+    """Rows of the table, by its columns."""
+    change_error_percent: list[ChangeErrors]
+    best: dict[str, str | None]
+    """Name of the best target by column; None where another is within the error estimate."""
+    published: list[dict[str, Any]] | None
+    fatigue: dict[str, Any] | None
+    """As `fatigue --json`, where it was assessed."""
+    goals: dict[str, GoalOutcome] | None = UNLESS_NONE
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from cranktopo.base.progress import Json
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.bodies.solid.half_surfaces import half_surfaces
 from cranktopo.bodies.undercuts import half_throw_undercuts
+from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
+from cranktopo.design.goal.wanted import wanted as wanted_goal
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
@@ -23,13 +25,13 @@ from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.bound_for_result import bounds_for_result
-from cranktopo.tasks.compare.evaluated_goal import evaluated_goals
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
 from cranktopo.tasks.fea.case_stress import case_stress
 from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
@@ -87,8 +89,31 @@ def compare_targets(
         for evaluation, printed in zip(found.evaluations, published, strict=True)
     ]
     comparison = compare(entries, entries[index].name, safety)
-    comparison = replace(comparison, goals=evaluated_goals(targets, entries, index))
+    comparison = replace(comparison, goals=_evaluated_goals(targets, entries, index))
     return ComparedTargets(comparison, tuple(targets), found.missed)
+
+
+def _evaluated_goals(
+    targets: Sequence[Target], entries: Sequence[Entry], baseline: int
+) -> dict[str, GoalOutcome]:
+    """Return goal and limits of every target that has a goal, but for the baseline, by name of the target.
+
+    Args:
+        entries: of the targets, in their order; percent are of the baseline's values.
+    """
+    original = _values(targets[baseline], entries[baseline])
+    found = {}
+    for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
+        goal = wanted_goal(target.scene)
+        if goal is not None and row != baseline:
+            found[target.name] = goal_outcome(goal, _values(target, entry), original)
+    return found
+
+
+def _values(target: Target, entry: Entry) -> dict[str, float]:
+    return goal_values(
+        target.scene, entry.evaluation.result.model_copy(update={"fatigue_safety": entry.safety})
+    )
 
 
 def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:

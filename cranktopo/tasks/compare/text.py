@@ -1,14 +1,12 @@
-"""Tables and JSON of a comparison."""
+"""Tables of a comparison, and its JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from cranktopo.design.schema import Published
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
-from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
+from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     MASS,
@@ -100,27 +98,23 @@ def flat_table(comparison: Comparison) -> ResultTable:
     return ResultTable(columns, tuple({k: v for part in row for k, v in part.items()} for row in rows))
 
 
-def comparison_json(comparison: Comparison) -> dict[str, Any]:
-    """The comparison as the object that `compare --json` prints."""
+def comparison_result(comparison: Comparison) -> ComparisonResult:
+    """Return the comparison as `compare --format json` prints it."""
     published = published_table(comparison)
     best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
-    goals = {name: goal.as_json() for name, goal in comparison.goals.items()}
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "baseline": comparison.base.name,
-        "evaluations": [entry.evaluation.as_json() for entry in comparison.entries],
-        "percent_of_baseline": records(percent_table(comparison)),
-        "change_error_percent": [
-            {"target": entry.name, **dict(_change_errors(comparison, row))}
+    return ComparisonResult(
+        baseline=comparison.base.name,
+        evaluations=[entry.evaluation.result for entry in comparison.entries],
+        percent_of_baseline=records(percent_table(comparison)),
+        change_error_percent=[
+            ChangeErrors(target=entry.name, **dict(_change_errors(comparison, row)))
             for row, entry in enumerate(comparison.entries)
         ],
-        "best": {
-            column: None if row is None else comparison.entries[row].name for column, row in best.items()
-        },
-        "published": None if published is None else records(published),
-        "fatigue": None if comparison.fatigue is None else comparison.fatigue.json,
-        **({"goals": goals} if goals else {}),
-    }
+        best={column: None if row is None else comparison.entries[row].name for column, row in best.items()},
+        published=None if published is None else records(published),
+        fatigue=None if comparison.fatigue is None else comparison.fatigue.json,
+        goals=dict(comparison.goals) or None,
+    )
 
 
 def _marks(best: Mapping[str, int | None]) -> frozenset[tuple[int, str]]:

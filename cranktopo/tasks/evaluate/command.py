@@ -70,7 +70,7 @@ def command(
     if as_json:
         from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
 
-        entries = [e.as_json() for e in found.evaluations]
+        entries = [e.result.as_json() for e in found.evaluations]
         for entry, told in zip(entries, worth, strict=False):
             entry["sensitivities"] = told.as_json()
         click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))

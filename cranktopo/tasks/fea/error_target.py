@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any
 
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, MeshResult, evaluate_on_mesh, evaluation
 from cranktopo.tasks.fea.level import EVALUATION
 from cranktopo.tasks.fea.levels import EvaluationMesh
 from cranktopo.tasks.fea.stored_studies import StoredStudy
+from cranktopo.tasks.fea.study_result import LevelResult
 from cranktopo.tasks.fea.targets import Target
 
 LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))
@@ -83,10 +83,10 @@ def _meshes(fine: EvaluationMesh, triangles: bool) -> list[EvaluationMesh]:
 
 
 def _expected_percent(number: int, measured: StoredStudy | None) -> float:
-    level = _stored_level(LEVELS[number], measured) or {}
-    errors = [level.get(key) for key in ("error_percent", "uncertainty_percent")]
-    known = [error for error in errors if error is not None]
-    return sum(known) if len(known) == len(errors) else EXPECTED_PERCENT[number]
+    level = _stored_level(LEVELS[number], measured)
+    if level is None or level.error_percent is None or level.uncertainty_percent is None:
+        return EXPECTED_PERCENT[number]
+    return level.error_percent + level.uncertainty_percent
 
 
 def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None, triangles: bool) -> float | None:
@@ -94,13 +94,13 @@ def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None, triangl
     levels = [_stored_level(mesh, measured) for mesh in _meshes(fine, triangles)]
     if measured is None or None in levels:
         return None
-    return measured.slowdown * sum(level["seconds"] for level in levels if level)
+    return measured.slowdown * sum(level.seconds for level in levels if level)
 
 
-def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> dict[str, Any] | None:
+def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> LevelResult | None:
     settings = {"steps": mesh.steps, "graded": mesh.graded, "order": mesh.order}
     levels = measured.levels(EVALUATION) if measured else []
-    return next((level for level in levels if settings.items() <= level["settings"].items()), None)
+    return next((level for level in levels if settings.items() <= level.settings.items()), None)
 
 
 def _too_long(

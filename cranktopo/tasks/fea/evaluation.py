@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.side_by_side import side_by_side
@@ -15,7 +15,7 @@ from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.bodies.web_moments import bolted_mass
-from cranktopo.design.assumed import EVALUATED, Assumption, assumed_json, filter_by_table
+from cranktopo.design.assumed import EVALUATED, Assumption, filter_by_table
 from cranktopo.design.halves import halves, of_halves
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
@@ -24,6 +24,16 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
 from cranktopo.tasks.fea.condense import Superelement, condense
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors, volume_error
 from cranktopo.tasks.fea.error_bound import bending_bound_percent, change_bound_percent, torsion_bound_percent
+from cranktopo.tasks.fea.result import (
+    ErrorsBySupport,
+    EvaluatedMass,
+    EvaluationResult,
+    EvaluationSeconds,
+    MeshSize,
+    StiffnessPerMass,
+    SupportNames,
+    known,
+)
 from cranktopo.tasks.fea.support_stiffness import (
     BendingSupport,
     TorsionSupport,
@@ -100,57 +110,47 @@ class Evaluation:
     @property
     def torsion_Nm_per_rad(self) -> float:
         """Torsional stiffness with the scene's support."""
-        return _known(self.fine.torsion[self.torsion_support])
+        return known(self.fine.torsion[self.torsion_support])
 
     @property
     def bending_N_per_mm(self) -> float:
         """Bending stiffness with the scene's support."""
-        return _known(self.fine.bending[self.bending_support])
+        return known(self.fine.bending[self.bending_support])
 
     @property
     def error_percent(self) -> float:
         """The larger of the two error estimates."""
         return max(self.torsion_error_percent, self.bending_error_percent)
 
-    def as_json(self) -> dict[str, Any]:
+    @property
+    def result(self) -> EvaluationResult:
         """The evaluation as one entry of `evaluate --json`."""
-        fine = self.fine
-        return {
-            "target": self.target,
-            "mass_kg": {"throw": self.throw_kg, "web": self.web_kg, **self._second_web()},
-            "inertia_kg_mm2": self.inertia_kg_mm2,
-            "unbalance_kg_mm": self.unbalance_kg_mm,
-            "torsion": {f"{name}_Nm_per_rad": value for name, value in fine.torsion.items()},
-            "bending": {f"{name}_N_per_mm": value for name, value in fine.bending.items()},
-            "supports": {"torsion": self.torsion_support, "bending": self.bending_support},
-            "stiffness_per_mass": {
-                "torsion_Nm_per_rad_kg": self.torsion_Nm_per_rad / self.throw_kg,
-                "bending_N_per_mm_kg": self.bending_N_per_mm / self.throw_kg,
-            },
-            "mesh": {
-                "element_size_mm": fine.element_size_mm,
-                "nodes": fine.nodes,
-                "order": 2,
-                "triangles": self.triangles,
-            },
-            "error_estimate_percent": {
+        fine, kg = self.fine, self.throw_kg
+        return EvaluationResult(
+            target=self.target,
+            mass_kg=EvaluatedMass(throw=kg, web=self.web_kg, second_web=self.second_web_kg),
+            inertia_kg_mm2=self.inertia_kg_mm2,
+            unbalance_kg_mm=self.unbalance_kg_mm,
+            torsion={f"{name}_Nm_per_rad": value for name, value in fine.torsion.items()},
+            bending={f"{name}_N_per_mm": value for name, value in fine.bending.items()},
+            supports=SupportNames(torsion=self.torsion_support, bending=self.bending_support),
+            stiffness_per_mass=StiffnessPerMass(
+                torsion_Nm_per_rad_kg=self.torsion_Nm_per_rad / kg,
+                bending_N_per_mm_kg=self.bending_N_per_mm / kg,
+            ),
+            mesh=MeshSize(element_size_mm=fine.element_size_mm, nodes=fine.nodes, triangles=self.triangles),
+            error_estimate_percent={
                 "torsion": self.torsion_error_percent,
                 "bending": self.bending_error_percent,
             },
-            "error_by_support_percent": {
-                "torsion": dict(fine.torsion_error_percent),
-                "bending": dict(fine.bending_error_percent),
-            },
-            "seconds": {
-                "mesh": fine.mesh_seconds,
-                "solve": fine.solve_seconds,
-                "total": self.total_seconds,
-            },
-            "assumed": assumed_json(self.assumed),
-        }
-
-    def _second_web(self) -> dict[str, float]:
-        return {} if self.second_web_kg is None else {"second_web": self.second_web_kg}
+            error_by_support_percent=ErrorsBySupport(
+                torsion=dict(fine.torsion_error_percent), bending=dict(fine.bending_error_percent)
+            ),
+            seconds=EvaluationSeconds(
+                mesh=fine.mesh_seconds, solve=fine.solve_seconds, total=self.total_seconds
+            ),
+            assumed=self.assumed,
+        )
 
 
 @dataclass(frozen=True)
@@ -317,8 +317,8 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
 
 def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> tuple[float, float]:
     """Bounds of the error in torsion and in bending with the supports of the scene."""
-    torsion = _known(fine.torsion_error_percent[scene.supports.torsion])
-    bending = _known(fine.bending_error_percent[scene.supports.bending])
+    torsion = known(fine.torsion_error_percent[scene.supports.torsion])
+    bending = known(fine.bending_error_percent[scene.supports.bending])
     if coarse is None:
         return torsion, bending
     return (
@@ -342,11 +342,3 @@ def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
 def _bolted(scene: Scene) -> Moments:
     one, other = of_halves(scene, bolted_mass)
     return one + other
-
-
-def _known(value: float | None) -> float:
-    if value is None:
-        raise CranktopoError(
-            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm.", code=ExitCode.INTERNAL
-        )
-    return value

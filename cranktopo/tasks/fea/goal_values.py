@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.plan.planning import plan
+from cranktopo.tasks.fea.result import EvaluationResult
 
 
-def goal_values(scene: Scene, found: Mapping[str, Any]) -> dict[str, float]:
-    """The quantities that are known, each in its internal unit.
+def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
+    """Return the quantities that are known, each in its internal unit.
 
     Args:
         scene: with the engine whose loads move the throw.
-        found: an entry of `evaluate --json`, with `fatigue_safety` where that was assessed.
+        found: with the fatigue safety where that was assessed.
     """
-    supports, mass = found["supports"], found["mass_kg"]["throw"]
-    torsion = found["torsion"][f"{supports['torsion']}_Nm_per_rad"]
-    bending = found["bending"][f"{supports['bending']}_N_per_mm"]
-    safety = found.get("fatigue_safety")
+    mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
+    safety = found.fatigue_safety
     return {
         "mass": mass,
-        "inertia": found["inertia_kg_mm2"],
-        "unbalance": found["unbalance_kg_mm"],
+        "inertia": found.inertia_kg_mm2,
+        "unbalance": found.unbalance_kg_mm,
         "torsion": torsion,
         "bending": bending,
         "torsion_per_mass": torsion / mass,

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from cranktopo.base.cache import user_cache
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, write_json
-from cranktopo.base.machine import Machine, this_machine
+from cranktopo.base.machine import this_machine
 from cranktopo.tasks.fea.level import StudyName
+from cranktopo.tasks.fea.study_result import LevelResult, StudyResult
 from cranktopo.tasks.fea.targets import Target
 
 SCHEMA_VERSION = 2
@@ -23,11 +22,11 @@ class StoredStudy:
 
     design: str
     slowdown: float
-    result: dict[str, Any]
+    result: StudyResult
 
-    def levels(self, study: StudyName) -> list[dict[str, Any]]:
-        """Levels of a study as in JSON."""
-        return [level for level in self.result["rungs"] if level["ladder"] == study]
+    def levels(self, study: StudyName) -> list[LevelResult]:
+        """Return the levels of a study."""
+        return [level for level in self.result.rungs if level.ladder == study]
 
 
 def studies_path() -> Path:
@@ -43,16 +42,15 @@ def key_of(target: Target) -> str:
     return target.name if target.file is None else str(target.file.resolve())
 
 
-def store_study(key: str, result: Mapping[str, Any]) -> Path | None:
+def store_study(key: str, result: StudyResult) -> Path | None:
     """Keep what `accuracy --json` prints; None where nothing was measured or the cache cannot be written."""
-    if not result["rungs"]:
+    if not result.rungs:
         return None
     stored = {name: kept for name, kept in _stored().items() if name != key}  # the newest is the last
     try:
         studies_path().parent.mkdir(parents=True, exist_ok=True)
-        write_json(
-            studies_path(), {"schema_version": SCHEMA_VERSION, "designs": {**stored, key: dict(result)}}
-        )
+        designs = {name: kept.as_json() for name, kept in {**stored, key: result}.items()}
+        write_json(studies_path(), {"schema_version": SCHEMA_VERSION, "designs": designs})
     except (OSError, CranktopoError):
         return None
     return studies_path()
@@ -68,19 +66,18 @@ def load_study(key: str, study: StudyName) -> StoredStudy | None:
         return None
     here, usable = this_machine(), {}  # timed only when there is something to compare
     for name, result in stored.items():
-        machine = Machine(**result["machine"])
-        if machine.same_kind(here) and any(level["ladder"] == study for level in result["rungs"]):
+        machine = result.machine
+        if machine.same_kind(here) and any(level.ladder == study for level in result.rungs):
             usable[name] = StoredStudy(name, here.reference_s / machine.reference_s, result)
     return usable.get(key) or (list(usable.values())[-1] if usable else None)
 
 
-def _stored() -> dict[str, Any]:
+def _stored() -> dict[str, StudyResult]:
     """Studies by key; none where there is no file, one of another version, or a damaged one."""
     try:
         data = read_json(studies_path())
-        valid = data["schema_version"] == SCHEMA_VERSION and all(
-            Machine(**result["machine"]) for result in data["designs"].values()
-        )
-        return dict(data["designs"]) if valid else {}
+        valid = data["schema_version"] == SCHEMA_VERSION
+        designs = data["designs"] if valid else {}
+        return {name: StudyResult.of_json(kept, name) for name, kept in designs.items()}
     except (OSError, CranktopoError, KeyError, TypeError, AttributeError):
         return {}

@@ -90,15 +90,15 @@ def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings,
 
 def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
     """Return the result of a shape optimisation as a row of the table of steps."""
-    found, supports = data.result, data.result["supports"]
+    found = data.result
     return LoopStep(
         number=number,
-        throw_kg=found["mass_kg"]["throw"],
-        web_kg=found["mass_kg"]["web"],
-        torsion_Nm_per_rad=found["torsion"][f"{supports['torsion']}_Nm_per_rad"],
-        bending_N_per_mm=found["bending"][f"{supports['bending']}_N_per_mm"],
-        torsion_error_percent=found["error_estimate_percent"]["torsion"],
-        bending_error_percent=found["error_estimate_percent"]["bending"],
+        throw_kg=found.mass_kg.throw,
+        web_kg=found.mass_kg.web,
+        torsion_Nm_per_rad=found.torsion_Nm_per_rad,
+        bending_N_per_mm=found.bending_N_per_mm,
+        torsion_error_percent=found.error_estimate_percent["torsion"],
+        bending_error_percent=found.error_estimate_percent["bending"],
         transition_mm=transition_mm(surface_of(web, "web", coarse_facet_mm(web)), web),
         overlap_percent=None,
         removed_percent=None,

@@ -31,6 +31,7 @@ from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.goal_values import goal_values
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.original import original_file, without_its_fillets
 
@@ -137,9 +138,13 @@ class EvaluatedGoal:
 
     def _values(self, name: str, target: Callable[[], Target]) -> Values:
         def make() -> Json:
-            return evaluate(target(), progress=self.work.info).as_json()
+            return evaluate(target(), progress=self.work.info).result.as_json()
 
-        return goal_values(self.scene, self.work.once(name, make))
+        return goal_values(self.scene, _evaluation(self.work.once(name, make)))
+
+
+def _evaluation(kept: Json) -> EvaluationResult:
+    return EvaluationResult.of_json(kept, "kept evaluation")
 
 
 def _iteration_name(iteration: int) -> str:
@@ -212,16 +217,17 @@ def goal_by_evaluation(goal: GoalOutcome, case: EvaluatedGoal, state: State, fai
     name, kept = _iteration_name(state.last.iteration), case.work.kept
     if name not in kept:
         return goal
+    evaluated = _evaluation(kept[name])
     told = goal_outcome(case.goal, case.reached(state), case.original())
     return goal.with_evaluation(
         told,
         fillets=False,
-        element_size_mm=kept[name]["mesh"]["element_size_mm"],
-        error_estimate_percent=kept[name]["error_estimate_percent"],
+        element_size_mm=evaluated.mesh.element_size_mm,
+        error_estimate_percent=evaluated.error_estimate_percent,
         rounds=tuple(LimitRound(iteration=r.iteration, bounds=tuple(r.bounds)) for r in state.rounds),
     )
 
 
 def evaluation_seconds(case: EvaluatedGoal) -> float:
     """Return the wall time of the evaluations."""
-    return float(sum(entry["seconds"]["total"] for entry in case.work.kept.values()))
+    return float(sum(_evaluation(entry).seconds.total for entry in case.work.kept.values()))

@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
-from cranktopo.tasks.accuracy.plot import error_picture, study_pictures
+from cranktopo.tasks.accuracy.plot import TimedError, error_picture, study_pictures
 from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.extraction.result import RunSurface
@@ -23,6 +23,7 @@ from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.fea.stress_section import stress_section
+from cranktopo.tasks.fea.study_result import StudyResult
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.picture import PANELS, views_figure
 from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics
@@ -142,12 +143,8 @@ def _convergence(record: RunRecord) -> Section:
     )
 
 
-def accuracy_section(metrics: RunMetrics, studies: Mapping[str, Any] | None, folder: str) -> Section:
-    """Return residuals and volume errors of a run, and error against seconds where the run has studies.
-
-    Args:
-        studies: what `cranktopo accuracy --json` prints; None without.
-    """
+def accuracy_section(metrics: RunMetrics, studies: StudyResult | None, folder: str) -> Section:
+    """Return residuals and volume errors of a run, and error against seconds where the run has studies."""
     solver, surface = metrics.solver, metrics.surface
     rows = [
         ("largest cell edge", f"{metrics.grid.cell_mm:.3g} mm"),
@@ -167,7 +164,7 @@ def accuracy_section(metrics: RunMetrics, studies: Mapping[str, Any] | None, fol
     pictures: tuple[Picture, ...] = _own_picture(metrics)
     if not studies:
         text += f" 'cranktopo accuracy {folder}' adds what each digit costs, from cheap to exact."
-    if studies and studies.get("rungs"):
+    if studies and studies.rungs:
         tables += [*level_tables(studies), ("Cheapest level", recommendation_table(studies))]
         pictures = study_pictures(studies)
     return Section("accuracy", "Accuracy and what it costs", text, tuple(tables), pictures)
@@ -177,7 +174,7 @@ def _own_picture(metrics: RunMetrics) -> tuple[Picture, ...]:
     """Return the run's own error estimates against its seconds, where it has estimates."""
     seconds = metrics.seconds.total
     found = [
-        {"name": name, "seconds": seconds, "error_percent": case.error_estimate_percent}
+        TimedError(name, seconds, case.error_estimate_percent)
         for name, case in metrics.load_cases.items()
         if case.error_estimate_percent is not None
     ]

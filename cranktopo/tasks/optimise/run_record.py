@@ -31,6 +31,7 @@ from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
 from cranktopo.tasks.fea.case_stress import CaseStress
 from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.tasks.fea.study_result import StudyResult
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
 from cranktopo.tasks.refit.result import RefitResult
@@ -55,7 +56,8 @@ class RunRecord:
         loads: loads of its engine; None without an engine.
         mesh: surface of the half throw, mm; None where the density has none.
         snapshots: its intermediate designs, as far as they were kept.
-        fatigue, accuracy: what those commands print with --json, where the run holds it.
+        fatigue: what that command prints with --json, where the run holds it.
+        accuracy: its accuracy study, where the run holds one.
         refit: its re-modelled web, where the run holds one.
         stress: of its load cases by the body-fitted evaluation, where it was solved.
     """
@@ -69,7 +71,7 @@ class RunRecord:
     mesh: SurfaceMesh | None
     snapshots: tuple[DesignSnapshot, ...]
     fatigue: Mapping[str, Any] | None
-    accuracy: Mapping[str, Any] | None
+    accuracy: StudyResult | None
     stress: CaseStress | None
     refit: RefitResult | None = None
 
@@ -114,7 +116,7 @@ def record_of(
         mesh=mesh,
         snapshots=designs,
         fatigue=_optional(run.path / _FATIGUE),
-        accuracy=_optional(run.path / _ACCURACY),
+        accuracy=StudyResult.read(run.path / _ACCURACY) if (run.path / _ACCURACY).is_file() else None,
         stress=stress,
         refit=RefitResult.read(run.path / _REMODEL) if (run.path / _REMODEL).is_file() else None,
     )

@@ -6,6 +6,7 @@ from typing import Any
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.residual_regions import ResidualRegion
 from cranktopo.tasks.refit.select import FitTrial
 
@@ -46,9 +47,9 @@ class WebMasses(Result):
 class RefitStiffness(Result):
     """Evaluations, and differences of the fitted web without fillets from the body, which has none."""
 
-    body: dict[str, Any]
-    fitted_without_fillets: dict[str, Any]
-    fitted: dict[str, Any]
+    body: EvaluationResult
+    fitted_without_fillets: EvaluationResult
+    fitted: EvaluationResult
     difference_percent: dict[str, float]
 
 

@@ -148,9 +148,9 @@ def _evaluated(target: Target, scene: Scene, info: Info) -> RefitStiffness:
     body, sharp, whole = (evaluate(what, None, info) for what in (target, bare, Target(scene.name, scene)))
     torsion = sharp.torsion_Nm_per_rad / body.torsion_Nm_per_rad
     return RefitStiffness(
-        body=body.as_json(),
-        fitted_without_fillets=sharp.as_json(),
-        fitted=whole.as_json(),
+        body=body.result,
+        fitted_without_fillets=sharp.result,
+        fitted=whole.result,
         difference_percent={
             "torsion": 100 * (torsion - 1),
             "bending": 100 * (sharp.bending_N_per_mm / body.bending_N_per_mm - 1),

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.table import estimate_line
 from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
 from cranktopo.tasks.refit.select import FitTrial
 
 _FILES = ("report", "design", "step", "stl", "drawing", "drawing_svg", "json")
-_EVALUATED = ("body", "fitted_without_fillets", "fitted")
 _TRIALS: tuple[Column[FitTrial], ...] = (
     Column("tried", 0, lambda trial: trial.step),
     Column("parameters", 0, lambda trial: float(trial.parameters)),
@@ -75,28 +75,27 @@ def stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
     if stiffness is None:
         return []
     return [
-        ("torsion, kN m/rad", _stiffness_text(stiffness, "torsion", "Nm_per_rad")),
-        ("bending, kN/mm", _stiffness_text(stiffness, "bending", "N_per_mm")),
+        ("torsion, kN m/rad", _stiffness_text(stiffness, "torsion")),
+        ("bending, kN/mm", _stiffness_text(stiffness, "bending")),
     ]
 
 
 def _estimate(stiffness: RefitStiffness | None) -> list[str]:
     if stiffness is None:
         return []
-    found = [getattr(stiffness, which)["error_estimate_percent"] for which in _EVALUATED]
+    evaluated = (stiffness.body, stiffness.fitted_without_fillets, stiffness.fitted)
+    found = [entry.error_estimate_percent for entry in evaluated]
     return [estimate_line(*([errors[kind] for errors in found] for kind in ("torsion", "bending")))]
 
 
-def _stiffness_text(stiffness: RefitStiffness, kind: str, unit: str) -> str:
-    def value(which: str) -> float:
-        entry = getattr(stiffness, which)
-        found: float = entry[kind][f"{entry['supports'][kind]}_{unit}"] / 1000
-        return found
+def _stiffness_text(stiffness: RefitStiffness, kind: str) -> str:
+    def value(entry: EvaluationResult) -> float:
+        return (entry.torsion_Nm_per_rad if kind == "torsion" else entry.bending_N_per_mm) / 1000
 
     difference = stiffness.difference_percent[kind]
     return (
-        f"{value('fitted_without_fillets'):.1f} without fillets, body {value('body'):.1f} "
-        f"({difference:+.1f} %); with fillets {value('fitted'):.1f}"
+        f"{value(stiffness.fitted_without_fillets):.1f} without fillets, body {value(stiffness.body):.1f} "
+        f"({difference:+.1f} %); with fillets {value(stiffness.fitted):.1f}"
     )
 
 

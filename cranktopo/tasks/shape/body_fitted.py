@@ -15,6 +15,7 @@ from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.goal_values import goal_values
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.free_bores import kept_features
 
@@ -26,13 +27,12 @@ class EvaluatedWeb:
     """A web with its evaluation on the default mesh, fillets included.
 
     Attributes:
-        evaluation: as one entry of `evaluate --json`, with `fatigue_safety` by local stress analysis where
-            that is asked for.
+        evaluation: with the fatigue safety where that is asked for.
         seconds: what it took now; next to nothing where it was kept.
     """
 
     scene: Scene
-    evaluation: Json
+    evaluation: EvaluationResult
     seconds: float
 
     @cached_property
@@ -64,13 +64,13 @@ def evaluated_web(
     def make() -> Json:
         work.info(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
         if not fatigue:
-            return evaluate(target, element_size_mm).as_json()
+            return evaluate(target, element_size_mm).result.as_json()
         # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
         field, found = side_by_side(
             lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
         )
-        return {**found.as_json(), "fatigue_safety": float(field.critical.safety)}
+        return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
 
     began = time.perf_counter()
-    evaluation = work.once(name, make)
+    evaluation = EvaluationResult.of_json(work.once(name, make), f"evaluation '{name}'")
     return EvaluatedWeb(scene, evaluation, time.perf_counter() - began)

@@ -74,10 +74,10 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
     """Return the bound of the error of a change; 0 where it is exact."""
     kind = key.removesuffix("_per_mass")
     entries = (found.original, found.result)
-    if kind not in entries[0]["error_estimate_percent"]:
+    if kind not in found.original.error_estimate_percent:
         return 0.0
-    one, other = (entry["error_estimate_percent"][kind] for entry in entries)
-    triangles = any(entry["mesh"].get("triangles", False) for entry in entries)
+    one, other = (entry.error_estimate_percent[kind] for entry in entries)
+    triangles = any(entry.mesh.triangles for entry in entries)
     return difference_bound_percent(one, other, triangles=triangles)
 
 

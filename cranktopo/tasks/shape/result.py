@@ -11,6 +11,7 @@ from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
+from cranktopo.tasks.fea.result import EvaluationResult
 
 
 class DimensionSensitivity(Result):
@@ -108,9 +109,9 @@ class ShapeResult(Result):
     goal: GoalOutcome
     status: str
     stop_reason: str
-    original: dict[str, Any]
-    """As one evaluation of `evaluate --json`, with the fatigue safety where it was asked for."""
-    result: dict[str, Any]
+    original: EvaluationResult
+    """With the fatigue safety where it was asked for."""
+    result: EvaluationResult
     values: ShapeValues
     change_percent: dict[str, float]
     parameters: tuple[ShapeParameter, ...]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_text
@@ -18,6 +17,7 @@ from cranktopo.report.goal_table import broken_limits
 from cranktopo.runs.directories import open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
@@ -46,25 +46,22 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
     return _STAGES[stage](scene, folder, fineness)
 
 
-def _columns_of(entry: Mapping[str, Any]) -> Json:
-    """The quantities of an entry of `evaluate --json`, units in the names, for the supports of its scene."""
-    supports, masses = entry["supports"], entry["mass_kg"]
-    mass = masses["throw"]
-    torsion = entry["torsion"][f"{supports['torsion']}_Nm_per_rad"]
-    bending = entry["bending"][f"{supports['bending']}_N_per_mm"]
-    errors = entry["error_estimate_percent"]
+def columns_of(entry: EvaluationResult) -> Json:
+    """Return the quantities of an evaluation, units in the names, for the supports of its scene."""
+    mass, second = entry.mass_kg.throw, entry.mass_kg.second_web
+    torsion, bending = entry.torsion_Nm_per_rad, entry.bending_N_per_mm
     return {
         "mass_kg": mass,
-        "web_mass_kg": masses["web"],
-        **({"second_web_mass_kg": masses["second_web"]} if "second_web" in masses else {}),
-        "inertia_kg_mm2": entry["inertia_kg_mm2"],
-        "unbalance_kg_mm": entry["unbalance_kg_mm"],
+        "web_mass_kg": entry.mass_kg.web,
+        **({} if second is None else {"second_web_mass_kg": second}),
+        "inertia_kg_mm2": entry.inertia_kg_mm2,
+        "unbalance_kg_mm": entry.unbalance_kg_mm,
         "torsion_Nm_per_rad": torsion,
         "bending_N_per_mm": bending,
         "torsion_per_mass_Nm_per_rad_kg": torsion / mass,
         "bending_per_mass_N_per_mm_kg": bending / mass,
-        "torsion_error_percent": errors["torsion"],
-        "bending_error_percent": errors["bending"],
+        "torsion_error_percent": entry.error_estimate_percent["torsion"],
+        "bending_error_percent": entry.error_estimate_percent["bending"],
     }
 
 
@@ -138,7 +135,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
-        **_columns_of(data.result),
+        **columns_of(data.result),
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data.goal),
         **_bound(data.bound),
@@ -158,7 +155,7 @@ _STAGES: Mapping[Stage, _StageFunction] = {
 
 
 def _judged(target: Target, fineness: Fineness) -> Json:
-    return _columns_of(fineness.evaluation(target).as_json())
+    return columns_of(fineness.evaluation(target).result)
 
 
 def _begun(run: Path) -> bool:

@@ -1,0 +1,104 @@
+"""One entry of `evaluate --json`: mass, stiffness for every support, mesh, and bounds of the errors."""
+
+from __future__ import annotations
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.assumed import Assumption
+
+
+class EvaluatedMass(Result):
+    """Masses, kg."""
+
+    throw: float
+    web: float
+    """Of one web between its faces."""
+    second_web: float | None = UNLESS_NONE
+    """Where the halves of the throw differ."""
+
+
+class SupportNames(Result):
+    """The supports that the scene asks for."""
+
+    torsion: str
+    bending: str
+
+
+class StiffnessPerMass(Result):
+    """Stiffnesses with the supports of the scene over the mass of the throw."""
+
+    torsion_Nm_per_rad_kg: float
+    bending_N_per_mm_kg: float
+
+
+class MeshSize(Result):
+    """The mesh of an evaluation."""
+
+    element_size_mm: float
+    nodes: int
+    order: int = 2
+    """Degree of the displacements."""
+    triangles: bool = False
+    """The body is a surface of triangles, which the mesh replaces."""
+
+
+class ErrorsBySupport(Result):
+    """Bounds of the errors on this mesh by support, %."""
+
+    torsion: dict[str, float | None]
+    bending: dict[str, float | None]
+
+
+class EvaluationSeconds(Result):
+    """Wall times."""
+
+    mesh: float
+    solve: float
+    total: float
+
+
+class EvaluationResult(Result):
+    """All that is told about one evaluated target."""
+
+    target: str
+    mass_kg: EvaluatedMass
+    inertia_kg_mm2: float
+    unbalance_kg_mm: float
+    """Mass times y of the centre of mass."""
+    torsion: dict[str, float | None]
+    """By support and unit, as in `free_Nm_per_rad`; None for a spring that nobody knows."""
+    bending: dict[str, float | None]
+    supports: SupportNames
+    stiffness_per_mass: StiffnessPerMass
+    mesh: MeshSize
+    error_estimate_percent: dict[str, float]
+    """Of `torsion` and `bending` with the supports of the scene."""
+    error_by_support_percent: ErrorsBySupport
+    seconds: EvaluationSeconds
+    assumed: tuple[Assumption, ...]
+    """What the design does not say and the stiffnesses depend on."""
+    fatigue_safety: float | None = UNLESS_NONE
+    """Minimum by local stress analysis, where it was asked for."""
+
+    @property
+    def torsion_Nm_per_rad(self) -> float:
+        """Torsional stiffness with the scene's support."""
+        return known(self.torsion[f"{self.supports.torsion}_Nm_per_rad"])
+
+    @property
+    def bending_N_per_mm(self) -> float:
+        """Bending stiffness with the scene's support."""
+        return known(self.bending[f"{self.supports.bending}_N_per_mm"])
+
+
+def known(value: float | None) -> float:
+    """Return a value that needs the spring of a bearing.
+
+    Raises:
+        CranktopoError: it is None, since the scene has no such spring.
+    """
+    if value is None:
+        raise CranktopoError(
+            "supports.bearing_spring_N_per_mm is missing.", hint="Give it in N/mm.", code=ExitCode.INTERNAL
+        )
+    return value
