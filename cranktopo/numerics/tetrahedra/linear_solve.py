@@ -57,7 +57,7 @@ def symmetric_solver(
     method: str = "auto",
     residual: float = RESIDUAL_LIMIT,
 ) -> Callable[[Array], Array]:
-    """What solves a symmetric positive definite system again and again, factorised once.
+    """Return what solves a symmetric positive definite system again and again, factorised once.
 
     Args:
         matrix, prolongation, method: as `solve_symmetric`.

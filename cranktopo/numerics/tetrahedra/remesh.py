@@ -20,7 +20,7 @@ from cranktopo.numerics.surfaces.shells import shells
 from cranktopo.numerics.tetrahedra.curving import EDGES
 
 Tetrahedra = NDArray[np.int64]
-SizeField = Callable[[Array], Array]
+_SizeField = Callable[[Array], Array]
 
 _TET4 = 4
 _DISTANCES = (1 / 40, 1 / 20, 1 / 80)
@@ -32,7 +32,7 @@ _VOLUME_TOLERANCE = 5e-3
 
 
 def tetrahedralise(
-    surface: SurfaceMesh, element_size_mm: float, size_at: SizeField, name: str
+    surface: SurfaceMesh, element_size_mm: float, size_at: _SizeField, name: str
 ) -> tuple[Array, Tetrahedra]:
     """Ten-node tetrahedra of a closed surface that may have tunnels and closed hollows.
 
@@ -58,7 +58,7 @@ def tetrahedralise(
     return quadratic(points, tets)
 
 
-def _fill(surface: SurfaceMesh, size: float, size_at: SizeField, name: str) -> tuple[Array, Tetrahedra]:
+def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
     failure = ""
     for distance in _DISTANCES:
         try:
@@ -106,7 +106,7 @@ def _add_shell(gmsh: Any, shell: SurfaceMesh) -> int:
 
 
 def _improved(
-    points: Array, tets: Tetrahedra, size: float, distance: float, size_at: SizeField
+    points: Array, tets: Tetrahedra, size: float, distance: float, size_at: _SizeField
 ) -> tuple[Array, Tetrahedra]:
     from mmgpy import MmgMesh3D
 

@@ -47,7 +47,7 @@ class OptimiserModel:
         return f"cells {self.cell_mm:.3g} mm" + (f", {self.label}" if self.label else "")
 
     def scene(self, scene: Scene) -> Scene:
-        """A scene with this cell size, and at most its own number of iterations."""
+        """Return a scene with this cell size, and at most its own number of iterations."""
         most = scene.optimise.max_iterations
         limit = most if self.max_iterations is None else min(self.max_iterations, most)
         return scene.with_optimise(resolution_mm=self.cell_mm, max_iterations=limit)
@@ -74,7 +74,7 @@ def cell_sizes(scene: Scene) -> list[float]:
 
 
 def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
-    """One model for each setting beside the cell size."""
+    """Return one model for each setting beside the cell size."""
     tight = SolverSettings(tolerance_early=1e-8, tolerance=1e-8)
     double = replace(tight, precision="float64")
     return (

@@ -15,7 +15,7 @@ _LEGEND = (
 
 
 def accuracy_page(result: StudyResult, written: str) -> Page:
-    """The studies of a design as content, written on a date."""
+    """Return the studies of a design as content, written on a date."""
     machine = result.machine
     return Page(
         title=f"What accuracy costs in time: {result.design}",
@@ -43,7 +43,7 @@ def accuracy_page(result: StudyResult, written: str) -> Page:
 
 
 def accuracy_headline(result: StudyResult) -> str:
-    """The outcome in one sentence."""
+    """Return the outcome in one sentence."""
     ended = "interrupted after" if result.interrupted else "in"
     return (
         f"{len(result.rungs)} levels {ended} {result.spent_s:.0f} of {result.budget_s:g} s; "
@@ -52,7 +52,7 @@ def accuracy_headline(result: StudyResult) -> str:
 
 
 def _cheapest(result: StudyResult, study: str) -> tuple[str, str]:
-    """The most exact recommendation of a study that its budget reached."""
+    """Return the most exact recommendation of a study that its budget reached."""
     rows = [r for r in result.recommendations if r.ladder == study and r.rung]
     if not rows:
         return "no accuracy reached", "give it a larger budget"

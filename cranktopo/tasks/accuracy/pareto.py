@@ -10,7 +10,7 @@ from cranktopo.tasks.accuracy.study import Study
 from cranktopo.tasks.fea.level import EVALUATION, FILLET_STRESS, OPTIMISER, Level, StudyName
 from cranktopo.tasks.fea.study_result import LevelResult, Recommendation, StudyResult
 
-WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
+_WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
 _REFERENCES: dict[StudyName, tuple[str, ...]] = {
     EVALUATION: ("graded", "uniform"),
     FILLET_STRESS: ("fillet",),
@@ -80,7 +80,7 @@ class ParetoFront:
     levels: tuple[LevelError, ...]
 
     def cheapest(self, study: StudyName, percent: float) -> LevelError | None:
-        """The cheapest level of a study whose error is surely below a percentage."""
+        """Return the cheapest level of a study whose error is surely below a percentage."""
 
         def fits(found: LevelError) -> bool:
             bound = found.bound_percent
@@ -101,7 +101,7 @@ class ParetoFront:
             limits=self.limits,
             rungs=[found.result for found in self.levels],
             recommendations=[
-                self._recommendation(name, percent) for name in self.limits for percent in WANTED_PERCENT
+                self._recommendation(name, percent) for name in self.limits for percent in _WANTED_PERCENT
             ],
             failures=list(study.failures),
         )
@@ -165,7 +165,7 @@ def _orders(level: Level, levels: Sequence[Level]) -> dict[str, float | None]:
 
 
 def _marked(found: list[LevelError]) -> list[LevelError]:
-    """The same levels, the efficient ones marked."""
+    """Return the same levels, the efficient ones marked."""
 
     def dominated(this: LevelError) -> bool:
         return this.error_percent is None or any(

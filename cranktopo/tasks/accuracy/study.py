@@ -41,7 +41,7 @@ class Study:
 
 
 def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
-    """The studies that a target calls for; a surface file has only that of the evaluation."""
+    """Return the studies that a target calls for; a surface file has only that of the evaluation."""
     found: dict[StudyName, list[PlannedLevel]] = {EVALUATION: evaluation_levels(target)}
     found[FILLET_STRESS] = stress_levels(target)
     if target.file is None and target.scene.envelope is not None and not difference(target.scene):
@@ -83,7 +83,7 @@ def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None
 
 
 def _left_out(target: Target) -> list[str]:
-    """A sentence where the halves of a throw differ."""
+    """Return a sentence where the halves of a throw differ."""
     key = difference(target.scene)
     return [f"{TITLES[OPTIMISER]}: models half of a throw, and {key} makes its halves differ"] if key else []
 

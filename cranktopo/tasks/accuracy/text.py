@@ -15,7 +15,7 @@ _KILO = 1000.0
 
 
 def _scaled(name: str) -> Callable[[LevelResult], float | None]:
-    """A stiffness in thousands of its unit."""
+    """Return a stiffness in thousands of its unit."""
     return lambda level: None if getattr(level, name) is None else getattr(level, name) / _KILO
 
 
@@ -60,12 +60,12 @@ _COLUMNS: dict[str, tuple[Column[LevelResult], ...]] = {
 
 
 def study_name(study: str) -> str:
-    """The name of a study as it is printed."""
+    """Return the name of a study as it is printed."""
     return TITLES.get(study, study)
 
 
 def level_tables(result: StudyResult) -> list[tuple[str, ResultTable]]:
-    """One table per study, by its title; a star at the levels on its Pareto front."""
+    """Return one table per study, by its title; a star at the levels on its Pareto front."""
     found = []
     for study, columns in _COLUMNS.items():
         levels = [level for level in result.rungs if level.ladder == study]
@@ -77,7 +77,7 @@ def level_tables(result: StudyResult) -> list[tuple[str, ResultTable]]:
 
 
 def recommendation_table(result: StudyResult) -> ResultTable:
-    """The cheapest level of each study for each accuracy."""
+    """Return the cheapest level of each study for each accuracy."""
     columns: tuple[Column[Recommendation], ...] = (
         Column("accuracy", 0, lambda r: f"{r.accuracy_percent:g} %"),
         Column("study", 0, lambda r: study_name(r.ladder)),
@@ -88,7 +88,7 @@ def recommendation_table(result: StudyResult) -> ResultTable:
 
 
 def limit_lines(result: StudyResult) -> list[str]:
-    """The extrapolated values with their uncertainty, one line per study."""
+    """Return the extrapolated values with their uncertainty, one line per study."""
     lines = []
     for study, limits in result.limits.items():
         values = ", ".join(_limit_text(name, limit) for name, limit in limits.items())

@@ -76,7 +76,7 @@ class ComparisonRecord:
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
-    """The report of a comparison."""
+    """Return the report of a comparison."""
     comparison, bodies = record.comparison, record.bodies
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
     best = comparison.leading(TORSION_PER_MASS)
@@ -114,7 +114,7 @@ def _body_of(comparison: Comparison, row: int) -> int:
 
 
 def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
-    """How many of the designs a die releases; `found` are those that have a surface to look at."""
+    """Return how many of the designs a die releases; `found` are those that have a surface to look at."""
     caught = [one.name for one in found if not one.free]
     unknown = designs - len(found)
     status: FactStatus = "bad" if caught else "unknown" if unknown else "good"
@@ -156,7 +156,7 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
 
 
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
-    """Which entry has the best value of a quantity, and which others are within the error estimate."""
+    """Return which entry has the best value of a quantity, and which others are within the error estimate."""
     row, level = comparison.leading(quantity), comparison.level(quantity)
     change = f"{_change(comparison, row, quantity)} of the baseline"
     rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
@@ -187,7 +187,7 @@ def _variants(
 
 
 def _goals(comparison: Comparison) -> tuple[Section, ...]:
-    """What became of the goals of the designs; nothing where none has one."""
+    """Return what became of the goals of the designs; nothing where none has one."""
     if not comparison.goals:
         return ()
     base, goals = comparison.base.name, comparison.goals.items()
@@ -233,7 +233,7 @@ def _accuracy(comparison: Comparison) -> Section:
 
 
 def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
-    """What a target does not say, one table for all; fatigue names what it uses as well."""
+    """Return what a target does not say, one table for all; fatigue names what it uses as well."""
     known = comparison.fatigue.json["fatigue"] if comparison.fatigue else []
     entries = [entry.evaluation.result.as_json() for entry in comparison.entries]
     found = [

@@ -41,7 +41,7 @@ def plot_stiffness_over_mass(
 
 
 def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
-    """The points of a comparison by the label of their stiffness."""
+    """Return the points of a comparison by the label of their stiffness."""
     return {
         label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
         for stiffness, label in LABELS.items()

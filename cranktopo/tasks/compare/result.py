@@ -102,7 +102,7 @@ class Comparison:
         return self.entries[self.baseline]
 
     def percent(self, row: int, quantity: Quantity) -> float:
-        """A value in percent of the baseline's; the entry has it."""
+        """Return a value in percent of the baseline's; the entry has it."""
         return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
 
     def having(self, quantity: Quantity) -> list[int]:
@@ -119,7 +119,7 @@ class Comparison:
         return difference_bound_percent(*errors, triangles=triangles)
 
     def differ(self, row: int, other: int, quantity: Quantity) -> bool:
-        """Whether two entries differ in a quantity by at least the bound of the difference's error."""
+        """Tell whether two entries differ in a quantity by at least the bound of the difference's error."""
         if quantity.error is None:
             return True
         one, two = self.entries[row], self.entries[other]
@@ -145,7 +145,7 @@ class Comparison:
 
 
 def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
-    """A comparison against one of the entries.
+    """Return a comparison against one of the entries.
 
     Args:
         baseline: name of the entry that counts as 100 %.

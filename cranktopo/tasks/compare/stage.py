@@ -117,7 +117,7 @@ def _values(target: Target, entry: Entry) -> dict[str, float]:
 
 
 def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:
-    """What no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
+    """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
     Returns:
         As `bound` of metrics.json; None where the baseline is no design with an envelope, the targets have
@@ -153,16 +153,16 @@ def report_comparison(
         CranktopoError: a bad path, or a failed solve of the stresses.
     """
     check_report_path(path)
-    write_report(comparison_page(comparison_record(found, command, stress_progress, bound)), path)
+    write_report(comparison_page(_comparison_record(found, command, stress_progress, bound)), path)
 
 
-def comparison_record(
+def _comparison_record(
     found: ComparedTargets,
     command: Sequence[str] = (),
     stress_progress: Info | None = None,
     bound: Json | None = None,
 ) -> ComparisonRecord:
-    """Everything that the page of a comparison shows; arguments as `report_comparison`."""
+    """Return everything that the page of a comparison shows; arguments as `report_comparison`."""
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
@@ -189,7 +189,7 @@ def comparison_record(
 
 
 def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> Info | None:
-    """The progress of the stresses; None where they are not solved, and a line that says why."""
+    """Return the progress of the stresses; None where they are not solved, and a line that says why."""
     lonely = [target.name for target in targets if difference(target.scene)]
     if progress is not None and lonely:
         progress(f"no stresses: the halves of {', '.join(lonely)} differ")
@@ -212,7 +212,7 @@ def half_throws(target: Target) -> tuple[tuple[Target, SurfaceMesh], ...]:
 
 
 def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> DesignUndercuts:
-    """What would keep a design with this closed surface from being made."""
+    """Return what would keep a design with this closed surface from being made."""
     hollows = int((shell_volumes_mm3(half_throw) < 0).sum())
     step_mm = _RAYS_MM / usual_scale(scene)
     return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene, step_mm))

@@ -65,7 +65,7 @@ def write_drawing(
 
 
 def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: datetime | None = None) -> Figure:
-    """The drawing as a figure, one A3 above the other, dated `written` or today."""
+    """Return the drawing as a figure, one A3 above the other, dated `written` or today."""
     from matplotlib.figure import Figure
 
     date = time_of_writing(written)
@@ -96,7 +96,7 @@ def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datet
 
 
 def _scale(sheet: Sheet) -> float:
-    """The largest standard scale at which all views fit beside the table."""
+    """Return the largest standard scale at which all views fit beside the table."""
     for scale in _SCALES:
         (front_x, front_y), (long_x, long_y), (across_x, across_y) = (
             room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across)

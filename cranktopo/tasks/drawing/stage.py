@@ -32,7 +32,7 @@ def export_drawing(scene: Scene, path: Path) -> int:
 
 
 def throw_sheets(scene: Scene) -> list[Sheet]:
-    """What a drawing of a throw shows: half of it, or both halves where they differ.
+    """Return what a drawing of a throw shows: half of it, or both halves where they differ.
 
     The second half is turned half a turn about the throw direction, so that it too has its main journal on
     the left and is seen from the crankpin.

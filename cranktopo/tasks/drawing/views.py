@@ -43,11 +43,11 @@ class Room:
         return scale * (x1 - x0) + left + right, scale * (y1 - y0) + below + above
 
     def x_limits(self, scale: float) -> tuple[float, float]:
-        """What the width shows, mm of the body."""
+        """Return what the width shows, mm of the body."""
         return self.x_mm[0] - self.paper_mm[0] / scale, self.x_mm[1] + self.paper_mm[1] / scale
 
     def y_limits(self, scale: float) -> tuple[float, float]:
-        """What the height shows, mm of the body."""
+        """Return what the height shows, mm of the body."""
         return self.y_mm[0] - self.paper_mm[2] / scale, self.y_mm[1] + self.paper_mm[3] / scale
 
 
@@ -209,7 +209,7 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
 
 
 def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
-    """The outline, (n, 2), and what features add to it, as polygons."""
+    """Return the outline, (n, 2), and what features add to it, as polygons."""
     added = [np.array(feature.added) for feature in sheet.features if feature.added]
     if not added:
         return [outline]

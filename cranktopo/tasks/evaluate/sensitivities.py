@@ -55,7 +55,7 @@ class Sensitivities:
     broken: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """The entry `sensitivities` of an evaluation."""
+        """Return the entry `sensitivities` of an evaluation."""
         return {**self.table.as_json(), "broken_rules": list(self.broken)}
 
     @property
@@ -70,7 +70,7 @@ def evaluate_sensitivities(
     info: Info = lambda _: None,
     web: WebName | None = None,
 ) -> Sensitivities:
-    """What a millimetre of each dimension of a parametric web is worth, by exact gradients.
+    """Return what a millimetre of each dimension of a parametric web is worth, by exact gradients.
 
     Args:
         target: a design, a run with a parametric web, or the folder of a re-model.
@@ -117,7 +117,7 @@ def _with_free(found: WebRead, scene: Scene) -> tuple[Any, Any]:
 
 
 def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
-    """The rules that a web was made by, where its run tells them; else the usual ones."""
+    """Return the rules that a web was made by, where its run tells them; else the usual ones."""
     run, file = target.run, target.file
     if run is None or file is None:
         return usual_limits(scene)

@@ -48,14 +48,14 @@ class Place:
 
 
 def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
-    """Which points (3, n) of the near half throw lie on a fillet's surface, rims included, (n,)."""
+    """Return which points (3, n) of the near half throw lie on a fillet's surface, rims included, (n,)."""
     across, height, section = _section(scene, fillet, points_mm)
     on = np.abs(section.off_mm(across, height)) < _OFF_MM
     return on & (across < _OFF_MM) & (height > -_OFF_MM)
 
 
 def place(scene: Scene, point_mm: Array) -> Place:
-    """The place of one surface point (3,) of the near or far half."""
+    """Return the place of one surface point (3,) of the near or far half."""
     x, y, z = (float(v) for v in point_mm)
     near, far = halves(scene)
     second = z > near.pitch_mm / 2

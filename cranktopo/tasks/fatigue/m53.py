@@ -86,7 +86,7 @@ class FilletCheck:
 
     @property
     def accepted(self) -> bool:
-        """Whether the rule accepts it."""
+        """True if the rule accepts it."""
         return self.acceptability >= LEAST_FACTOR
 
 
@@ -101,12 +101,12 @@ class Ratio:
 
     @property
     def valid(self) -> bool:
-        """Whether it lies in the range of the polynomials."""
+        """True if it lies in the range of the polynomials."""
         return self.low - 1e-12 <= self.value <= self.high + 1e-12
 
 
 def ratios(d: Dimensions) -> tuple[Ratio, ...]:
-    """The ratios of a throw that the rule names, each with the range of its polynomials."""
+    """Return the ratios of a throw that the rule names, each with the range of its polynomials."""
     return (
         Ratio("pin fillet / pin diameter", d.pin_fillet / d.pin, *M53_FILLET),
         Ratio("journal fillet / pin diameter", d.journal_fillet / d.pin, *M53_FILLET),
@@ -119,7 +119,7 @@ def ratios(d: Dimensions) -> tuple[Ratio, ...]:
 
 
 def outside_validity(d: Dimensions) -> tuple[str, ...]:
-    """The ratios that lie outside the range of the rule's polynomials, with their range."""
+    """Return the ratios that lie outside the range of the rule's polynomials, with their range."""
     return tuple(
         f"{ratio.name} = {ratio.value:.3g} (valid {ratio.low:g} to {ratio.high:g})"
         for ratio in ratios(d)
@@ -128,7 +128,7 @@ def outside_validity(d: Dimensions) -> tuple[str, ...]:
 
 
 def concentration_factors(d: Dimensions) -> Factors:
-    """The rule's polynomials; of little meaning outside their validity (`outside_validity`)."""
+    """Return the rule's polynomials; of little meaning outside their validity (`outside_validity`)."""
     s, w, b = max(d.overlap, -0.5), d.web_thickness / d.pin, d.web_width / d.pin
     bores = d.journal_bore / d.pin, d.pin_bore / d.pin
     rec = max(1 + (d.pin_recess + d.journal_recess) / d.pin * (1.8 + 3.2 * d.overlap), 1.0)

@@ -19,9 +19,9 @@ from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores
 
-LARGEST_BORE = 0.2
+_LARGEST_BORE = 0.2
 """Largest bore over the pin's diameter for which the factors are given."""
-RADIAL_DEG = 1.0
+_RADIAL_DEG = 1.0
 """Lean from the normal up to which a bore counts as radial."""
 
 
@@ -53,7 +53,7 @@ class OutletCheck:
         return f"outlet at {self.angle_deg:.0f} deg ({self.key})"
 
     def as_json(self) -> dict[str, Any]:
-        """The check with units in the names."""
+        """Return the check with units in the names."""
         own = {name: value for name, value in vars(self).items() if name not in ("check", "outside")}
         found = {**vars(self.check), "acceptability": self.check.acceptability}
         return {**own, **found, "outside_validity": list(self.outside)}
@@ -81,7 +81,7 @@ def check_outlets(
     half: Scene | None = None,
     share: float = 0.5,
 ) -> tuple[OutletCheck, ...]:
-    """Every outlet of an oil drilling on the crankpin; none where the scene has no drilling.
+    """Return every outlet of an oil drilling on the crankpin; none where the scene has no drilling.
 
     Args:
         kind: the whole cycle, or its extremes joined, which bounds it.
@@ -149,8 +149,8 @@ def _alternating_moment_Nmm(
 
 def _outside(bore: float, mouth: DrillOutlet) -> tuple[str, ...]:
     found = []
-    if bore > LARGEST_BORE:
-        found.append(f"oil bore / pin diameter = {bore:.3g} (valid 0 to {LARGEST_BORE:g})")
-    if mouth.obliquity_deg > RADIAL_DEG:
+    if bore > _LARGEST_BORE:
+        found.append(f"oil bore / pin diameter = {bore:.3g} (valid 0 to {_LARGEST_BORE:g})")
+    if mouth.obliquity_deg > _RADIAL_DEG:
         found.append(f"leans {mouth.obliquity_deg:.0f} deg (valid for a radial bore)")
     return tuple(found)

@@ -82,7 +82,7 @@ def _middle_mm(field: FatigueField) -> float:
 
 
 def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> ShadedMesh:
-    """One half of the throw, four flat triangles to a face, coloured by its safety."""
+    """Return one half of the throw, four flat triangles to a face, coloured by its safety."""
     from cranktopo.report.shading import ShadedMesh
 
     points, faces = throw_surface(field)

@@ -86,11 +86,11 @@ class RuleCheck:
 
     @property
     def accepted(self) -> bool:
-        """Whether the rule accepts both fillets and every outlet of an oil bore."""
+        """True if the rule accepts both fillets and every outlet of an oil bore."""
         return self.safety >= LEAST_FACTOR
 
     def as_json(self) -> dict[str, Any]:
-        """The check as `fatigue --method m53 --json` prints it."""
+        """Return the check as `fatigue --method m53 --json` prints it."""
 
         def checks(found: dict[str, FilletCheck]) -> dict[str, Any]:
             return {name: {**vars(c), "acceptability": c.acceptability} for name, c in found.items()}
@@ -190,7 +190,7 @@ def _held_by_rule(target: Target) -> Target:
 
 
 def dimensions(scene: Scene) -> Dimensions:
-    """A scene in the symbols of the rule; the web is as wide as half-way between its axes."""
+    """Return a scene in the symbols of the rule; the web is as wide as half-way between its axes."""
     throw = scene.throw
     main, pin, radius = throw.main_journal, throw.crankpin, throw.radius_mm
     return Dimensions(

@@ -57,7 +57,7 @@ class RuleRecord:
 
 
 def rule_page(record: RuleRecord) -> Page:
-    """The dossier as a page."""
+    """Return the dossier as a page."""
     checks = record.checks
     return Page(
         title=f"Crankshaft {record.name} against IACS UR M53",
@@ -80,7 +80,7 @@ def rule_page(record: RuleRecord) -> Page:
 
 
 def _each(checks: Sequence[RuleCheck], section: Callable[[RuleCheck], Section]) -> Iterator[Section]:
-    """A section of each check, named after its web where there are two."""
+    """Yield a section of each check, named after its web where there are two."""
     for number, check in enumerate(checks):
         found = section(check)
         if number:

@@ -32,7 +32,7 @@ _RATIO_COLUMNS: tuple[Column[Ratio], ...] = (
 
 
 def size_table(size: Dimensions) -> ResultTable:
-    """The throw in the symbols of the rule."""
+    """Return the throw in the symbols of the rule."""
     rows = tuple(
         {"symbol": s, "dimension": name, "value_mm": getattr(size, key)} for s, name, key in _SYMBOLS
     )
@@ -40,7 +40,7 @@ def size_table(size: Dimensions) -> ResultTable:
 
 
 def ratio_table(size: Dimensions) -> ResultTable:
-    """The ratios that the polynomials depend on, with the range in which they are valid."""
+    """Return the ratios that the polynomials depend on, with the range in which they are valid."""
     return tabulate(_RATIO_COLUMNS, ratios(size))
 
 
@@ -101,7 +101,7 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
 
 
 def quality_table(check: RuleCheck) -> ResultTable:
-    """The mesh checks of Appendix III beside their limits."""
+    """Return the mesh checks of Appendix III beside their limits."""
     quality = check.quality
     rows: tuple[tuple[str, float, float, str], ...] = (
         ("longest edge in a fillet over its radius", quality.longest_edge, 0.25, "-"),

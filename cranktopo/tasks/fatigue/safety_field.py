@@ -60,7 +60,7 @@ class Critical:
         return "amplitude" if self.amplitude_share >= 0.5 else "mean stress"
 
     def as_json(self) -> dict[str, Any]:
-        """The point as `fatigue --json` prints it."""
+        """Return the point as `fatigue --json` prints it."""
         at = self.place
         return {
             "place": str(at),
@@ -219,7 +219,7 @@ def _critical(
     safety: Array,
     among: NDArray[np.bool_],
 ) -> Critical:
-    """The point of least safety among some nodes."""
+    """Return the point of least safety among some nodes."""
     image, node = np.unravel_index(int(np.where(among, safety, np.inf).argmin()), safety.shape)
     e = found[image]
     local = e.local

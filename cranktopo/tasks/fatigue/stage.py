@@ -54,7 +54,7 @@ class FatigueAssessment:
         return self.fields or self.checks
 
     def as_json(self) -> dict[str, Any]:
-        """The object that `fatigue --json` prints."""
+        """Return the object that `fatigue --json` prints."""
         data = fatigue_json(self.results, self.loads, self.baseline)
         for entry, assumed, target in zip(data["fatigue"], self.assumed, self.targets, strict=True):
             entry["assumed"] = assumed_json(assumed)

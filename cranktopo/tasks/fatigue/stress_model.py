@@ -63,7 +63,7 @@ class Quality:
 
     @property
     def within_rule(self) -> bool:
-        """Whether both checks are within their limits."""
+        """True if both checks are within their limits."""
         return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
 
     @property
@@ -175,7 +175,7 @@ def solve_stresses(
 
 
 def _on_fillet(scene: Scene, whole: bool, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
-    """Which points (3, n) lie on a fillet of the half throw, or on either of the whole one."""
+    """Return which points (3, n) lie on a fillet of the half throw, or on either of the whole one."""
     near, far = halves(scene)
     found = fillet_nodes(near, fillet, points_mm)
     if whole:
@@ -213,7 +213,7 @@ def check_fillets(target: Target) -> None:
 
 
 def _step_of(target: Target) -> Path:
-    """The STEP file of a target.
+    """Return the STEP file of a target.
 
     Raises:
         CranktopoError: it is a surface of triangles.
@@ -242,7 +242,7 @@ def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]
 
 
 def images_of(fields: Sequence[UnitField], mirrored: bool, *, whole: bool = False) -> tuple[Image, ...]:
-    """The mirror images of the model that make up the throw; a whole one has none along the shaft."""
+    """Return the mirror images of the model that make up the throw; a whole one has none along the shaft."""
     sign_x = np.array([f.sign_x for f in fields], dtype=float)
     sign_z = np.array([f.sign_z for f in fields], dtype=float)
     one = np.ones(len(fields))

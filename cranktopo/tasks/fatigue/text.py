@@ -17,7 +17,7 @@ from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
-FatigueResult = FatigueField | RuleCheck
+_FatigueResult = FatigueField | RuleCheck
 _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
     Column("target", 0, lambda f: f.model.name),
     Column("throw_kg", MASS.digits, lambda f: f.model.throw_kg),
@@ -61,20 +61,20 @@ class FatigueComparison:
 
 
 def compare_fatigue(
-    results: Sequence[FatigueResult], baseline: int, data: dict[str, Any]
+    results: Sequence[_FatigueResult], baseline: int, data: dict[str, Any]
 ) -> FatigueComparison:
-    """What a comparison shows of the fatigue of its targets; `data` from `fatigue_json`."""
+    """Return what a comparison shows of the fatigue of its targets; `data` from `fatigue_json`."""
     safeties = tuple(_summary(result).safety for result in results)
     return FatigueComparison(safeties, tuple(verdicts(results, baseline)), data)
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
-    """One row per target: mass, safety, cyclic stress, gradient and place of the critical point."""
+    """Return one row per target: mass, safety, cyclic stress, gradient and place of the critical point."""
     return _with_percent(tabulate(_FIELD_COLUMNS, fields), fields, baseline)
 
 
 def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:
-    """One row per target: acceptability of both fillets by closed form and by finite elements."""
+    """Return one row per target: acceptability of both fillets by closed form and by finite elements."""
     return _with_percent(tabulate(_RULE_COLUMNS, checks), checks, baseline)
 
 
@@ -119,7 +119,7 @@ def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:
     return ResultTable({"target": 0, "factor": 0, "rule": 3, "FE": 3, "FE_over_rule_percent": 1}, rows)
 
 
-def verdicts(results: Sequence[FatigueResult], baseline: int) -> list[str]:
+def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
     """For each target but the baseline its change of mass and safety, and whether it is as safe."""
     found = [_summary(result) for result in results]
     base = found[baseline]
@@ -136,8 +136,8 @@ def verdicts(results: Sequence[FatigueResult], baseline: int) -> list[str]:
     return lines
 
 
-def fatigue_json(results: Sequence[FatigueResult], loads: str, baseline: int | None) -> dict[str, Any]:
-    """The object that `fatigue --json` prints; at least one result, all by one method."""
+def fatigue_json(results: Sequence[_FatigueResult], loads: str, baseline: int | None) -> dict[str, Any]:
+    """Return the object that `fatigue --json` prints; at least one result, all by one method."""
     found = [_summary(result) for result in results]
     comparison = None
     if baseline is not None:
@@ -168,7 +168,7 @@ class _Summary:
     safety: float
 
 
-def _summary(result: FatigueResult) -> _Summary:
+def _summary(result: _FatigueResult) -> _Summary:
     if isinstance(result, FatigueField):
         return _Summary(result.model.name, result.model.throw_kg, result.critical.safety)
     return _Summary(result.name, result.throw_kg, result.safety)
@@ -193,8 +193,8 @@ def _by_rule(check: RuleCheck, fillet: str) -> float | None:
     return None if check.outside else check.rule_checks[fillet].acceptability
 
 
-def _with_percent(table: ResultTable, results: Sequence[FatigueResult], baseline: int | None) -> ResultTable:
-    """The table with mass and safety in percent of the baseline."""
+def _with_percent(table: ResultTable, results: Sequence[_FatigueResult], baseline: int | None) -> ResultTable:
+    """Return the table with mass and safety in percent of the baseline."""
     if baseline is None:
         return table
     found = [_summary(result) for result in results]

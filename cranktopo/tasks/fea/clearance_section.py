@@ -26,7 +26,7 @@ _STEP_MM = 0.25
 
 
 def clearance_sections(scene: Scene, bodies: Sequence[ShownBody]) -> tuple[Section, ...]:
-    """The room of each body, the result first; nothing for a scene without `[envelope.clearance]`."""
+    """Return the room of each body, the result first; nothing for a scene without `[envelope.clearance]`."""
     envelope = scene.envelope
     if envelope is None or envelope.clearance is None or not bodies:
         return ()

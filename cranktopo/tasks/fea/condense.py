@@ -175,14 +175,14 @@ def _stress_free(
         Displacements of the unit motions' whole-body part, shape (unknowns, m); orthonormal axes of the rest
         among the motions, shape (m, rest).
     """
-    body = body_motions(nodes_mm)[:, motions]
+    body = _body_motions(nodes_mm)[:, motions]
     own = (3 * section[:, None] + np.arange(3)).ravel()
     _, sizes, axes = np.linalg.svd(body[np.setdiff1d(held, own)], full_matrices=False)
     bends = sizes > _STRESS_FREE * sizes.max()
     return body @ axes[~bends].T @ axes[~bends], axes[bends].T
 
 
-def body_motions(nodes_mm: Array) -> Array:
+def _body_motions(nodes_mm: Array) -> Array:
     """The six rigid motions of the whole body about the origin, shape (unknowns, 6), from nodes (3, n)."""
     body = section_motions(nodes_mm, np.arange(nodes_mm.shape[1]))
     body[1::3, RX], body[::3, RY] = -nodes_mm[2], nodes_mm[2]
@@ -199,7 +199,7 @@ def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> t
     far[UY, RX], far[UX, RY] = -pitch_mm, pitch_mm
     together = np.vstack([np.eye(len(motions)), far[np.ix_(motions, motions)]])
     axes = np.linalg.svd(together)[0]
-    whole = body_motions(nodes_mm)[:, motions] @ np.linalg.pinv(together)
+    whole = _body_motions(nodes_mm)[:, motions] @ np.linalg.pinv(together)
     return whole, axes[:, len(motions) :]
 
 

@@ -38,7 +38,7 @@ def volume_error(model: Elasticity, meshed: MeshedThrow) -> float:
 def discretisation_errors(
     model: Elasticity, meshed: MeshedThrow, blocks: Sequence[Superelement], scene: Scene
 ) -> list[DiscretisationError]:
-    """What a mesh misses by the fields of each block that was condensed from it."""
+    """Return what a mesh misses by the fields of each block that was condensed from it."""
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
     surplus = hierarchical_estimator(model, blocks, youngs, poisson, loaded_mm(scene, meshed.whole))
     straight, added_mm3 = straightened(model, meshed.mesh, blocks, youngs, poisson)

@@ -20,13 +20,13 @@ from cranktopo.tasks.fea.support_stiffness import (
     torsion_motion,
 )
 
-SURPLUS_FACTOR = 2.2
+_SURPLUS_FACTOR = 2.2
 """Bound over the cubic surplus.
 
 The error is 1.4 to 1.6 times the surplus with fillets and up to 2 times at sharp rings: each function answers
 alone, and what lies beyond cubic displacements is left out (`python -m tests.benchmarks.error_bounds`).
 """
-STRAIGHT_FACTOR = 1.5
+_STRAIGHT_FACTOR = 1.5
 """Bound over the energy that straightened elements add to first order."""
 TORSION_VOLUME_FACTOR, BENDING_VOLUME_FACTOR = 6.0, 24.0
 """Relative change of a stiffness over that of the volume, at most, where nothing else is known of the shape.
@@ -34,7 +34,7 @@ TORSION_VOLUME_FACTOR, BENDING_VOLUME_FACTOR = 6.0, 24.0
 The edges of curved elements are parabolas, and off the surface most in fillets, where the material works
 hardest.
 """
-CHANGE_FACTOR = 3.0
+_CHANGE_FACTOR = 3.0
 """Bound over the change from a mesh 1.5 times coarser, where the surface itself is remeshed each time.
 
 Three is what P. J. Roache takes for two grids (Perspective: a method for uniform reporting of grid refinement
@@ -101,8 +101,8 @@ def bound_percent(surplus: float, straight: float, volume_error: float, volume_f
         volume_error: volume of the mesh over that of the body, less one, without what straight elements add.
         volume_factor: how much more a stiffness changes than the volume, at most.
     """
-    shape = STRAIGHT_FACTOR * abs(straight) + volume_factor * abs(volume_error)
-    return 100 * (SURPLUS_FACTOR * surplus + shape)
+    shape = _STRAIGHT_FACTOR * abs(straight) + volume_factor * abs(volume_error)
+    return 100 * (_SURPLUS_FACTOR * surplus + shape)
 
 
 def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:
@@ -111,7 +111,7 @@ def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, 
     The largest over all of them: two unstructured meshes may happen to agree in one support; hardly in all.
     """
     pairs = [(coarse[name], value) for name, value in fine.items()]
-    return CHANGE_FACTOR * max(100 * abs(high / low - 1) for high, low in pairs if high and low)
+    return _CHANGE_FACTOR * max(100 * abs(high / low - 1) for high, low in pairs if high and low)
 
 
 def difference_bound_percent(one: float, other: float, *, triangles: bool = False) -> float:

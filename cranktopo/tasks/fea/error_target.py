@@ -14,7 +14,7 @@ from cranktopo.tasks.fea.targets import Target
 
 LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))
 """Meshes of an evaluation, cheapest first; triangles need one with elements 1.5 times as large beside it."""
-EXPECTED_PERCENT = (1.6, 1.01, 0.65, 0.42, 0.27, 0.17)
+_EXPECTED_PERCENT = (1.6, 1.01, 0.65, 0.42, 0.27, 0.17)
 """Bounds to be expected before anything is measured: medians of `tests.benchmarks.error_estimates`.
 
 The second and third are of 14 and 24 random throws; the others continue their trend.
@@ -78,14 +78,14 @@ def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bo
 
 
 def _meshes(fine: EvaluationMesh, triangles: bool) -> list[EvaluationMesh]:
-    """The meshes of an evaluation, coarse to fine."""
+    """Return the meshes of an evaluation, coarse to fine."""
     return [*([EvaluationMesh(fine.steps + 1, fine.graded)] if triangles else []), fine]
 
 
 def _expected_percent(number: int, measured: StoredStudy | None) -> float:
     level = _stored_level(LEVELS[number], measured)
     if level is None or level.error_percent is None or level.uncertainty_percent is None:
-        return EXPECTED_PERCENT[number]
+        return _EXPECTED_PERCENT[number]
     return level.error_percent + level.uncertainty_percent
 
 
@@ -106,7 +106,7 @@ def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> LevelRe
 def _too_long(
     wanted: ErrorTarget, spent: float, todo: list[EvaluationMesh], solved: dict[EvaluationMesh, MeshResult]
 ) -> bool:
-    """Whether the next meshes would not fit into the budget, by what the last one took."""
+    """Tell whether the next meshes would not fit into the budget, by what the last one took."""
     if wanted.budget_s is None:
         return False
     mesh, last = list(solved.items())[-1]

@@ -53,7 +53,7 @@ _TORSION: tuple[TorsionSupport, ...] = ("free", "held", "spring")
 _BENDING: tuple[BendingSupport, ...] = ("pinned", "clamped", "spring")
 
 Info = Callable[[str], None]
-ByName = dict[str, float | None]
+_ByName = dict[str, float | None]
 Support = TypeVar("Support", bound=str)
 
 
@@ -193,7 +193,7 @@ def evaluate_on_mesh(
     order: Order = 2,
     progress: Info = lambda _: None,
 ) -> MeshResult:
-    """A target on one mesh.
+    """Return a target on one mesh.
 
     Args:
         graded: refine at fillets and sharp rings; surface files are always graded.
@@ -229,7 +229,7 @@ def condensed_stiffness(
     torsion = _by_support(partial(torsional_stiffness_Nm_per_rad, twist), _TORSION, scene)
     bending = _by_support(partial(bending_stiffness_N_per_mm, bend), _BENDING, scene)
     nodes = model.nodes_mm.shape[1]
-    errors: tuple[ByName, ByName] = ({}, {})
+    errors: tuple[_ByName, _ByName] = ({}, {})
     if order == 2:
         twisted, bent = discretisation_errors(model, meshed, (twist, bend), scene)
         errors = (
@@ -241,7 +241,7 @@ def condensed_stiffness(
 
 
 def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Superelement, Superelement]:
-    """What torsion and what bending is read off."""
+    """Return what torsion and what bending is read off."""
     mirrored = meshed.mesh.mirrored
     if meshed.whole and not mirrored:
         both = condense(model, scene, "whole", "none")
@@ -254,8 +254,8 @@ def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Super
 
 def _by_support(
     found: Callable[[Support, float], float], supports: Sequence[Support], scene: Scene
-) -> ByName:
-    """What is found for each support and the bearing's spring; None for springs that nobody knows."""
+) -> _ByName:
+    """Return what is found for each support and the bearing's spring; None for springs that nobody knows."""
     spring = bearing_spring_N_per_mm(scene)
     return {
         name: None if name == "spring" and not spring else found(name, spring or 0.0) for name in supports
@@ -286,7 +286,7 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
 
 
 def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> Evaluation:
-    """All that is reported, with bounds of the error by what the mesh itself tells.
+    """Return all that is reported, with bounds of the error by what the mesh itself tells.
 
     Args:
         coarse: for triangles, the target on a mesh 1.5 times coarser.

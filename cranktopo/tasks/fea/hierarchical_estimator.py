@@ -84,7 +84,7 @@ def _residual(model: Elasticity, fields: Array, youngs: float, poisson: float) -
 def _part(
     model: Elasticity, fields: Array, youngs: float, poisson: float, first: int, end: int
 ) -> tuple[Array, Array]:
-    """What the elements from the first to before the end add to `_residual`."""
+    """Return what the elements from the first to before the end add to `_residual`."""
     from skfem import Basis, ElementTetP2
 
     count = model.mesh.nedges + model.mesh.nfacets

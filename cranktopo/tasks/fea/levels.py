@@ -11,7 +11,7 @@ from cranktopo.tasks.fea.evaluation import RATIO, MeshResult, evaluate_on_mesh
 from cranktopo.tasks.fea.level import BENDING, EVALUATION, TORSION, Level, PlannedLevel
 from cranktopo.tasks.fea.targets import Target
 
-COST_GROWTH = 1.9
+_COST_GROWTH = 1.9
 """Cost of a mesh over that of one 1.5 times coarser (`python -m tests.benchmarks.evaluation_meshes`)."""
 
 
@@ -42,7 +42,7 @@ class EvaluationMesh:
         them; a mesh without them has a third of the unknowns, and linear elements an eighth.
         """
         share = 1.0 if self.graded else 0.3
-        return float(share * (0.4 if self.order == 1 else 1.0) * COST_GROWTH**-self.steps)
+        return float(share * (0.4 if self.order == 1 else 1.0) * _COST_GROWTH**-self.steps)
 
     def size_mm(self, target: Target) -> float:
         """General element size."""
@@ -95,7 +95,7 @@ def _solve(target: Target, mesh: EvaluationMesh) -> Level:
 
 
 def stiffnesses(found: MeshResult) -> dict[str, float]:
-    """Both stiffnesses with the supports of the design, by the names of the tables."""
+    """Return both stiffnesses with the supports of the design, by the names of the tables."""
     supports = found.target.scene.supports
     torsion, bending = found.stiffness.torsion[supports.torsion], found.stiffness.bending[supports.bending]
     return {name: v for name, v in ((TORSION, torsion), (BENDING, bending)) if v is not None}

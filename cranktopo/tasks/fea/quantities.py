@@ -11,7 +11,7 @@ from typing import Literal
 
 from cranktopo.tasks.fea.evaluation import Evaluation
 
-ErrorKind = Literal["torsion", "bending", "safety"]
+_ErrorKind = Literal["torsion", "bending", "safety"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Quantity:
     unit: str
     digits: int
     better: Literal[-1, 1]
-    error: ErrorKind | None = None
+    error: _ErrorKind | None = None
 
     @property
     def column(self) -> str:
@@ -74,7 +74,7 @@ def throw_values(mass_kg: float, torsion_Nm_per_rad: float, bending_N_per_mm: fl
 
 
 def evaluation_values(evaluation: Evaluation) -> dict[str, float]:
-    """All quantities of an evaluation by key, in the units of the table."""
+    """Return all quantities of an evaluation by key, in the units of the table."""
     return {
         **throw_values(evaluation.throw_kg, evaluation.torsion_Nm_per_rad, evaluation.bending_N_per_mm),
         INERTIA.key: evaluation.inertia_kg_mm2,

@@ -64,7 +64,7 @@ def draw_stiffness_over_mass(
 
 
 def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
-    """What a curve says within the range of the masses."""
+    """Return what a curve says within the range of the masses."""
     if most is None:
         return []
     pairs = zip(most.mass_kg, most.stiffness, strict=True)
@@ -72,7 +72,7 @@ def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
 
 
 def most_by_label(bound: Mapping[str, Any] | None, baseline: Mapping[str, Point]) -> dict[str, Most]:
-    """The curves of a bound by the label of their stiffness.
+    """Return the curves of a bound by the label of their stiffness.
 
     Args:
         bound: as metrics.json holds it; None where there is none.

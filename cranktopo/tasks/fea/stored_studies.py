@@ -30,7 +30,7 @@ class StoredStudy:
 
 
 def studies_path() -> Path:
-    """The file of studies in the user's cache."""
+    """Return the file of studies in the user's cache."""
     return user_cache() / "accuracy.json"
 
 
@@ -57,7 +57,7 @@ def store_study(key: str, result: StudyResult) -> Path | None:
 
 
 def load_study(key: str, study: StudyName) -> StoredStudy | None:
-    """What was measured under a key, or else the newest other design, that holds a study.
+    """Return what was measured under a key, or else the newest other design, that holds a study.
 
     None where nothing was measured on a machine of this kind. Surfaces have only the evaluation's study.
     """

@@ -46,7 +46,7 @@ def _added(
     youngs_MPa: float,
     poisson: float,
 ) -> Array:
-    """What twice the energy of a block's fields gains, to first order, where the nodes go all the way.
+    """Return what twice the energy of a block's fields gains, to first order, where the nodes go all the way.
 
     Sections move rigidly as before; where the pin load acts is held.
     """

@@ -30,7 +30,7 @@ _SECOND_WEB: Column[Evaluation] = Column("second_web_kg", MASS.digits, lambda e:
 
 
 def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
-    """One row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds.
+    """Return one row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds.
 
     Where the webs of a throw differ, both have a column.
     """
@@ -40,7 +40,7 @@ def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
 
 
 def result_line(e: Evaluation) -> str:
-    """Both stiffnesses of the design's supports, each with its estimate, and what they took."""
+    """Return both stiffnesses of the design's supports, each with its estimate, and what they took."""
     return (
         f"{e.target}: torsion {e.torsion_Nm_per_rad / 1000:.2f} kN m/rad, "
         f"+-{e.torsion_error_percent:.2g} %; bending {e.bending_N_per_mm / 1000:.2f} kN/mm, "
@@ -49,7 +49,7 @@ def result_line(e: Evaluation) -> str:
 
 
 def estimate_line(torsion_percent: Iterable[float], bending_percent: Iterable[float]) -> str:
-    """The largest error estimates of several evaluations, for below a table of their stiffnesses."""
+    """Return the largest error estimates of several evaluations, for below a table of their stiffnesses."""
     torsion, bending = max(torsion_percent), max(bending_percent)
     return f"stiffnesses +-{torsion:.2g} % in torsion, +-{bending:.2g} % in bending at most"
 

@@ -54,7 +54,7 @@ class Target:
 
     @property
     def triangles(self) -> bool:
-        """Whether the body is a surface of triangles, which meshes replace, and no exact solid."""
+        """True if the body is a surface of triangles, which meshes replace, and no exact solid."""
         return self.file is not None and self.file.suffix.lower() == _TRIANGLES
 
 
@@ -84,7 +84,7 @@ def resolve_targets(
 def resolve_target(
     text: str, design: str | None = None, fillets: bool = False, align: bool = False, *, whole: bool = False
 ) -> Target:
-    """A target from what the user typed.
+    """Return a target from what the user typed.
 
     Args:
         text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
@@ -128,6 +128,6 @@ def _run(run: RunStore) -> Target:
 
 
 def simulated(scene: Scene, fillets: bool = False) -> Scene:
-    """The scene without what its effects plan leaves out; `fillets` keeps these."""
+    """Return the scene without what its effects plan leaves out; `fillets` keeps these."""
     kept: tuple[Feature, ...] = ("fillets",) if fillets else ()
     return planned_scene(scene, kept)

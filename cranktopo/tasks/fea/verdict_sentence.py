@@ -26,7 +26,7 @@ def comparison_sentence(subject: str, changes_percent: Mapping[Quantity, float],
 
 
 def worse_line(changes_percent: Mapping[Quantity, float], reference: str) -> str:
-    """What got worse, for the terminal; empty where nothing did."""
+    """Return what got worse, for the terminal; empty where nothing did."""
     worse = [_words(q, v) for q, v in changes_percent.items() if q.better * v < -NOTICEABLE_PERCENT]
     return f"worse than {reference}: {_joined(worse)}" if worse else ""
 

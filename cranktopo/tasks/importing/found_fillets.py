@@ -33,7 +33,7 @@ class FilletRing:
 
 
 def with_found_fillets(gmsh: Any, scene: Scene, name: str) -> Scene:
-    """The scene with the fillets of the half throw that the open session holds.
+    """Return the scene with the fillets of the half throw that the open session holds.
 
     Args:
         gmsh: the open session, synchronised; its body lies in the frame of `cranktopo.base.frames`.

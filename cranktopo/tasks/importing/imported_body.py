@@ -80,7 +80,7 @@ def mesh_step_for_stress(
 
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
-    """The scene with the fillet radii of the half throw in a STEP file.
+    """Return the scene with the fillet radii of the half throw in a STEP file.
 
     Raises:
         CranktopoError: as `mesh_step_for_stress`.
@@ -120,7 +120,7 @@ def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
 
 
 def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
-    """Whether both sides of x = 0 have the same volume, centre of mass and moments of inertia."""
+    """Tell whether both sides of x = 0 have the same volume, centre of mass and moments of inertia."""
     size = 20 * scene.pitch_mm
     properties = []
     for start, sign in ((0.0, 1.0), (-size, -1.0)):
@@ -161,7 +161,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow
 
 
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """The closed surface of the half throw in an STL file, its ends snapped onto their planes.
+    """Return the closed surface of the half throw in an STL file, its ends snapped onto their planes.
 
     Args:
         align: move a body that lies elsewhere to where the journals are.
@@ -178,7 +178,7 @@ def half_throw_of(surface: SurfaceMesh, path: Path, scene: Scene) -> SurfaceMesh
 
 
 def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> tuple[SurfaceMesh, str]:
-    """The surface of a file where the scene's journals are, and what was done or is to be known."""
+    """Return the surface of a file where the scene's journals are, and what was done or is to be known."""
     if len(surface.faces) == 0:
         raise CranktopoError(f"{path}: holds no triangles.", hint="Export the surface again as STL, mm.")
     if not surface.as_trimesh().is_watertight:
@@ -204,7 +204,7 @@ def _note(motion: Placement | None, lacking: str) -> str:
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """The closed surface of the half throw in an STL or STEP file, its ends on their planes.
+    """Return the closed surface of the half throw in an STL or STEP file, its ends on their planes.
 
     Raises:
         CranktopoError: as `mesh_file`.

@@ -18,7 +18,7 @@ _SIDES = 5e-4
 
 
 def original_file(scene: Scene) -> Path | None:
-    """The file of the body that is the original, if a file is."""
+    """Return the file of the body that is the original, if a file is."""
     return None if scene.original is None else Path(scene.original.file)
 
 

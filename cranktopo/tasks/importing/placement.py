@@ -95,7 +95,7 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
     found = misfits(body, scene)
     if not found:
         return None
-    where = find_placement(body, scene)
+    where = _find_placement(body, scene)
     if where is not None and align:
         return where
     fits = f" It {where.words}." if where else ""
@@ -121,7 +121,7 @@ def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
 
 
 def misfits(body: Manifold, scene: Scene) -> list[str]:
-    """What does not fit the scene's journals, the plainest first; empty for a body that lies right."""
+    """Return what does not fit the scene's journals, the plainest first; empty for a body that lies right."""
     body = _undrilled(body, scene)
     low, high = (float(value) for value in np.array(body.bounding_box())[[2, 5]])
     end = scene.pitch_mm / 2
@@ -131,8 +131,8 @@ def misfits(body: Manifold, scene: Scene) -> list[str]:
     return found or list(_zones(body, scene))
 
 
-def find_placement(body: Manifold, scene: Scene) -> Placement | None:
-    """The simplest rigid motion after which a body fits; None where there is none."""
+def _find_placement(body: Manifold, scene: Scene) -> Placement | None:
+    """Return the simplest rigid motion after which a body fits; None where there is none."""
     for matrix in _attitudes():
         motion = _settled(body, scene, matrix)
         if motion is not None:
@@ -229,7 +229,7 @@ def _moments(contour: Array) -> tuple[float, Array, float]:
 
 
 def _attitudes() -> list[Array]:
-    """The 24 rotations of a cube, those about z first, then end for end, then the others."""
+    """Return the 24 rotations of a cube, those about z first, then end for end, then the others."""
     found: list[Array] = []
     for tilt_y, tilt_x, turn in product((0, 180, 90, 270), (0, 90, 270), _SQUARE_ANGLES):
         matrix = np.rint(_about("z", turn) @ _about("y", tilt_y) @ _about("x", tilt_x))
@@ -248,7 +248,7 @@ def _about(axis: str, deg: float) -> Array:
 
 
 def _settled(body: Manifold, scene: Scene, matrix: Array) -> Placement | None:
-    """The motion with this attitude once shift, angle about z and tilt are taken from the sections."""
+    """Return the motion with this attitude once shift, angle about z and tilt are taken from the sections."""
     rotation, shift = matrix, np.zeros(3)
     for _ in range(_ROUNDS):
         moved = body.transform(np.column_stack([rotation, shift]))
@@ -289,7 +289,7 @@ def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
 
 
 def _words(attitude: Array, rotation: Array, shift: Array) -> str:
-    """How the body lies now, seen from where it should be."""
+    """Return how the body lies now, seen from where it should be."""
     back = rotation.T  # of the body as it lies, against the body as it should lie
     angle = math.degrees(math.acos(max(-1.0, min(1.0, (np.trace(back) - 1) / 2))))
     place = -back @ shift

@@ -46,7 +46,7 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
     return _STAGES[stage](scene, folder, fineness)
 
 
-def columns_of(entry: EvaluationResult) -> Json:
+def _columns_of(entry: EvaluationResult) -> Json:
     """Return the quantities of an evaluation, units in the names, for the supports of its scene."""
     mass, second = entry.mass_kg.throw, entry.mass_kg.second_web
     torsion, bending = entry.torsion_Nm_per_rad, entry.bending_N_per_mm
@@ -135,7 +135,7 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
     return {
-        **columns_of(data.result),
+        **_columns_of(data.result),
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data.goal),
         **_bound(data.bound),
@@ -155,7 +155,7 @@ _STAGES: Mapping[Stage, _StageFunction] = {
 
 
 def _judged(target: Target, fineness: Fineness) -> Json:
-    return columns_of(fineness.evaluation(target).result)
+    return _columns_of(fineness.evaluation(target).result)
 
 
 def _begun(run: Path) -> bool:
