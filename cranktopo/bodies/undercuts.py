@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from manifold3d import Manifold
@@ -43,17 +42,6 @@ class Undercuts:
     def negligible(self) -> bool:
         """True if the process leaves the web as it is."""
         return self.volume_mm3 <= _NEGLIGIBLE_SHARE * self.web_mm3
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the values by name."""
-        return {
-            "rays": self.rays,
-            "caught_rays": self.caught,
-            "deepest_mm": self.deepest_mm,
-            "volume_mm3": self.volume_mm3,
-            "released": self.negligible,
-            "by": self.by,
-        }
 
 
 @dataclass(frozen=True)

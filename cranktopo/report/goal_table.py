@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from cranktopo.design.goal.constraint import ACTIVE
 from cranktopo.design.goal.outcome import (
     GoalEvaluation,
@@ -14,12 +11,6 @@ from cranktopo.design.goal.outcome import (
     LimitOutcome,
 )
 from cranktopo.report.result_table import Column, ResultTable, tabulate
-
-
-def goal_of(metrics: Mapping[str, Any]) -> GoalOutcome | None:
-    """Return the goal of a run's metrics; None for a run without one."""
-    goal = metrics.get("goal")
-    return GoalOutcome.of_json(goal, "goal") if goal else None
 
 
 def goal_line(goal: GoalOutcome, reference: str = "the original web") -> str:
