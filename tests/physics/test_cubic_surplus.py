@@ -37,7 +37,7 @@ def test_the_bound_is_more_than_what_cubic_displacements_take_off(
 
 def test_every_support_has_its_own_bound() -> None:
     found = evaluate(Target("mikron", mikron_with(fillet_mm=2.5)), SIZE_MM)
-    fine, told = found.fine, found.as_json()["error_by_support_percent"]
+    fine, told = found.fine, found.result.as_json()["error_by_support_percent"]
     assert told["torsion"]["free"] == found.torsion_error_percent == fine.torsion_error_percent["free"]
     assert told["bending"]["pinned"] == found.bending_error_percent
     known = [value for kind in told.values() for value in kind.values() if value is not None]

@@ -73,7 +73,7 @@ def _tried(address: int, product: Callable[[str], Product], expected: Product) -
     except Exception as error:  # of JAX or XLA, whatever they have against it
         return watched.fault or f"a first call failed: {first_line(error)}"
     with np.errstate(all="ignore"):  # what was not written may be any number
-        miss = np.max(np.abs(numbers[0] - numbers[1])) / np.max(np.abs(numbers[1]))
+        miss = float(np.max(np.abs(numbers[0] - numbers[1])) / np.max(np.abs(numbers[1])))
     differs = "" if miss <= _TOLERANCE else f"a product differs from that of JAX by {100 * miss:.2g} %"
     return watched.fault or differs
 
