@@ -17,7 +17,6 @@ from cranktopo import sweep
 from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.simulated import switched
 from cranktopo.tasks.shape.run import shape_design
 
 LOW, HIGH = 95, 115
