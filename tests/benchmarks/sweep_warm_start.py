@@ -52,7 +52,7 @@ def chain(limits: list[str], folder: Path) -> list[float]:
     begun: Scene | None = None
     found: list[float] = []
     for limit in limits:
-        plain = switched(load_scene("mikron-iiic"), "bound", "off")
+        plain = load_scene("mikron-iiic").with_effect("bound", "off")
         scene = with_goal(plain, minimise="mass", limits=[f"torsion >= {limit} %"])
         done = shape_design(scene, out=folder / limit, begun=begun)
         found.append(done.result.result.mass_kg.throw)
