@@ -24,11 +24,9 @@ if TYPE_CHECKING:
 
     from cranktopo.base.errors import CranktopoError
     from cranktopo.bodies.solid.files import export_solid
-    from cranktopo.design.goal.changing import with_goal
     from cranktopo.design.goal.limit import Goal, Limit
-    from cranktopo.design.goal.wanted import wanted
+    from cranktopo.design.goal.wanted import wanted, with_goal
     from cranktopo.design.loading import load_scene
-    from cranktopo.design.manufacturing_limits import ManufacturingLimits
     from cranktopo.design.schema import Scene
     from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
     from cranktopo.engine.cases import load_cases
@@ -65,6 +63,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.tasks.sweep.interface import sweep
     from cranktopo.tasks.vibration.stage import shaft_vibration
+    from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _HOMES = {
     "CranktopoError": "base.errors",
@@ -72,7 +71,7 @@ _HOMES = {
     "load_scene": "design.loading",
     "Goal": "design.goal.limit",
     "Limit": "design.goal.limit",
-    "with_goal": "design.goal.changing",
+    "with_goal": "design.goal.wanted",
     "wanted": "design.goal.wanted",
     "PhysicsPlan": "engine.plan.effect",
     "plan": "engine.plan.planning",
@@ -90,7 +89,7 @@ _HOMES = {
     "write_stl": "numerics.surfaces.files",
     "FittedWeb": "tasks.refit.fit",
     "fit_web": "tasks.refit.fit",
-    "ManufacturingLimits": "design.manufacturing_limits",
+    "ManufacturingLimits": "throw.manufacturing_limits",
     "ShapedRun": "tasks.shape.run",
     "shape_design": "tasks.shape.run",
     "shape_settings": "tasks.shape.run",

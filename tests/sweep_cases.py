@@ -11,7 +11,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.sweep.result import PointResult
-from cranktopo.throw.hull import ObroundWeb
+from cranktopo.throw.outline import ObroundWeb
 
 TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
 

@@ -19,7 +19,7 @@ from cranktopo.throw.drilling.bore import DrillOutlet, across
 from cranktopo.throw.drilling.outlet_ring import ring_points
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import kept_bodies
 
 _CHORD_ERROR_MM = 0.002

@@ -10,7 +10,7 @@ from cranktopo.bodies.web_moments import web_moments
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import web_bodies
 
 

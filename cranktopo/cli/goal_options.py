@@ -45,7 +45,7 @@ def with_goal_options(
         click.UsageError: two goals, or a limit without a goal.
         CranktopoError: a goal or limit that makes no sense.
     """
-    from cranktopo.design.goal.changing import with_goal
+    from cranktopo.design.goal.wanted import with_goal
 
     if minimise is not None and maximise is not None:
         raise click.UsageError("--minimise excludes --maximise: keep one of them, limit the other quantity")

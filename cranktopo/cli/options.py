@@ -8,7 +8,7 @@ import click
 from click.core import ParameterSource
 
 from cranktopo.cli.parameters import CELL_MM, Choice, Number
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
     from cranktopo.design.schema import Scene

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.schema import Scene
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
+from cranktopo.throw.journal import ROUNDING_MM, Journal
 
 DimensionName = Literal[
     "pin_fillet",
@@ -115,3 +117,171 @@ def with_dimensions(scene: Scene, values: Mapping[DimensionName, float]) -> Scen
             changes[journal][key] = float(value)
     journals = {key: getattr(throw, key).model_copy(update=change) for key, change in changes.items()}
     return scene.model_copy(update={"throw": throw.model_copy(update=journals), "web": web})
+
+
+M53_FILLET = (0.03, 0.13)
+"""Fillet radius over the pin's diameter for which the rule's formulas are made (IACS UR M53, section 3)."""
+
+
+def check_free_dimensions(scene: Scene) -> None:
+    """Check every range of `[shape.free]`.
+
+    Raises:
+        CranktopoError: first range that cannot be.
+    """
+    for name in DIMENSIONS:
+        found = free_range_mm(scene, name)
+        if found is None:
+            continue
+        if is_of_counterweight(name):
+            _check_counterweight(scene, name, found)
+            continue
+        _check_own(scene, name, found)
+        _check_outlets(scene, name, found)
+        if name == "web_thickness":
+            _check_thickness(scene, found[0])
+            continue
+        if name.endswith("bore"):
+            _check_bore(scene, name, found)
+        else:
+            _check_fillet(scene, name, found)
+        _check_clear(scene, name, found)
+
+
+def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """There is one to change, and its least is sound; room for its greatest is a rule of the search."""
+    weight = scene.web.counterweight
+    if weight is None:
+        hint = "Add [web.counterweight], or leave it out."
+        raise _refused(name, found, "the design has no counterweight", hint)
+    if weight.bolted:
+        allowed = "the counterweight is a part of its own (density_kg_m3), which no shape changes"
+        raise _refused(name, found, allowed, "Leave it out, or leave the density out.")
+    _check_own(scene, name, found)
+    if name == "counterweight_angle" and found[0] < LEAST_HALF_ANGLE_DEG:
+        allowed = f"the least must be at least {LEAST_HALF_ANGLE_DEG:g} deg"
+        raise _refused(name, found, allowed, "Narrow the range.")
+    least = with_dimensions(scene, {name: found[0]})
+    assert least.web.counterweight is not None
+    try:
+        least.web.counterweight.check_alone(least, "web.counterweight")
+    except CranktopoError as error:
+        raise _refused(name, found, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
+
+
+def _check_outlets(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """No rounded outlet of a drilling is carried along by the journal that it is on."""
+    for index, drilling in enumerate(scene.throw.drilling):
+        if drilling.outlet_radius_mm:
+            allowed = f"throw.drilling[{index}] has rounded outlets, which cannot move with the journals"
+            raise _refused(
+                name, found, allowed, "Leave it out, or leave outlet_radius_mm of the drilling out."
+            )
+
+
+def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    own = own_dimension_mm(scene, name)
+    if not found[0] - ROUNDING_MM <= own <= found[1] + ROUNDING_MM:
+        raise _refused(
+            name,
+            found,
+            f"the range must hold the design's own value, {key_of(name)} = {own:g}"
+            f" {free_key(name).rpartition('_')[2]}",
+            "Widen the range, or change the design.",
+        )
+
+
+def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """The formulas of M53 hold, and the thinnest land between two fillets stays."""
+    pin = scene.throw.crankpin.outer_diameter_mm
+    low, high = (share * pin for share in M53_FILLET)
+    if found[0] < low - ROUNDING_MM or found[1] > high + ROUNDING_MM:
+        raise _refused(
+            name,
+            found,
+            f"must lie within {low:.4g} and {high:.4g} mm, {M53_FILLET[0]:g} to {M53_FILLET[1]:g} of the "
+            "pin's diameter (IACS UR M53)",
+            "Narrow the range.",
+        )
+    journal, room = _shortest_journal(scene, name)
+    if found[1] >= room / 2 and (is_axial(name) or _stays_round(scene, name)):
+        raise _refused(
+            name,
+            found,
+            f"the greatest must be smaller than half of throw.{journal}.length_mm, which is at least "
+            f"{room:g} mm",
+            "Narrow this range" + (" or that of the thickness." if journal == "main_journal" else "."),
+        )
+
+
+def _stays_round(scene: Scene, name: DimensionName) -> bool:
+    """Tell whether the axial semi-axis of a fillet follows its radius."""
+    return free_range_mm(scene, AXIAL[name]) is None and journal_of(scene, name).fillet_axial_mm is None
+
+
+def _shortest_journal(scene: Scene, name: DimensionName) -> tuple[str, float]:
+    """Return the journal of a fillet, and its least length, mm, at the web's greatest thickness."""
+    if fillet_of(name) == "pin_fillet":
+        return "crankpin", scene.throw.crankpin.length_mm
+    thickness = free_range_mm(scene, "web_thickness")
+    thickest = with_dimensions(scene, {"web_thickness": thickness[1]} if thickness else {})
+    return "main_journal", thickest.throw.main_journal.length_mm
+
+
+def _check_bore(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    outer = journal_of(scene, name).outer_diameter_mm
+    if found[1] >= outer:
+        key = key_of(name).replace("bore_diameter_mm", "outer_diameter_mm")
+        raise _refused(
+            name,
+            found,
+            f"the greatest must be smaller than {key} = {outer:g} mm",
+            "Narrow the range.",
+        )
+
+
+def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+    """A bore that cuts the other journal's fillet leaves neither of them a shape that can change."""
+    bore: DimensionName
+    fillet: DimensionName
+    bore, fillet = ("pin_bore", "journal_fillet")
+    if fillet_of(name) not in (bore, fillet):
+        bore, fillet = ("journal_bore", "pin_fillet")
+    bored, other = journal_of(scene, bore), journal_of(scene, fillet)
+    reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
+    if bored.bore_radius_mm and reach >= scene.throw.radius_mm:
+        raise _refused(
+            name,
+            found,
+            f"{key_of(bore)} cuts {key_of(fillet)}: with the journal they reach {reach:g} mm, and "
+            f"throw.radius_mm = {scene.throw.radius_mm:g} mm",
+            "Leave it out, or change the design.",
+        )
+
+
+def _check_thickness(scene: Scene, least: float) -> None:
+    """Room for the clearances in the thinnest web, and for the bearing beside the thickest."""
+    found = free_range_mm(scene, "web_thickness") or (0.0, 0.0)
+    length, fillet = _shortest_journal(scene, "journal_fillet")[1], scene.throw.main_journal.fillet.axial_mm
+    if length <= 2 * fillet:
+        most = found[1] - (2 * fillet - length) / 2
+        raise _refused(
+            "web_thickness",
+            found,
+            f"the pitch stays, so the main journal would keep {length:g} mm; the greatest must be smaller "
+            f"than {most:.4g} mm to leave a bearing between its fillets",
+            "Narrow the range.",
+        )
+    envelope = scene.envelope
+    clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm if envelope else 0.0
+    if least <= clearance:
+        raise _refused(
+            "web_thickness",
+            found,
+            f"the least must be larger than the clearances of the envelope, {clearance:g} mm together",
+            "Narrow the range.",
+        )
+
+
+def _refused(name: DimensionName, found: tuple[float, float], allowed: str, hint: str) -> CranktopoError:
+    return invalid(f"shape.free.{free_key(name)}", list(found), allowed, hint)

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.table import drilling_asymmetry
 
 T = TypeVar("T")
 _LENGTHS = {
@@ -96,3 +97,62 @@ def _half(scene: Scene, side: str) -> Scene:
         update[name] = journal if length is None else journal.model_copy(update={"length_mm": length})
     web = scene.second_web if second and scene.second_web is not None else scene.web
     return scene.model_copy(update={"throw": throw.model_copy(update=update), "web": web, "second_web": None})
+
+
+def web_asymmetry(scene: Scene) -> str:
+    """Key of the first feature of a web, or drilling, without a mirrored twin; empty where all have one."""
+    first, second = halves(scene)
+    other = "" if second is first else _asymmetry(second)
+    return _asymmetry(first) or (other and f"the second half's {other}")
+
+
+def _asymmetry(scene: Scene) -> str:
+    features = list(scene.web.features())
+    twins = [feature for _, feature in features]
+    lonely = (key for key, feature in features if feature.mirrored() not in twins)
+    return next(lonely, drilling_asymmetry(scene))
+
+
+def envelope_asymmetry(scene: Scene) -> str:
+    """Key of an envelope or drilling that is not symmetric in x, or not known to be; empty for none."""
+    return (scene.envelope.asymmetry if scene.envelope else "") or drilling_asymmetry(scene)
+
+
+def mirror_image(scene: Scene) -> Scene:
+    """Return the scene with its web and drillings mirrored in x = 0."""
+    turned: dict[str, Any] = {
+        key: tuple(feature.mirrored() for feature in getattr(scene.web, key))
+        for key in scene.web.feature_keys
+    }
+    singles = {key: getattr(scene.web, key) for key in scene.web.single_keys}
+    turned |= {key: feature and feature.mirrored() for key, feature in singles.items()}
+    drilled = {"drilling": tuple(drilling.mirrored() for drilling in scene.throw.drilling)}
+    throw, web = scene.throw.model_copy(update=drilled), scene.web.model_copy(update=turned)
+    return scene.model_copy(update={"throw": throw, "web": web})
+
+
+def may_mirror(scene: Scene, asymmetry: str) -> bool:
+    """Tell whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
+
+    Args:
+        asymmetry: what `web_asymmetry` or `envelope_asymmetry` found; empty for nothing.
+    """
+    return not asymmetry and scene.effects.lateral_symmetry != "off"
+
+
+_USUAL_MM = (42.0, 84.0)
+"""Diameters of the thinner journal between which nothing is scaled."""
+
+
+def usual_scale(scene: Scene) -> float:
+    """Factor that brings the thinner journal to the nearest usual diameter; 1 within their range."""
+    thinner = min(journal.outer_diameter_mm for journal, _ in scene.throw.journals)
+    low, high = _USUAL_MM
+    return min(max(thinner, low), high) / thinner
+
+
+def default_element_size_mm(scene: Scene) -> float:
+    """General element size by default: a tenth of the thinner journal, at most a third of a web, mm."""
+    throw = scene.throw
+    journal = min(throw.main_journal.outer_diameter_mm, throw.crankpin.outer_diameter_mm)
+    return min(journal / 10, *(half.web.thickness_mm / 3 for half in halves(scene)))

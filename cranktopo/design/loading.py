@@ -7,17 +7,136 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, quoted, suggest
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.reading import read_text_file
 from cranktopo.design.checks.scene import check_scene
-from cranktopo.design.halves import require_equal_halves
-from cranktopo.design.messages import explain
+from cranktopo.design.halves import difference, halves, of_second, require_equal_halves
+from cranktopo.design.messages import explain, explain_unknown
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import runs_named
+
+_PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
+
+
+def with_value(data: dict[str, Any], key: str, value: object) -> dict[str, Any]:
+    """Return the tables of a scene with a value at a key path such as `web.pocket[0].diameter_mm`.
+
+    A table that is not there yet is made; an entry of an array must be there.
+
+    Raises:
+        CranktopoError: no key path, or one through a value that is no table, or an entry that is missing.
+    """
+    return _changed(data, key_parts(key), value, key)
+
+
+def value_at(data: Any, key: str) -> Any:
+    """Return the value at a key path; None where there is none."""
+    for part in key_parts(key):
+        if isinstance(part, int):
+            data = data[part] if isinstance(data, list) and part < len(data) else None
+        else:
+            data = data.get(part) if isinstance(data, dict) else None
+    return data
+
+
+def check_keys(data: dict[str, Any], source: str) -> None:
+    """Refuse keys that no scene has; values are not looked at.
+
+    Raises:
+        CranktopoError: unknown keys, each with the nearest one that there is.
+    """
+    try:
+        Scene.model_validate(data)
+    except ValidationError as error:
+        unknown = explain_unknown(error, source)
+        if unknown is not None:
+            raise unknown from None
+
+
+def key_parts(key: str) -> list[str | int]:
+    """Return the names and places of a key path; raises CranktopoError where it is none."""
+    parts: list[str | int] = []
+    for word in key.split("."):
+        found = _PART.fullmatch(word)
+        if found is None:
+            raise invalid(
+                "key", key, "must be names joined by dots, such as throw.radius_mm or web.pocket[0].y_mm"
+            )
+        parts += [found[1], *(int(place) for place in re.findall(r"\d+", found[2]))]
+    return parts
+
+
+def _changed(data: Any, parts: list[str | int], value: object, key: str) -> Any:
+    if not parts:
+        return value
+    first, *rest = parts
+    if isinstance(first, int):
+        if not isinstance(data, list) or first >= len(data):
+            count = len(data) if isinstance(data, list) else 0
+            raise CranktopoError(
+                f"{key}: there is no entry [{first}]; the design has {count}.",
+                hint="Entries count from 0; add it to the design first.",
+            )
+        return [_changed(item, rest, value, key) if n == first else item for n, item in enumerate(data)]
+    if data is None:
+        data = {}
+    if not isinstance(data, dict):
+        raise CranktopoError(
+            f"{key}: '{first}' is asked of {quoted(data)}, which is no table.", hint="Check the key."
+        )
+    return {**data, first: _changed(data.get(first), rest, value, key)}
+
+
+WebName = Literal["first", "second"]
+
+
+def one_web(scene: Scene, web: WebName | None) -> Scene:
+    """The throw that has a web of a scene twice, with its journals; the scene itself where halves are alike.
+
+    A drilling in that half alone has a mirror image there.
+
+    Args:
+        web: which one; must be given where the halves differ, and only there.
+
+    Raises:
+        CranktopoError: it is missing, there is nothing to choose, a body from CAD stands for the original, or
+            the half is no throw of its own.
+    """
+    key = difference(scene)
+    if web is None and key:
+        raise CranktopoError(
+            f"{key}: the halves of the throw differ, and one web is optimised at a time.",
+            hint="Give optimise, bound, shape, iterate or evaluate --sensitivities --web first or "
+            "--web second: the other half is then taken as its mirror image.",
+        )
+    if web is None:
+        return scene
+    if not key:
+        raise CranktopoError(
+            f"--web {web}: both halves of the throw are alike.", hint="Leave it out.", code=ExitCode.USAGE
+        )
+    if scene.original is not None:
+        raise CranktopoError(
+            f"--web {web}: the body of original.file is one half throw, and the halves differ.",
+            hint="Take [original] out: gains are then measured against the web of the design.",
+        )
+    half = _twice(halves(scene)[web == "second"], web)
+    try:
+        check_scene(half)
+    except CranktopoError as error:
+        raise of_second(error, scene) if web == "second" else error from None
+    return half
+
+
+def _twice(half: Scene, web: WebName) -> Scene:
+    drilling = tuple(one.model_copy(update={"web": "both"}) for one in half.throw.drilling)
+    throw = half.throw.model_copy(update={"drilling": drilling, "mirrored_web": web})
+    return half.model_copy(update={"throw": throw, "name": f"{half.name}-{web}-web"})
+
 
 # Keys of the scene that name a file, relative to the design.
 FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"), ("original", "file"))

@@ -26,9 +26,8 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.fatigue import Fatigue
 from cranktopo.design.goal.table import GoalTable
 from cranktopo.design.messages import explain, register_root
-from cranktopo.design.shaft import ShaftTable
+from cranktopo.design.shaft import ShaftTable, Supports
 from cranktopo.design.shape import ShapeTable
-from cranktopo.design.supports import Supports
 from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.geometry import ThrowTable
 from cranktopo.throw.outline import Web

@@ -2,7 +2,89 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.assumed import Assumption, assumed_json
+from cranktopo.design.halves import halves
+from cranktopo.design.loading import (
+    FILE_KEYS,
+    design_text,
+    input_files,
+    load_scene,
+    parse_scene,
+    resolve_design,
+    scene_from_dict,
+)
 from cranktopo.design.schema import Scene
+from cranktopo.runs.directories import RunStore, create_run
+from cranktopo.throw.journal import Journal
+
+
+def copy_of(design: str, file: Path) -> str:
+    """Text of a design for another file, comments and order kept, without what was published about it.
+
+    Args:
+        design: TOML path or name of a built-in design.
+        file: where the copy will be; it gives the name.
+
+    Raises:
+        CranktopoError: no such design or an invalid one, or a file name that no name can be made of.
+    """
+    import tomlkit
+
+    load_scene(design, whole=True)
+    document = tomlkit.parse(design_text(design))
+    document["name"] = design_name(file)
+    document.pop("published", None)
+    source, target = resolve_design(design).resolve().parent, file.resolve().parent
+    for keys in FILE_KEYS:
+        _find_from(document, keys, source, target)
+    return tomlkit.dumps(document).rstrip() + "\n"
+
+
+def design_name(file: Path) -> str:
+    """The name of a design that is kept in a file: the file's, with a hyphen for what no name may hold.
+
+    Raises:
+        CranktopoError: nothing is left of it.
+    """
+    name = re.sub(r"[^A-Za-z0-9._-]+", "-", file.stem).strip("-._")
+    if not name:
+        raise CranktopoError(
+            f"'{file}': no name of a design can be made of '{file.stem}'.",
+            hint="Use letters or digits in the file's name.",
+            code=ExitCode.USAGE,
+        )
+    return name
+
+
+def _find_from(document: Any, keys: tuple[str, ...], source: Path, target: Path) -> None:
+    """Let the file that a key names relative to `source` be found from `target`."""
+    *tables, key = keys
+    for name in tables:
+        document = document.get(name, {})
+    if key in document and (source / document[key]).resolve() != (target / document[key]).resolve():
+        document[key] = str((source / document[key]).resolve())
+
+
+def design_from_run(run: RunStore) -> Scene:
+    """Return the scene of a run with the command line's options in it and the paths of its files absolute.
+
+    The design.toml of a run is the user's text: it lacks those options, and its relative paths are relative
+    to where it came from.
+
+    Args:
+        run: an optimisation or a loop, finished or not.
+
+    Raises:
+        CranktopoError: the manifest is missing or damaged, or its scene is invalid.
+    """
+    manifest = run.manifest()
+    return scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
 
 
 def toml_text(scene: Scene, heading: str) -> str:
@@ -11,3 +93,85 @@ def toml_text(scene: Scene, heading: str) -> str:
 
     data = scene.model_dump(mode="json", exclude_none=True)
     return f"# {heading}\n{tomlkit.dumps(data)}"
+
+
+def new_run(
+    scene: Scene,
+    assumed: Sequence[Assumption],
+    out: Path | None,
+    design_toml: str | None,
+    command: Sequence[str],
+    options: Mapping[str, Any],
+) -> RunStore:
+    """Make the directory of a run, its scene and its manifest.
+
+    Args:
+        out: directory; None makes a new one under runs/.
+        design_toml: text of the design as the user wrote it; None writes it from the scene.
+        command: the command line.
+        options: what the scene does not hold.
+
+    Raises:
+        CranktopoError: the directory is taken, or cannot be written.
+    """
+    return create_run(
+        design=scene.name,
+        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
+        scene=scene.model_dump(mode="json"),
+        options=dict(options),
+        command=command,
+        inputs=input_files(scene),
+        assumed=assumed_json(assumed),
+        out=out,
+    )
+
+
+_JOURNALS = ("main_journal", "crankpin")
+
+
+def pair_text(design: str, file: Path, first: Scene | None = None, second: Scene | None = None) -> str:
+    """Text of a design for another file, with other webs and the lengths of journals that come with them.
+
+    Args:
+        design: TOML path or name of a built-in design, whose halves may differ.
+        first, second: designs of one web each, whose halves are alike; without one the design's own stays.
+
+    Raises:
+        CranktopoError: a throw that is not the design's, or webs that do not go with each other.
+    """
+    import tomlkit
+
+    own = halves(load_scene(design, whole=True))
+    given = {"--first": first, "--second": second}
+    for (option, scene), half in zip(given.items(), own, strict=True):
+        if scene is not None:
+            _check_throw(option, scene, half)
+    one, other = (scene or half for scene, half in zip(given.values(), own, strict=True))
+    document: Any = tomlkit.parse(copy_of(design, file))
+    document["web"] = _table(one)
+    document["second_web"] = _table(other)
+    for name in _JOURNALS:
+        document["throw"][name]["length_mm"] = getattr(one.throw, name).length_mm
+        document["throw"][f"second_{name}_length_mm"] = getattr(other.throw, name).length_mm
+    text = tomlkit.dumps(document)
+    parse_scene(text, str(file), file.resolve().parent, whole=True)
+    return text
+
+
+def _table(scene: Scene) -> dict[str, Any]:
+    return scene.web.model_dump(mode="json", exclude_none=True)
+
+
+def _check_throw(option: str, scene: Scene, half: Scene) -> None:
+    """Refuse another throw: only the lengths of its journals may differ."""
+    pairs: dict[str, tuple[Any, Any]] = {"radius_mm": (scene.throw.radius_mm, half.throw.radius_mm)}
+    for name in _JOURNALS:
+        one, other = getattr(scene.throw, name), getattr(half.throw, name)
+        keys = [key for key in Journal.model_fields if key != "length_mm"]
+        pairs |= {f"{name}.{key}": (getattr(one, key), getattr(other, key)) for key in keys}
+    for key, (found, wanted) in pairs.items():
+        if found != wanted:
+            raise CranktopoError(
+                f"{option}: its throw.{key} is {found}, that of the design {wanted}.",
+                hint="A web goes onto the journals that it was found for.",
+            )

@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.units import N_PER_KN
 from cranktopo.design.schema import Scene
-from cranktopo.design.supports import RollerBearing
+from cranktopo.design.shaft import RollerBearing
 from cranktopo.engine.gas import gas_force_N, pressure_curve
 
 _LIFE_EXPONENT = 10 / 3

@@ -14,7 +14,7 @@ import numpy as np
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 
 
 @dataclass(frozen=True)

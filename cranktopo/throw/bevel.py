@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -17,14 +17,13 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Span
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.bevel_arc import BevelArc
-from cranktopo.throw.feature import ROUNDING_MM, Body, Face, Feature, least_shoulder_mm
+from cranktopo.throw.feature import Body, Face, Feature, JournalsView, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     Axes,
     BodyCells,
     FittedToSections,
     Frame,
-    Limits,
     Named,
     Rule,
     Surroundings,
@@ -32,6 +31,8 @@ from cranktopo.throw.fitted import (
     shoulder_rule,
     wall_rule,
 )
+from cranktopo.throw.journal import ROUNDING_MM
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import (
     Arc,
     Curve,
@@ -43,9 +44,6 @@ from cranktopo.throw.primitives import (
     Polyline,
     Solid,
 )
-
-if TYPE_CHECKING:
-    from cranktopo.throw.throw_view import JournalsView, ThrowView
 
 _HALF = 0.5
 _LEAST_DEPTH_MM = 1.0
@@ -237,7 +235,7 @@ class FittedBevel(FittedToSections):
         return ("y", "depth", "crown")
 
     @override
-    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         far, thickness = 4 * scene.throw.radius_mm, scene.web.thickness_mm
         crown = (-thickness if self.hollow else 0.0, thickness)
         return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), crown]
@@ -283,7 +281,7 @@ class FittedBevel(FittedToSections):
             return None
         return cls(table.face, hollow=True), np.array([table.y_mm, table.depth_mm, table.crown_mm])
 
-    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: ManufacturingLimits) -> Array:
         """Start, depth and crown (0), mm, from how far the body reaches at each height."""
         solid = cells.solid.any(axis=0)
         outward = 1.0 if self.face == "journal" else -1.0

@@ -6,9 +6,9 @@ A feature knows neither meshes nor cells nor pages: rooms above loop over featur
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,53 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span, holds
 from cranktopo.base.table import SceneTable
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.primitives import FeatureDrawing, Solid
 
-if TYPE_CHECKING:
-    from cranktopo.throw.throw_view import JournalsView, ThrowView
+
+class JournalsView(Hashable, Protocol):
+    """Crank radius, journals and drillings."""
+
+    @property
+    def radius_mm(self) -> float:
+        """Distance of the crankpin's axis from the crank axis."""
+
+    @property
+    def main_journal(self) -> Journal:
+        """The main journal."""
+
+    @property
+    def crankpin(self) -> Journal:
+        """The crankpin."""
+
+    @property
+    def journals(self) -> tuple[tuple[Journal, float], tuple[Journal, float]]:
+        """Both, each with the place of its axis along the throw."""
+
+    @property
+    def drilling(self) -> tuple[Any, ...]:
+        """The oil drillings, each a feature."""
+
+
+class ThrowView(Hashable, Protocol):
+    """The throw around a web: its journals, the web table (`WebTable`) and where its faces lie."""
+
+    @property
+    def throw(self) -> JournalsView:
+        """Crank radius and journals."""
+
+    @property
+    def web(self) -> Any:
+        """The web, a `WebTable`: it holds features and so cannot be named here."""
+
+    @property
+    def web_z_mm(self) -> tuple[float, float]:
+        """Heights of the web's journal face and pin face."""
+
+    @property
+    def pitch_mm(self) -> float:
+        """Distance between the middles of the main journals."""
+
 
 Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
@@ -30,8 +73,6 @@ _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
 """Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
 SMALLEST, SMALLEST_FILLET = 1 / 500, 1 / 5000
 """Smallest dimension and smallest fillet over the size of the throw."""
-ROUNDING_MM = 1e-9
-"""The largest dimension that a message names must itself be accepted."""
 _SAMPLES = 2001
 
 

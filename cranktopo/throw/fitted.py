@@ -6,16 +6,14 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.throw.feature import Face, Feature, Mask
-
-if TYPE_CHECKING:
-    from cranktopo.throw.bevel_arc import BevelArc
-    from cranktopo.throw.throw_view import ThrowView
+from cranktopo.throw.bevel_arc import BevelArc
+from cranktopo.throw.feature import Face, Feature, Mask, ThrowView
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 Named = dict[str, Any]
 """Values of a feature's parameters by name, mm or degrees."""
@@ -34,18 +32,6 @@ LEAST_MM = 3.0
 """Least size of a pocket."""
 _STEP = 1e-6
 """Step of the derivatives by the parameters, mm or degrees."""
-
-
-class Limits(Protocol):
-    """What a die or a mill can make."""
-
-    @property
-    def min_wall_mm(self) -> float:
-        """Least wall between bores, pockets, bevels and the outline."""
-
-    @property
-    def min_draft_deg(self) -> float:
-        """Least slope of the walls of a side pocket."""
 
 
 class BodyCells(Protocol):
@@ -108,7 +94,7 @@ class Surroundings:
     """
 
     scene: ThrowView
-    limits: Limits
+    limits: ManufacturingLimits
     points_mm: Array
     arcs: tuple[BevelArc, ...] = ()
 
@@ -147,7 +133,7 @@ class FittedFeature(ABC):
         """Names of its parameters: mm, draft in degrees."""
 
     @abstractmethod
-    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         """Lower and upper bound of each parameter."""
 
     def possible(self, scene: ThrowView) -> bool:
@@ -221,7 +207,7 @@ class FittedToSections(FittedFeature):
     """A kind whose initial values are read from cross-sections of the body."""
 
     @abstractmethod
-    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array | None:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: ManufacturingLimits) -> Array | None:
         """Initial values; None where the body shows no such feature."""
 
 

@@ -8,82 +8,10 @@ from typing import Literal
 from pydantic import Field
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.table import Length, LengthOrZero, SceneTable
+from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.drilling.table import Drilling
-from cranktopo.throw.feature import ROUNDING_MM, Feature
-from cranktopo.throw.fillet import ASPECT, FilletSection
-
-
-class Journal(SceneTable):
-    """A main journal or crankpin: a cylinder with an axial bore (0 = solid) and a fillet (0 = sharp)."""
-
-    outer_diameter_mm: Length = Field(examples=[42.0])
-    """Outer diameter."""
-    bore_diameter_mm: LengthOrZero = 0.0
-    """Diameter of the axial bore, which runs on through the web; 0 = solid."""
-    length_mm: Length = Field(examples=[38.0])
-    """Full length between the webs; the half throw has half of it."""
-    fillet_mm: LengthOrZero = 0.0
-    """Radius of the fillet to the web; 0 = sharp. Smaller than half the length."""
-    fillet_axial_mm: Length | None = Field(default=None, examples=[4.0])
-    """Makes the fillet an ellipse: its semi-axis along the crank, `fillet_mm` being that on the web's face;
-    0.5 to 2.5 times `fillet_mm` and smaller than half the length. Left out, the fillet is round."""
-
-    @property
-    def radius_mm(self) -> float:
-        """Outer radius, mm."""
-        return self.outer_diameter_mm / 2
-
-    @property
-    def fillet(self) -> FilletSection:
-        """Section of its fillets."""
-        axial = self.fillet_mm if self.fillet_axial_mm is None else self.fillet_axial_mm
-        return FilletSection(self.fillet_mm, axial)
-
-    @property
-    def bore_radius_mm(self) -> float:
-        """Bore radius, mm (0 = solid)."""
-        return self.bore_diameter_mm / 2
-
-    def check(self, key: str) -> None:
-        """Refuse dimensions that give no journal.
-
-        Raises:
-            CranktopoError: first inconsistency found.
-        """
-        if self.bore_diameter_mm >= self.outer_diameter_mm:
-            raise invalid(
-                f"{key}.bore_diameter_mm",
-                self.bore_diameter_mm,
-                f"must be smaller than {key}.outer_diameter_mm = {self.outer_diameter_mm:g} mm",
-                "Use 0 for a solid journal.",
-            )
-        self._check_fillet(key)
-
-    def _check_fillet(self, key: str) -> None:
-        fillet, given = self.fillet, self.fillet_axial_mm is not None
-        key = f"{key}.fillet_axial_mm" if given else f"{key}.fillet_mm"
-        low, high = (share * fillet.radial_mm for share in ASPECT)
-        if given and not fillet.radial_mm:
-            raise invalid(
-                key,
-                fillet.axial_mm,
-                "an ellipse needs both semi-axes, and fillet_mm = 0",
-                "Give fillet_mm, too.",
-            )
-        if given and not low - ROUNDING_MM <= fillet.axial_mm <= high + ROUNDING_MM:
-            raise invalid(
-                key,
-                fillet.axial_mm,
-                f"must be >= {low:.4g} and <= {high:.4g} mm, {ASPECT[0]:g} to {ASPECT[1]:g} times "
-                f"fillet_mm = {fillet.radial_mm:g} mm",
-            )
-        if fillet.axial_mm >= self.length_mm / 2:
-            raise invalid(
-                key,
-                fillet.axial_mm,
-                f"must be smaller than half the journal's length ({self.length_mm / 2:g} mm)",
-            )
+from cranktopo.throw.feature import Feature
+from cranktopo.throw.journal import Journal
 
 
 class ThrowTable(SceneTable):

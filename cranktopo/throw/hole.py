@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from typing_extensions import override
@@ -12,11 +11,8 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.spans import Span
-from cranktopo.throw.feature import Body, Mask, least_shoulder_mm
+from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Solid
-
-if TYPE_CHECKING:
-    from cranktopo.throw.throw_view import ThrowView
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,184 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.table import LengthOrZero, Place
-from cranktopo.throw.flank import Flank, flank_half_width_mm, flank_through, largest_half_width_mm
 from cranktopo.throw.primitives import Bezier, Curve, LineSegment
 from cranktopo.throw.web import WebTable
+
+_BISECTIONS = 52
+
+
+@dataclass(frozen=True)
+class Flank:
+    """The right flank of a profile: cubic pieces between points.
+
+    Attributes:
+        points_mm: (n, 2) x and y of the points, y increasing.
+        lengths_mm: (n - 1,) chord lengths, the parameter ranges of the pieces.
+        slopes: (n, 2) derivatives by the parameter.
+    """
+
+    points_mm: Any
+    lengths_mm: Any
+    slopes: Any
+
+    def at(self, u: Any) -> Any:
+        """Points of every piece, (pieces, u, 2), mm.
+
+        Args:
+            u: (u,) places in each piece, 0 to 1.
+        """
+        start, end, leave, arrive = self._pieces()
+        t = np.asarray(u)[None, :, None]
+        return (
+            start * (1 + 2 * t) * (1 - t) ** 2
+            + end * t**2 * (3 - 2 * t)
+            + leave * t * (1 - t) ** 2
+            + arrive * t**2 * (t - 1)
+        )
+
+    def along(self, chords: int) -> Any:
+        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm.
+
+        Args:
+            chords: number of steps.
+        """
+        pieces = self.points_mm.shape[0] - 1
+        place = np.linspace(0, pieces, chords + 1)
+        piece = np.minimum(place.astype(int), pieces - 1)
+        t = np.asarray(place - piece)[:, None]
+        start, end, leave, arrive = (part[piece, 0] for part in self._pieces())
+        return (
+            start * (1 + 2 * t) * (1 - t) ** 2
+            + end * t**2 * (3 - 2 * t)
+            + leave * t * (1 - t) ** 2
+            + arrive * t**2 * (t - 1)
+        )
+
+    def derivatives(self, u: Any) -> tuple[Any, Any]:
+        """First and second derivative by the parameter, (pieces, u, 2) each, - and 1/mm.
+
+        Args:
+            u: (u,) places in each piece, 0 to 1.
+        """
+        start, end, leave, arrive = self._pieces()
+        t, length = np.asarray(u)[None, :, None], self.lengths_mm[:, None, None]
+        first = 6 * t * (1 - t) * (end - start) + leave * (1 - t) * (1 - 3 * t) + arrive * t * (3 * t - 2)
+        second = (6 - 12 * t) * (end - start) + leave * (6 * t - 4) + arrive * (6 * t - 2)
+        return first / length, second / length**2
+
+    def curvature_per_mm(self, u: Any) -> Any:
+        """Signed curvature of every piece, (pieces, u), 1/mm; positive where the web is convex.
+
+        Args:
+            u: (u,) places in each piece, 0 to 1.
+        """
+        first, second = self.derivatives(u)
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        return cross / (first**2).sum(axis=-1) ** 1.5
+
+    def _pieces(self) -> tuple[Any, Any, Any, Any]:
+        length = self.lengths_mm[:, None, None]
+        return (
+            self.points_mm[:-1, None],
+            self.points_mm[1:, None],
+            self.slopes[:-1, None] * length,
+            self.slopes[1:, None] * length,
+        )
+
+
+def flank_through(half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]) -> Flank:
+    """Return the flank through half-widths at stations, (n,) each, mm.
+
+    Args:
+        round_ends: whether the lower and the upper end cross x = 0 smoothly.
+    """
+    points = np.stack([half_widths_mm, stations_mm], axis=1)
+    lengths = np.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1))
+    free = _slopes(lengths, points, (False, False))
+    held = _slopes(lengths, points, round_ends)
+    # In a mirror x is odd, so its second derivative vanishes, and y is even, so its first one does.
+    return Flank(points, lengths, np.stack([free[:, 0], held[:, 1]], axis=1))
+
+
+def _slopes(lengths: Any, points: Any, clamped: tuple[bool, bool]) -> Any:
+    """Derivatives at the points of the C2 spline; an end has derivative 0 (clamped) or no curvature."""
+    one, zero = np.ones(1), np.zeros(1)
+    inverse = 1 / lengths
+    middle = 2 * (inverse[:-1] + inverse[1:])
+    diagonal = np.concatenate([one if clamped[0] else 2 * one, middle, one if clamped[1] else 2 * one])
+    upper = np.concatenate([zero if clamped[0] else one, inverse[1:]])
+    lower = np.concatenate([inverse[:-1], zero if clamped[1] else one])
+    chords = (points[1:] - points[:-1]) * inverse[:, None]
+    inner = 3 * (chords[:-1] * inverse[:-1, None] + chords[1:] * inverse[1:, None])
+    first = 0.0 if clamped[0] else 3.0
+    last = 0.0 if clamped[1] else 3.0
+    right = np.concatenate([first * chords[:1], inner, last * chords[-1:]])
+    matrix = np.diag(diagonal) + np.diag(upper, 1) + np.diag(lower, -1)
+    return np.linalg.solve(matrix, right)
+
+
+def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
+    """Half-width at positions along the throw, mm; 0 beyond the ends.
+
+    Args:
+        flank: right flank of a profile.
+        y_mm: positions along the throw, any shape.
+    """
+    stations = flank.points_mm[:, 1]
+    inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
+    y = np.clip(y_mm, stations[0], stations[-1]).ravel()
+    piece = np.clip(np.searchsorted(stations, y, side="right") - 1, 0, len(stations) - 2)
+    start, first, second, third = _cubic(flank, piece, 1)
+    low, step = np.zeros_like(y), 1.0
+    for _ in range(_BISECTIONS):
+        step /= 2
+        middle = low + step
+        below = start + middle * (first + middle * (second + middle * third)) < y
+        low[below] = middle[below]
+    half = _hermite(flank, piece, low + step / 2, 0).reshape(y_mm.shape)
+    return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
+
+
+def largest_half_width_mm(flank: Flank) -> float:
+    """Largest half-width of the curve, mm: it may lie between two stations."""
+    largest = float(flank.points_mm[:, 0].max())
+    for piece in range(len(flank.lengths_mm)):
+        start, end = flank.points_mm[piece : piece + 2, 0]
+        leave, arrive = flank.slopes[piece : piece + 2, 0] * flank.lengths_mm[piece]
+        chord = end - start
+        turning = np.roots([3 * (leave + arrive) - 6 * chord, 6 * chord - 4 * leave - 2 * arrive, leave])
+        real = turning[np.isreal(turning)].real
+        for u in real[(real > 0) & (real < 1)]:
+            largest = max(largest, float(_hermite(flank, np.array([piece]), np.array([u]), 0)[0]))
+    return largest
+
+
+def _hermite(flank: Flank, piece: NDArray[np.int64], u: Array, axis: int) -> Array:
+    """Return one coordinate at u in [0, 1] of chosen pieces."""
+    start, first, second, third = _cubic(flank, piece, axis)
+    return np.asarray(start + u * (first + u * (second + u * third)))
+
+
+def _cubic(flank: Flank, piece: NDArray[np.int64], axis: int) -> tuple[Array, Array, Array, Array]:
+    """Coefficients of one coordinate of chosen pieces by powers of u, the constant first."""
+    points, slopes = flank.points_mm[:, axis], flank.slopes[:, axis]
+    length = flank.lengths_mm[piece]
+    start, chord = points[piece], points[piece + 1] - points[piece]
+    leave, arrive = slopes[piece] * length, slopes[piece + 1] * length
+    return start, leave, 3 * chord - 2 * leave - arrive, leave + arrive - 2 * chord
 
 
 class ProfileWeb(WebTable):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -15,7 +15,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.bevel import height_range_mm
-from cranktopo.throw.feature import Body, Feature
+from cranktopo.throw.bevel_arc import BevelArc
+from cranktopo.throw.feature import Body, Feature, ThrowView
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     JOURNALS,
@@ -24,19 +25,15 @@ from cranktopo.throw.fitted import (
     BodyCells,
     FittedToSections,
     Frame,
-    Limits,
     Named,
     Rule,
     Surroundings,
     wall_rule,
 )
 from cranktopo.throw.hole import check_cut, check_depth
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import DimensionLine, FeatureDrawing, Polyline, number_lines
 from cranktopo.throw.side_slots import BEYOND_MM, SideSlots
-
-if TYPE_CHECKING:
-    from cranktopo.throw.bevel_arc import BevelArc
-    from cranktopo.throw.throw_view import ThrowView
 
 _LARGEST_DRAFT_DEG = 45.0
 _FIRST_DRAFT_DEG = 10.0
@@ -199,7 +196,7 @@ class FittedSlot(FittedToSections):
         return (*(() if self.through else ("y", "length")), "height", "floor", "offset", "draft")
 
     @override
-    def bounds(self, scene: ThrowView, limits: Limits) -> list[tuple[float, float]]:
+    def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         thickness, far = scene.web.thickness_mm, 4 * scene.throw.radius_mm
         ranges = {
             "y": (-far, far),
@@ -283,7 +280,7 @@ class FittedSlot(FittedToSections):
         own = [table.height_mm, widest - table.depth_mm, table.offset_mm, table.draft_deg]
         return cls(through), np.array([*place, *own])
 
-    def guess(self, cells: BodyCells, scene: ThrowView, limits: Limits) -> Array | None:
+    def guess(self, cells: BodyCells, scene: ThrowView, limits: ManufacturingLimits) -> Array | None:
         """Initial values where the middle of the body is narrower than both faces; None where it is not."""
         outer = cells.x_mm + cells.cell_mm[0] / 2
         extent = (cells.solid * outer[:, None, None]).max(axis=0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -19,18 +19,13 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, Span, holds, material
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.bevel import EndBevel, FittedBevel
-from cranktopo.throw.box_pocket import BoxPocket, FittedBox
 from cranktopo.throw.counterweight.table import Counterweight
-from cranktopo.throw.cylinder_pocket import CylinderPocket, FittedCylinder
-from cranktopo.throw.feature import Body, Feature
+from cranktopo.throw.face_pocket import BoxPocket, CylinderPocket, FittedBox, FittedCylinder, FittedPocket
+from cranktopo.throw.feature import Body, Feature, ThrowView
 from cranktopo.throw.fitted import FittedFeature, FittedToSections
-from cranktopo.throw.fitted_pocket import FittedPocket
 from cranktopo.throw.hole import bore_holes
 from cranktopo.throw.primitives import Curve, Extrusion, Solid
 from cranktopo.throw.side_pocket import FittedSlot, SidePocket
-
-if TYPE_CHECKING:
-    from cranktopo.throw.throw_view import ThrowView
 
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
 FITTED_TO_SECTIONS: tuple[tuple[FittedToSections, ...], ...] = (

@@ -16,8 +16,8 @@ from unittest.mock import patch
 
 import numpy as np
 
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
-from cranktopo.design.scale import default_element_size_mm
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.tasks.fea import evaluation
 from cranktopo.tasks.fea.error_bound import change_bound_percent

@@ -10,7 +10,7 @@ import resource
 import subprocess
 import sys
 
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
 from tests.physics.evaluation_cases import mikron_with
 from tests.physics.test_evaluation_reference import errors_percent, stiffness_on
 

@@ -14,8 +14,8 @@ from unittest.mock import patch
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
-from cranktopo.design.scale import default_element_size_mm
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.tetrahedra import linear_solve as linear
 from cranktopo.numerics.tetrahedra.elasticity import assemble

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.of_run import design_from_run
+from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.simulated import without
 from cranktopo.runs.directories import open_run
 from cranktopo.tasks.fea.evaluation import evaluate
@@ -22,6 +21,7 @@ from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit import fit, select
 from cranktopo.tasks.refit.shape_error import shape_error
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 
 def timed(name: str, work: Callable[[], Any]) -> Any:

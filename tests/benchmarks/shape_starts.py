@@ -14,8 +14,7 @@ import sys
 import numpy as np
 
 from cranktopo.base.progress import Work
-from cranktopo.design.goal.changing import with_goal
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
@@ -25,7 +24,7 @@ from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import bevel_start, outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.face_pocket import FittedBox
 
 CELL_MM, SPREAD_MM = 3.0, 5.0
 BEVELS = FittedBevel("journal"), FittedBevel("pin")

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.loading import load_scene, scene_from_dict, with_value
 from cranktopo.design.schema import Scene
-from cranktopo.design.varying import with_value
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.report.viewer.small_web import packed_web

@@ -21,7 +21,6 @@ from manifold3d import Manifold
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.balance.throw import throw_balance
@@ -33,7 +32,8 @@ from cranktopo.tasks.iterate import one_step, step_solids
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.iterate.step_solids import Solids, read_solids, write_solids
 from cranktopo.tasks.iterate.text import best_line
-from cranktopo.throw.hull import ObroundWeb
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.outline import ObroundWeb
 
 Capture = pytest.CaptureFixture[str]
 

@@ -13,15 +13,14 @@ import trimesh
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, designs_folder, input_files, load_scene
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
-from cranktopo.design.writing import toml_text
+from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.manifest import settings_hash
 from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.refit import stage as pipeline_remodel
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.unit.test_indicator import write as write_indicator
 
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"

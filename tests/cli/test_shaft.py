@@ -14,7 +14,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
-from cranktopo.design.supports import Supports
+from cranktopo.design.shaft import Supports
 from cranktopo.tasks.shaft.stage import shaft_tables
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")

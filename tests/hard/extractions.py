@@ -17,7 +17,6 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density.loop import WebDensities, final_design
@@ -30,8 +29,9 @@ from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import Layout, station_shares, web_of
 from cranktopo.tasks.refit.fit import fit_web, scene_with_web
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.cylinder_pocket import FittedCylinder
 from cranktopo.throw.envelope import StlEnvelope
+from cranktopo.throw.face_pocket import FittedCylinder
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 
 ENGINES = ("mikron-iiic", "opposed-piston")

@@ -14,7 +14,6 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.loading import load_scene, scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
@@ -30,8 +29,8 @@ from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.box_pocket import FittedBox
-from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.design.arrangement import Gear
-from cranktopo.design.engine import Gas
+from cranktopo.design.engine import Gas, Gear
 from cranktopo.design.loading import load_scene
-from cranktopo.design.supports import RollerBearing
+from cranktopo.design.shaft import RollerBearing
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.balancer_shafts import gear_forces
 from cranktopo.engine.bearings import bearing_spring_N_per_mm, rating_life_h, roller_spring_N_per_mm

@@ -10,8 +10,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.box_pocket import FittedBox
-from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]

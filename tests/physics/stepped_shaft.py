@@ -18,7 +18,7 @@ from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.numerics.tetrahedra.stressed_surface import outer_surface, surface_stress
 from cranktopo.tasks.fea.condense import section_motions
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.throw.journal import FilletSection
 
 Array = NDArray[np.float64]
 YOUNGS_MPA, POISSON = 2.1e5, 0.3

@@ -10,9 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.constraint import Constraint
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision

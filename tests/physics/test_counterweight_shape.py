@@ -24,7 +24,7 @@ from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.start import scene_start
-from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.face_pocket import FittedBox
 from cranktopo.throw.web import web_bodies, web_spans
 from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted
 

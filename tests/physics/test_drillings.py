@@ -14,19 +14,18 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.prisms import journal_halves, web_bores
 from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.design.halves import envelope_asymmetry, mirror_image, web_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import envelope_asymmetry, mirror_image, web_asymmetry
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.importing.placement import misfits
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.drilling.outlet_ring import ring_points
-from cranktopo.throw.drilling.table import drill_bores, drilling_asymmetry
-from cranktopo.throw.drilling.walls import drilling_rules
+from cranktopo.throw.drilling.table import drill_bores, drilling_asymmetry, drilling_rules
 from cranktopo.throw.fitted import CLEAR_MM, Surroundings
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 STEP = 1e-9
 

@@ -15,7 +15,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.condense import condense
 from cranktopo.tasks.fea.support_stiffness import torsional_stiffness_Nm_per_rad
-from cranktopo.throw.hull import ObroundWeb
+from cranktopo.throw.outline import ObroundWeb
 from tests.physics.evaluation_cases import elastic, throw_scene
 
 SHEAR_MPA = 210e3 / 2.6

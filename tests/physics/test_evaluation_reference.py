@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.tasks.fea.evaluation import Stiffness, evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from tests.physics.evaluation_cases import mikron_with

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshModel
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, free_throw
 
 _CHANGE = [0.4, 0.3, -0.3, -1.0, 0.2, 0.5]

@@ -13,7 +13,6 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.loading import load_scene, scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
 from cranktopo.tasks.refit.constraints import part_rules
@@ -27,8 +26,8 @@ from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill
 from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
 from cranktopo.tasks.refit.voxel_fill import voxel_fill
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.box_pocket import FittedBox
-from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.remodel_cases import PARTS, PLAIN, WHOLE, body_of, known_scene, recovered, values_of

@@ -12,7 +12,6 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.refit.family import Layout, web_of
@@ -23,6 +22,7 @@ from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.search import SearchBudget, best_values
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.physics.shape_cases import COARSE_MM, Array
 
 LAYOUT = Layout(7, (FittedBevel("journal"), FittedBevel("pin")))

@@ -12,7 +12,6 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -20,6 +19,7 @@ from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, merit, refined
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.physics.shape_cases import Array
 
 LAYOUT = Layout(7, (FittedBevel("journal"), FittedBevel("pin")))

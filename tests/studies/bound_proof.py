@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
 from cranktopo.bodies.cells.resolution import thinnest_wall_mm
-from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision

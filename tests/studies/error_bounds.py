@@ -15,8 +15,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
-from cranktopo.design.scale import default_element_size_mm
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate

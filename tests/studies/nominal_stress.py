@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.states import extreme_states

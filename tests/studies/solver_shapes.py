@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
-from cranktopo.design.scale import default_element_size_mm
 from cranktopo.tasks.accuracy.optimiser_levels import OptimiserModel, optimise_once
 from cranktopo.tasks.density.problem import SolverSettings
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh

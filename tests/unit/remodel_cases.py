@@ -9,14 +9,14 @@ from manifold3d import Manifold
 
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.loading import load_scene
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.refit.family import Layout, bounds, web_of
 from cranktopo.tasks.refit.fit import fit_problem, scene_with_web
 from cranktopo.tasks.refit.select import fit_from
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.face_pocket import FittedCylinder
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 
 FINE_FACET_MM = 0.3

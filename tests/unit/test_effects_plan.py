@@ -9,9 +9,9 @@ import trimesh
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.design.halves import may_mirror, web_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Weights
-from cranktopo.design.symmetry import may_mirror, web_asymmetry
 from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.cases import load_cases
@@ -21,9 +21,9 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene, without
 from cranktopo.engine.states import extreme_states
 from cranktopo.engine.torsional_stiffness import fillet_length_saving_mm
-from cranktopo.throw.cylinder_pocket import CylinderPocket
 from cranktopo.throw.envelope import OutlineEnvelope
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.face_pocket import CylinderPocket
+from cranktopo.throw.journal import Journal
 from tests.unit.plan_cases import MIKRON, OPPOSED, with_effects, with_part
 
 INERTIA = frozenset({"reciprocating_inertia", "rotating_rod_mass"})

@@ -9,7 +9,6 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.simulated import without
@@ -17,7 +16,8 @@ from cranktopo.tasks.fatigue.fillets import place
 from cranktopo.tasks.fatigue.safety_field import check_inputs
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.start import scene_start
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.throw.journal import FilletSection
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 MIKRON = load_scene("mikron-iiic")
 

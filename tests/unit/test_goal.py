@@ -8,11 +8,9 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.assumed import GOAL, assumptions
-from cranktopo.design.checks.goal import check_known
-from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Limit, goal_text
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import check_known, wanted, with_goal
 from cranktopo.design.loading import designs_folder, load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.states import extreme_states

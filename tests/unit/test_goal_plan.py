@@ -3,8 +3,7 @@
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.goal.changing import with_goal
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Weights
 from cranktopo.engine.balance.throw import throw_balance

@@ -9,7 +9,6 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.base.near_ties import SAME, best_first, clearly_more, exceeds, first_of_the_best
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
 from cranktopo.tasks.refit.family import Layout
@@ -18,6 +17,7 @@ from cranktopo.tasks.refit.search import Fit, FitProblem
 from cranktopo.tasks.refit.select import select
 from cranktopo.tasks.refit.voxel_fill import voxel_fill
 from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.unit.remodel_cases import PARTS, body_of, known_scene
 

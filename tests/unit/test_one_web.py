@@ -10,11 +10,9 @@ import pytest
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.assumed import THROW, assumptions
 from cranktopo.design.halves import difference, halves
-from cranktopo.design.loading import load_scene, parse_scene
-from cranktopo.design.one_web import one_web
-from cranktopo.design.pairing import pair_text
+from cranktopo.design.loading import load_scene, one_web, parse_scene
 from cranktopo.design.schema import Scene
-from cranktopo.design.writing import toml_text
+from cranktopo.design.writing import pair_text, toml_text
 from tests.physics.test_two_webs import ACROSS, SECOND, WEB, lopsided, scene_with
 
 DRILLED: dict[str, Any] = {

@@ -9,8 +9,7 @@ from scipy.interpolate import CubicSpline
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.throw.flank import flank_half_width_mm, flank_through, largest_half_width_mm
-from cranktopo.throw.profile import ProfileWeb
+from cranktopo.throw.profile import ProfileWeb, flank_half_width_mm, flank_through, largest_half_width_mm
 
 STATIONS = [-26.0, -20.0, -3.0, 24.0, 52.0, 69.0, 75.0]
 HALF_WIDTHS = [0.0, 21.0, 33.0, 38.0, 31.0, 18.0, 0.0]

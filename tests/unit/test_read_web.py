@@ -16,8 +16,7 @@ from cranktopo.tasks.refit.read_web import read_web
 from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.box_pocket import FittedBox
-from cranktopo.throw.cylinder_pocket import FittedCylinder
+from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape_cases import full_web, solid_web

@@ -11,7 +11,7 @@ from cranktopo.bodies.solid.throw import add_half_throw, check_body
 from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.throw.hull import ObroundWeb
+from cranktopo.throw.outline import ObroundWeb
 from tests.physics.evaluation_cases import mikron_with
 from tests.random_throws import random_throw
 

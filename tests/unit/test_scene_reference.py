@@ -10,8 +10,7 @@ import pytest
 
 from cranktopo.base.units import stem_and_unit
 from cranktopo.design.loading import builtin_designs, designs_folder, parse_scene
-from cranktopo.design.reference import scene_reference
-from cranktopo.design.template import template
+from cranktopo.design.reference import scene_reference, template
 
 TEMPLATE = template("mine")
 BLOCKS = TEMPLATE.split("\n\n")

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.checks.shaft import shaft_warnings, speed_range_rpm
+from cranktopo.design.checks.engine import shaft_warnings, speed_range_rpm
 from cranktopo.design.loading import designs_folder, parse_scene
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")

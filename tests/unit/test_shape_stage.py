@@ -12,11 +12,9 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
-from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.tasks.shape import stage
@@ -24,6 +22,7 @@ from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.refining import Step
 from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
 

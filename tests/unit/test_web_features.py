@@ -22,10 +22,9 @@ from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.throw.feature import Body, Feature, MirroredPrism
-from cranktopo.throw.hull import ObroundWeb
+from cranktopo.throw.feature import Body, Feature, MirroredPrism, ThrowView
+from cranktopo.throw.outline import ObroundWeb
 from cranktopo.throw.primitives import Box, FeatureDrawing, Solid, number_lines
-from cranktopo.throw.throw_view import ThrowView
 from tests.step_volume import step_volume_mm3
 from tests.unit.remodel_cases import WHOLE, known_scene, table
 

@@ -27,10 +27,9 @@ from cranktopo.bodies.cells.layers import (
 )
 from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
 from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
-from cranktopo.design.checks.sizes import check_envelope_reach
-from cranktopo.design.halves import require_equal_halves
+from cranktopo.design.checks.scene import check_envelope_reach
+from cranktopo.design.halves import envelope_asymmetry, may_mirror, require_equal_halves, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 from cranktopo.throw.web import web_bodies
 
 

@@ -25,7 +25,7 @@ from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.feature import Body
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import check_inside, kept_bodies, web_bodies, web_spans
 
 ORIGINAL_KEY = "original.file"

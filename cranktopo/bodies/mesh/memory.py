@@ -7,9 +7,8 @@ import math
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.resolution import available_memory_MiB
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.halves import halves
+from cranktopo.design.halves import halves, may_mirror, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import may_mirror, web_asymmetry
 
 # Measured from 4.2 to 1.9 mm: 16.0 to 14.9 KiB per node over 120 MiB; 25 to 12 nodes per cubed element size.
 BASE_MIB = 120.0

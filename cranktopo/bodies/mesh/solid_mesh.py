@@ -14,16 +14,14 @@ from cranktopo.base.frames import Parity, Span
 from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.throw import SolidProperties, add_full_throw, add_half_throw, solid_properties
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.halves import difference, halves
-from cranktopo.design.scale import usual_scale
+from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import may_mirror, web_asymmetry
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.tetrahedra.curving import straighten_folded
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.throw.drilling.element_sizes import size_mm, size_terms
+from cranktopo.throw.drilling.bore import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.throw.journal import FilletSection
 
 _TET10 = 11
 _GMSH_TO_STANDARD = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]

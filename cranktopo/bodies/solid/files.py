@@ -25,11 +25,9 @@ from cranktopo.bodies.solid.throw import (
     cut,
 )
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.design.checks.web import check_solid
-from cranktopo.design.halves import halves
-from cranktopo.design.scale import usual_scale
+from cranktopo.design.checks.scene import check_solid
+from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import mirror_image
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions

@@ -14,13 +14,12 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.solid.primitives import DimTags, add_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
-from cranktopo.design.checks.web import check_solid
-from cranktopo.design.halves import drilled_alike, halves, require_equal_halves
+from cranktopo.design.checks.scene import check_solid
+from cranktopo.design.halves import drilled_alike, halves, mirror_image, require_equal_halves
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import mirror_image
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import Body
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import web_bodies
 
 VOLUME_TOLERANCE = 2e-5

@@ -2,23 +2,219 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
 
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.design.checks.engine import check_engine
-from cranktopo.design.checks.free_dimensions import check_free_dimensions
-from cranktopo.design.checks.goal import check_goal
-from cranktopo.design.checks.shaft import check_shaft
-from cranktopo.design.checks.sizes import check_envelope_reach, check_proportions, check_web_extent
-from cranktopo.design.checks.supports import check_supports
-from cranktopo.design.checks.web import check_solid
+from cranktopo.design.checks.engine import check_engine, check_shaft
 from cranktopo.design.clearance import check_clearance
+from cranktopo.design.free_dimensions import check_free_dimensions
+from cranktopo.design.goal.wanted import check_goal
 from cranktopo.design.halves import halves, of_second
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillBore
-from cranktopo.throw.drilling.checks import check_across_pin
+from cranktopo.throw.drilling.checks import check_across_pin, check_apart
 from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, least_shoulder_mm
+from cranktopo.throw.journal import ROUNDING_MM, Journal
 from cranktopo.throw.web import check_inside
+
+
+def check_supports(scene: Scene) -> None:
+    """Check that the bearing stiffness is given once, and given where a spring support needs it.
+
+    Raises:
+        CranktopoError: first inconsistency found.
+    """
+    supports = scene.supports
+    given = [
+        key
+        for key in ("bearing_spring_N_per_mm", "bearing_clearance_mm", "roller_bearing")
+        if getattr(supports, key) is not None
+    ]
+    if len(given) > 1:
+        raise CranktopoError(
+            f"supports: {' and '.join(given)} each give the bearing stiffness.", hint="Keep one of them."
+        )
+    if "spring" in (supports.torsion, supports.bending) and not given:
+        raise invalid(
+            "supports.bearing_spring_N_per_mm",
+            None,
+            "must be > 0 N/mm when a support is 'spring'",
+            "Give it, or bearing_clearance_mm, or roller_bearing.",
+        )
+    if supports.bearing_clearance_mm is not None and scene.engine is None:
+        raise invalid(
+            "supports.bearing_clearance_mm",
+            supports.bearing_clearance_mm,
+            "needs an [engine]: the spring is half the largest pin force over 0.8 of the clearance",
+        )
+    _check_roller_table(scene)
+
+
+def _check_roller_table(scene: Scene) -> None:
+    bearing = scene.supports.roller_bearing
+    if bearing is None:
+        return
+    key = "supports.roller_bearing"
+    if bearing.kind == "thrust":
+        raise invalid(f"{key}.name", bearing.name, "a thrust bearing has no radial stiffness")
+    if len(bearing.reaction_N) != len(bearing.displacement_mm):
+        raise invalid(
+            f"{key}.reaction_N",
+            list(bearing.reaction_N),
+            f"must have one value per displacement ({len(bearing.displacement_mm)})",
+        )
+    for name in ("displacement_mm", "reaction_N"):
+        values = getattr(bearing, name)
+        if any(b <= a for a, b in pairwise(values)):
+            raise invalid(f"{key}.{name}", list(values), "must increase")
+
+
+_LARGEST = 50.0
+"""Largest dimension of the throw over its size, throw radius plus larger journal radius."""
+ENVELOPE = 10.0
+"""Reach of the design space over the size of the throw; counterweights need about 2."""
+_UNITS = {25.4: "inches", 1000.0: "metres", 10.0: "centimetres"}
+
+
+def _throw_size_mm(scene: Scene) -> float:
+    """Throw radius plus the larger journal radius, mm: what dimensions are compared with."""
+    throw = scene.throw
+    return throw.radius_mm + max(throw.main_journal.radius_mm, throw.crankpin.radius_mm)
+
+
+def check_proportions(scene: Scene) -> None:
+    """Check that no dimension of the throw is far from all others.
+
+    Raises:
+        CranktopoError: first one found.
+    """
+    for key, value, smallest in _dimensions(scene):
+        _check(scene, key, value, smallest)
+
+
+def check_web_extent(scene: Scene) -> None:
+    """Check that a sound web is not far larger than the throw; raises CranktopoError."""
+    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
+    _check(scene, "web (its length along the throw)", high - low, SMALLEST)
+    _check(scene, "web (half of its width)", scene.web.largest_half_width_mm, SMALLEST)
+
+
+def check_envelope_reach(scene: Scene, bounds_mm: tuple[float, float, float, float]) -> None:
+    """Check that a design space is not many times larger than the throw.
+
+    Args:
+        bounds_mm: ranges that hold the design space (x_min, x_max, y_min, y_max).
+
+    Raises:
+        CranktopoError: it is, with the unit that would explain it.
+    """
+    size = _throw_size_mm(scene)
+    reach = max(abs(bound) for bound in bounds_mm)
+    if reach <= ENVELOPE * size:
+        return
+    units = [
+        f"{unit} ({factor:g} times)" for factor, unit in _UNITS.items() if 0.5 < reach / size / factor < 4
+    ]
+    hint = f"Was it drawn in {' or '.join(units)}? " if units else ""
+    raise invalid(
+        "envelope",
+        [round(bound, 3) for bound in bounds_mm],
+        f"reaches {reach:.4g} mm from the crank axis, {reach / size:.3g} times the throw ({size:.4g} mm)",
+        f"{hint}Give it in mm.",
+    )
+
+
+def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
+    """Key, value (mm) and smallest share of every dimension of the throw; 0 stands for none."""
+    throw = scene.throw
+    yield "throw.radius_mm", throw.radius_mm, SMALLEST
+    for name, journal in (("main_journal", throw.main_journal), ("crankpin", throw.crankpin)):
+        yield f"throw.{name}.outer_diameter_mm", journal.outer_diameter_mm, SMALLEST
+        yield f"throw.{name}.bore_diameter_mm", journal.bore_diameter_mm, SMALLEST
+        yield f"throw.{name}.length_mm", journal.length_mm, SMALLEST
+        yield f"throw.{name}.fillet_mm", journal.fillet_mm, SMALLEST_FILLET
+        yield f"throw.{name}.fillet_axial_mm", journal.fillet_axial_mm or 0.0, SMALLEST_FILLET
+    for key, feature in throw.features():
+        yield from feature.dimensions_mm(key)
+    yield "web.thickness_mm", scene.web.thickness_mm, SMALLEST
+    for key, feature in scene.web.features():
+        yield from feature.dimensions_mm(key)
+
+
+def _check(scene: Scene, key: str, value: float, smallest: float) -> None:
+    size = _throw_size_mm(scene)
+    if value and not smallest * size <= value <= _LARGEST * size:
+        raise invalid(
+            key,
+            value,
+            f"must be >= {smallest * size:.3g} and <= {_LARGEST * size:.3g} mm for a throw of {size:.4g} mm "
+            "(throw radius plus journal radius)",
+            "Correct that value, or its unit.",
+        )
+
+
+def check_solid(scene: Scene) -> None:
+    """Check that the throw's dimensions describe one sound body.
+
+    Raises:
+        CranktopoError: corner larger than the web, outline that misses a journal, fillet larger than the
+            shoulder, bore through the rim, pocket outside the web, too deep, or cutting a bore, drilling that
+            breaks out.
+    """
+    web = scene.web
+    features = list(web.features())
+    web.check_outline(scene.throw.radius_mm)
+    for key, feature in features:
+        feature.check_alone(scene, key)
+    _check_journal(scene, "throw.main_journal", scene.throw.main_journal, 0.0)
+    _check_journal(scene, "throw.crankpin", scene.throw.crankpin, scene.throw.radius_mm)
+    for key, feature in features:
+        feature.check_in_web(scene, key)
+    for key, drilling in scene.throw.features():
+        drilling.check_in_web(scene, key)
+    check_apart(scene, drill_bores(scene))
+
+
+def _shoulder_mm(scene: Scene, y_mm: float) -> float:
+    """Least distance from the axis (0, y) to the edge of the web's outline, mm.
+
+    The outline is sampled at 4001 points of a cosine grid.
+    """
+    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
+    y = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2
+    half = scene.web.half_width_mm(scene.throw.radius_mm, y)
+    ends = min(y_mm - low, high - y_mm)
+    return float(min(np.hypot(half, y - y_mm).min(), ends))
+
+
+def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
+    edge = _shoulder_mm(scene, y)
+    least = least_shoulder_mm(scene.throw)
+    if edge <= 0:
+        allowed = f"does not reach around the axis of {key} at y = {y:g} mm"
+        raise invalid("web.outline", scene.web.outline, allowed, "Widen or lengthen it.")
+    if journal.bore_radius_mm >= edge - least:
+        raise invalid(
+            f"{key}.bore_diameter_mm",
+            journal.bore_diameter_mm,
+            f"breaks through the web's rim; must be smaller than {2 * (edge - least):.4g} mm",
+            "Reduce the bore or widen the web.",
+        )
+    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - least + ROUNDING_MM:
+        room = edge - least - journal.radius_mm
+        allowed = f"at most {room:.4g} mm fits" if room > 0 else "no fillet fits"
+        raise invalid(
+            f"{key}.fillet_mm",
+            journal.fillet_mm,
+            f"larger than the shoulder: the web's edge is {edge:.4g} mm from the axis, of which "
+            f"{least:.3g} mm stay, {allowed}",
+            "Reduce the fillet or widen the web.",
+        )
 
 
 def check_scene(scene: Scene) -> None:

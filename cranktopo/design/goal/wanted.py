@@ -2,11 +2,74 @@
 
 from __future__ import annotations
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
 from cranktopo.design.goal.limit import Goal, Limit, read_limits
-from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
-from cranktopo.design.goal.table import LimitsTable
+from cranktopo.design.goal.quantities import QUANTITIES, Optimiser, QuantityName, nearest_quantity
+from cranktopo.design.goal.table import GoalTable, LimitsTable
+from cranktopo.design.messages import explain, listed
 from cranktopo.design.schema import Scene
+
+_LIMIT = re.compile(r"\s*([^\s<>=!~≤≥]*)\s*(.*)", re.S)
+
+
+def with_goal(
+    scene: Scene, *, minimise: str | None = None, maximise: str | None = None, limits: Sequence[str] = ()
+) -> Scene:
+    """Return the scene with another goal or with other limits.
+
+    Args:
+        minimise, maximise: a new goal in place of the scene's, whose limits go with it.
+        limits: such as `torsion >= 100 %` or `bending none`, in place of what the scene and the goal by
+            default say of that quantity; two of one quantity are a range.
+
+    Raises:
+        CranktopoError: limits without a goal, or a goal or limit that makes no sense.
+    """
+    goals = {"minimise": minimise, "maximise": maximise}
+    table: dict[str, Any] = {key: value for key, value in goals.items() if value is not None}
+    if not table and not limits:
+        return scene
+    if not table and scene.goal is not None:
+        table = scene.goal.model_dump(exclude_none=True)
+    table["limits"] = {**table.get("limits", {}), **limits_by_quantity(limits)}
+    try:
+        goal = GoalTable.model_validate(table)
+    except ValidationError as error:
+        raise _wrong_use(explain(error, scene.name, ("goal",))) from None
+    scene = scene.model_copy(update={"goal": goal})
+    check_goal(scene)
+    return scene
+
+
+def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]:
+    """Return limits as the scene's table has them.
+
+    Raises:
+        CranktopoError: an unknown quantity.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for text in texts:
+        match = _LIMIT.fullmatch(text)
+        name, rest = match.groups() if match else ("", text)
+        if name not in QUANTITIES:
+            what = (
+                f"unknown quantity {quoted(name, 60)}" if name else "must begin with the name of a quantity"
+            )
+            message = f"limit {quoted(text)}: {what}."
+            raise CranktopoError(message, hint=nearest_quantity(name), code=ExitCode.USAGE)
+        found[name] = (*found.get(name, ()), rest.strip())
+    return {name: rest[0] if len(rest) == 1 else rest for name, rest in found.items()}
+
+
+def _wrong_use(error: CranktopoError) -> CranktopoError:
+    return CranktopoError(error.message, hint=error.hint, code=ExitCode.USAGE)
+
 
 _KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety")
 """Quantities that may not become worse than the original's unless the goal or a limit says otherwise."""
@@ -91,4 +154,88 @@ def no_safety(scene: Scene) -> str:
         return "needs material.fatigue_bending_MPa"
     if throw.main_journal.fillet_mm == 0 or throw.crankpin.fillet_mm == 0:
         return "needs fillets at both journals"
+    return ""
+
+
+def check_goal(scene: Scene) -> None:
+    """Check that the limits leave the goal its sense and that the scene can tell every quantity.
+
+    Raises:
+        CranktopoError: every inconsistency found.
+    """
+    goal = wanted(scene)
+    if goal is None:
+        return
+    problems = [*_goal_problems(scene, goal), *_limit_problems(scene, goal)]
+    if problems:
+        raise listed(problems, scene.name)
+
+
+def check_known(goal: Goal, optimiser: Optimiser) -> None:
+    """Check that an optimiser knows what it is asked for; limits that it does not know, it may leave.
+
+    Raises:
+        CranktopoError: it does not.
+    """
+    if optimiser not in QUANTITIES[goal.quantity].optimisers:
+        raise invalid(
+            f"goal.{goal.sense}",
+            goal.quantity,
+            f"the {optimiser} optimisation cannot tell the {QUANTITIES[goal.quantity].label} of a design",
+            "Choose another goal; the evaluation of its result tells it.",
+        )
+
+
+def _goal_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
+    quantity, key = QUANTITIES[goal.quantity], f"goal.{goal.sense} = '{goal.quantity}'"
+    unknown = _cannot_tell(scene, goal.quantity)
+    if unknown:
+        yield f"{key}: {quantity.label} {unknown}", "Give what it needs, or choose another goal."
+    if any(not limit.assumed for limit in goal.limits_of(goal.quantity)):
+        yield (
+            f"{_written(scene, goal.quantity)}: the goal itself makes it as {quantity.better} as the other "
+            "limits allow",
+            "Leave this limit out, or choose another goal.",
+        )
+    held = goal.load_cases or any(limit.quantity == "fatigue_safety" for limit in goal.limits)
+    if quantity.better == "low" and not held:
+        yield (
+            f"{key}: no limit asks for a stiffness, and no web at all would be best",
+            "Limit torsion or bending.",
+        )
+
+
+def _limit_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
+    for name in dict.fromkeys(limit.quantity for limit in goal.limits if not limit.assumed):
+        unknown = _cannot_tell(scene, name)
+        if unknown:
+            case = QUANTITIES[name].load_case
+            instead = f"limit {case} instead" if case else "leave this limit out"
+            yield (
+                f"{_written(scene, name)}: {QUANTITIES[name].label} {unknown}",
+                f"Give what it needs, or {instead}.",
+            )
+
+
+def _written(scene: Scene, name: QuantityName) -> str:
+    """Return a limit as the scene gives it."""
+    assert scene.goal is not None
+    return f"goal.limits.{name} = {quoted(getattr(scene.goal.limits, name))}"
+
+
+def _cannot_tell(scene: Scene, name: QuantityName) -> str:
+    """Why the scene does not give a quantity its size; empty where it does."""
+    if not QUANTITIES[name].engine_load:
+        return ""
+    return no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)
+
+
+def _no_load(scene: Scene, case: str) -> str:
+    """Why a load case carries a unit load; empty where the engine gives its size."""
+    if scene.engine is None:
+        return "needs an [engine]: without one the load is a unit load"
+    given = scene.engine.max_gas_force_N if case == "bending" else scene.engine.max_torque_Nm
+    key = "max_gas_force_N" if case == "bending" else "max_torque_Nm"
+    if scene.engine.gas is None and given is None:
+        return f"needs [engine.gas] or engine.{key}: without them the load is a unit load"
     return ""

@@ -17,7 +17,7 @@ from cranktopo.bodies.web_moments import bolted_mass, counterweight_mass, web_mo
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.moments import Moments
 
 

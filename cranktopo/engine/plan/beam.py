@@ -23,7 +23,7 @@ from cranktopo.engine.torsional_stiffness import (
     equivalent_beam,
     throw_torsion_rad_per_Nmm,
 )
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 
 _SHEAR_RING = 0.5  # shear coefficient of a hollow circular section (thin ring; 0.9 for a solid one)
 _SHEAR_RECTANGLE = 5 / 6

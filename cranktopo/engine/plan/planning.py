@@ -8,8 +8,8 @@ from functools import lru_cache, partial
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.goal.limit import Goal
+from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetry
 from cranktopo.design.schema import Effects, Scene
-from cranktopo.design.symmetry import envelope_asymmetry, may_mirror, web_asymmetry
 from cranktopo.engine.gas import FileState, file_state
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.plan import load_rules, structure_rules, vibration_rule

@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
-from cranktopo.design.checks.shaft import is_damped, speed_range_rpm
+from cranktopo.design.checks.engine import is_damped, speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import analyse

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.checks.shaft import shaft_warnings
+from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.run_up import RunUp, run_up
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent

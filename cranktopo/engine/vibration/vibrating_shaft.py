@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.checks.shaft import speed_range_rpm
+from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.steady import (

@@ -18,7 +18,7 @@ from cranktopo.cli.parameters import CELL_MM
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.one_web import WebName
+    from cranktopo.design.loading import WebName
 
 
 @click.command("bound")
@@ -45,8 +45,7 @@ def command(
 
     Example: cranktopo bound mikron-iiic --maximise torsion --limit "mass <= 95 %"
     """
-    from cranktopo.design.loading import load_scene
-    from cranktopo.design.one_web import one_web
+    from cranktopo.design.loading import load_scene, one_web
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.bound.text import bound_summary
 

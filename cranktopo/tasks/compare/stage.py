@@ -12,8 +12,7 @@ from cranktopo.bodies.solid.half_surfaces import half_surfaces
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
-from cranktopo.design.halves import difference, halves
-from cranktopo.design.scale import usual_scale
+from cranktopo.design.halves import difference, halves, usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.cases import load_cases

@@ -8,8 +8,7 @@ from pathlib import Path
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
 from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
 from cranktopo.bodies.envelope_file import symmetrised
-from cranktopo.design.checks.goal import check_known
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import check_known, wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LoadCase

@@ -55,7 +55,7 @@ def copy_command(design: str, file: Path, force: bool) -> None:
     Example: cranktopo designs copy mikron-iiic my-engine.toml
     """
     from cranktopo.base.files import write_text
-    from cranktopo.design.copying import copy_of
+    from cranktopo.design.writing import copy_of
     from cranktopo.runs.destination import check_file
 
     check_file(file, "file", (".toml",), replace=force)
@@ -79,7 +79,7 @@ def pair_command(design: str, file: Path, first: str | None, second: str | None,
     Example: cranktopo designs pair two-webs.toml pair.toml --first runs/one --second runs/other
     """
     from cranktopo.base.files import write_text
-    from cranktopo.design.pairing import pair_text
+    from cranktopo.design.writing import pair_text
     from cranktopo.runs.destination import check_file
     from cranktopo.tasks.designs.run_webs import parametric_scene, web_target
 
@@ -103,9 +103,9 @@ def new_command(file: Path, name: str | None, force: bool) -> None:
     Example: cranktopo designs new my-engine.toml
     """
     from cranktopo.base.files import write_text
-    from cranktopo.design.copying import design_name
     from cranktopo.design.loading import parse_scene
-    from cranktopo.design.template import template
+    from cranktopo.design.reference import template
+    from cranktopo.design.writing import design_name
     from cranktopo.runs.destination import check_file
 
     check_file(file, "file", (".toml",), replace=force)

@@ -13,10 +13,9 @@ from pydantic import Field
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import read_json
 from cranktopo.base.result import Result
-from cranktopo.design.loading import builtin_designs, load_scene
-from cranktopo.design.of_run import design_from_run
-from cranktopo.design.one_web import WebName, one_web
+from cranktopo.design.loading import WebName, builtin_designs, load_scene, one_web
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import design_from_run
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
 from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
 

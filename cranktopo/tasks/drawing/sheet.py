@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.reproducible import time_of_writing
+from cranktopo.design.halves import web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import web_asymmetry
 from cranktopo.engine.balance.throw import ThrowBalance
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section

@@ -7,9 +7,8 @@ from pathlib import Path
 from cranktopo.base.files import replacing
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.bodies.solid.half_surfaces import half_surfaces
-from cranktopo.design.halves import difference, halves
+from cranktopo.design.halves import difference, halves, mirror_image
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import mirror_image
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.drawing.sheet import write_drawing

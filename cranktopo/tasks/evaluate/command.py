@@ -17,7 +17,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options, web_option
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.one_web import WebName
+    from cranktopo.design.loading import WebName
     from cranktopo.tasks.evaluate.sensitivities import Sensitivities
 
 

@@ -10,9 +10,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json
 from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.design.free_dimensions import own_dimension_mm
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.one_web import WebName
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
+from cranktopo.design.loading import WebName
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
@@ -30,6 +29,7 @@ from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.start import scene_start
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _COARSER = 2.0
 """Elements over the default size of an evaluation: relative changes differ by about 0.01 % per mm."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.throw.journal import FilletSection
 
 Fillet = Literal["journal", "pin"]
 _OFF_MM = 1e-4

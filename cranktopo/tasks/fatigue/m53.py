@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from cranktopo.design.checks.free_dimensions import M53_FILLET
+from cranktopo.design.free_dimensions import M53_FILLET
 
 LEAST_FACTOR = 1.15
 """Least acceptability factor."""

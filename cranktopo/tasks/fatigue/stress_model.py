@@ -14,8 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
-from cranktopo.design.halves import halves
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises

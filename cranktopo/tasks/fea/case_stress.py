@@ -9,8 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s
-from cranktopo.design.halves import require_equal_halves
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm, require_equal_halves
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises

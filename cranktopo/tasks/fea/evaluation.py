@@ -16,8 +16,7 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.assumed import EVALUATED, Assumption, filter_by_table
-from cranktopo.design.halves import halves, of_halves
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.numerics.tetrahedra.elasticity import Order
 from cranktopo.tasks.fea.evaluation import RATIO, MeshResult, evaluate_on_mesh
 from cranktopo.tasks.fea.level import BENDING, EVALUATION, TORSION, Level, PlannedLevel

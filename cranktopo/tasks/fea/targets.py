@@ -19,8 +19,8 @@ from cranktopo.design.assumed import (
     stored_assumptions,
 )
 from cranktopo.design.loading import builtin_designs, load_scene
-from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.directories import RunStore, open_run, runs_named

@@ -10,7 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
-from cranktopo.throw.fillet import ASPECT, FilletSection
+from cranktopo.throw.journal import ASPECT, FilletSection
 
 _FIT_MM = 1e-3
 """Largest distance of a face's points from a circle or ellipse turned about the axis of a journal."""

@@ -20,7 +20,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.throw.geometry import Journal
+from cranktopo.throw.journal import Journal
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

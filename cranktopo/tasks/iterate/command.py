@@ -26,7 +26,7 @@ from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.one_web import WebName
+    from cranktopo.design.loading import WebName
 
 
 @click.command("iterate")
@@ -94,8 +94,7 @@ def command(
     if resume:
         done = continue_loop(resume, info)
     else:
-        from cranktopo.design.loading import design_text, load_scene
-        from cranktopo.design.one_web import one_web
+        from cranktopo.design.loading import design_text, load_scene, one_web
 
         name = design or DEFAULT_DESIGN
         scene = one_web(load_scene(name, whole=True), web)

@@ -11,9 +11,8 @@ from cranktopo.base.files import write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene
-from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.report.report_file import REPORT, write_report

@@ -9,10 +9,9 @@ from typing import Any, NamedTuple
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import clearly_more
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
-from cranktopo.design.goal.changing import with_goal
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run

@@ -29,7 +29,7 @@ from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice, Number
 from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.one_web import WebName
+    from cranktopo.design.loading import WebName
     from cranktopo.design.schema import Scene
     from cranktopo.tasks.density.problem import DensityProblem
     from cranktopo.tasks.density.state import State
@@ -134,8 +134,7 @@ def _scene(
         raise click.UsageError(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
         )
-    from cranktopo.design.loading import load_scene
-    from cranktopo.design.one_web import one_web
+    from cranktopo.design.loading import load_scene, one_web
     from cranktopo.tasks.optimise.stage import with_cells_for
 
     evaluated = False if no_evaluation else None

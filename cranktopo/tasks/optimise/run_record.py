@@ -14,8 +14,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.density_grid import DensityGrid
-from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import design_from_run
 from cranktopo.engine.analysis import LoadAnalysis, analyse
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.precision import double_precision

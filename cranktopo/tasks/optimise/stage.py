@@ -25,9 +25,8 @@ from cranktopo.design.assumed import (
 )
 from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.wanted import wanted
-from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint

@@ -38,7 +38,7 @@ def command(
         assumed_text,
         assumptions,
     )
-    from cranktopo.design.checks.shaft import shaft_warnings
+    from cranktopo.design.checks.engine import shaft_warnings
     from cranktopo.design.goal.limit import goal_text
     from cranktopo.design.goal.outcome import stated_goal
     from cranktopo.design.goal.wanted import wanted

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import named_parts
-from cranktopo.throw.drilling.walls import drilling_rules
+from cranktopo.throw.drilling.table import drilling_rules
 from cranktopo.throw.feature import least_shoulder_mm
 from cranktopo.throw.fitted import (
     CLEAR_MM,
@@ -22,7 +21,8 @@ from cranktopo.throw.fitted import (
     shoulder_rule,
     wall_rule,
 )
-from cranktopo.throw.flank import Flank
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.profile import Flank
 
 _NamedBox = tuple[str, Array]
 

@@ -22,7 +22,7 @@ from cranktopo.throw.counterweight.tangent_circle import (
     tangent_circle,
 )
 from cranktopo.throw.fitted import CLEAR_MM, Axes, Rule
-from cranktopo.throw.flank import flank_half_width_mm
+from cranktopo.throw.profile import flank_half_width_mm
 
 _STEP = 1e-6
 """Step of central differences of the half-width by its stations, mm."""

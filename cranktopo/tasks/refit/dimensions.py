@@ -16,12 +16,12 @@ from cranktopo.design.free_dimensions import (
     own_dimension_mm,
     with_dimensions,
 )
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout, bounds
 from cranktopo.throw.feature import least_shoulder_mm
-from cranktopo.throw.fillet import ASPECT
 from cranktopo.throw.fitted import CLEAR_MM, JOURNALS, FittedFeature, Rule, wall_rule
+from cranktopo.throw.journal import ASPECT
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _DECIMALS = 2
 _LEAST_BORE, _FIRST_BORE = 0.05, 0.3

@@ -11,10 +11,10 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.throw.fitted import LEAST_MM, FittedFeature, Frame, Named
-from cranktopo.throw.flank import Flank, flank_through, largest_half_width_mm
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.profile import Flank, flank_through, largest_half_width_mm
 
 DECIMALS = 2
 """Of the dimensions in a scene, mm and degrees; the constraints keep as much clear."""

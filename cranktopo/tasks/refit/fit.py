@@ -11,9 +11,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first
 from cranktopo.base.reproducible import SEED
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import bounds, web_of
 from cranktopo.tasks.refit.residual_regions import ResidualRegion, residual_regions
@@ -27,6 +26,7 @@ from cranktopo.tasks.refit.usual_size import (
     usual_limits,
 )
 from cranktopo.tasks.refit.voxel_fill import VoxelFill, voxel_fill
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

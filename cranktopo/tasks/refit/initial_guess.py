@@ -10,7 +10,7 @@ from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import Layout, flank_of, station_shares
 from cranktopo.tasks.refit.model_fill import added_mm
 from cranktopo.tasks.refit.search import FitProblem
-from cranktopo.throw.flank import flank_half_width_mm
+from cranktopo.throw.profile import flank_half_width_mm
 
 _TYPICAL = 0.75
 """Quantile over the height at which a lateral extent counts: pockets and bevels narrow some sections."""

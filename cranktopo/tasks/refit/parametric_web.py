@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import is_of_counterweight
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.derivatives import central_difference, complex_step
 from cranktopo.tasks.refit.constraints import outline_rules, part_rules
@@ -19,6 +18,7 @@ from cranktopo.tasks.refit.dimensions import all_bounds, scene_at, size_rules
 from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
 from cranktopo.throw.fitted import Axes, Rule
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _DIFFERENCE = 1e-6
 """Step of the derivatives of walls by dimensions of the throw, mm or degrees."""

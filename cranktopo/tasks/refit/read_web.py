@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName
-from cranktopo.design.scale import usual_scale
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import DECIMALS, Layout, flank_of, station_shares, surroundings_of
 from cranktopo.throw.feature import Feature

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from cranktopo.base.result import UNLESS_NONE, Result
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.residual_regions import ResidualRegion
 from cranktopo.tasks.refit.select import FitTrial
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _Point = tuple[float, float, float]
 

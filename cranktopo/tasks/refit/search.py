@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.slsqp import minimise
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.voxel_fill import VoxelFill
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _TOLERANCE = 1e-4
 _FLAT = 1e-8

@@ -11,10 +11,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.solid.files import export_solid, surface_of
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
-from cranktopo.design.writing import toml_text
+from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.plan.simulated import without
 from cranktopo.numerics.surfaces.files import as_stored, write_stl
@@ -44,6 +42,7 @@ from cranktopo.tasks.refit.result import (
 )
 from cranktopo.tasks.refit.shape_error import ShapeError, shape_error
 from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 
 def remodel_run(

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.residual_regions import ResidualRegion
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _DIGITS = 6
 

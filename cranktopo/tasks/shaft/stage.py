@@ -13,7 +13,7 @@ from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.plan.planning import plan

@@ -26,7 +26,7 @@ from cranktopo.cli.options import (
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.one_web import WebName
+    from cranktopo.design.loading import WebName
 
 
 @click.command("shape")

@@ -11,7 +11,6 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.progress import Json
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
@@ -20,6 +19,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.free_bores import kept_features
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 
 class MeshedWebs:

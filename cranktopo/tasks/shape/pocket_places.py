@@ -13,9 +13,8 @@ from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.shape.search import SearchResult
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import WebModel
-from cranktopo.throw.box_pocket import FittedBox
+from cranktopo.throw.face_pocket import FittedBox, FittedPocket
 from cranktopo.throw.fitted import FittedFeature
-from cranktopo.throw.fitted_pocket import FittedPocket
 
 _SIZES = (0.4, 0.25), (0.6, 0.5)
 """Edge and depth of first pockets over the web's thickness: a search from the smaller one may close it where

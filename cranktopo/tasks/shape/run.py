@@ -23,13 +23,10 @@ from cranktopo.design.assumed import (
 )
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import require_goal
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
-from cranktopo.design.new_run import new_run
-from cranktopo.design.of_run import design_from_run
-from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.design.writing import toml_text
+from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
@@ -53,6 +50,7 @@ from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint
-from cranktopo.design.scale import usual_scale
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.parametric_web import ParametricWeb

@@ -17,7 +17,6 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers
 from cranktopo.tasks.refit.dimensions import with_free
@@ -35,6 +34,7 @@ from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, sha
 from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _SETTLED = 2e-3
 """Gain in the goal, over the original's, that is worth an evaluation beside a web that keeps the limits."""

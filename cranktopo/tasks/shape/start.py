@@ -17,13 +17,13 @@ from cranktopo.design.free_dimensions import (
     journal_of,
     own_dimension_mm,
 )
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import station_shares
 from cranktopo.tasks.refit.read_web import WebRead, read_web
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 
 STATIONS = 7

@@ -20,7 +20,7 @@ from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.drilling.table import drill_bores
-from cranktopo.throw.fillet import FilletSection
+from cranktopo.throw.journal import FilletSection
 
 _DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""

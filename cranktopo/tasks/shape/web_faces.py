@@ -30,7 +30,7 @@ from cranktopo.tasks.shape.throw_faces import (
 )
 from cranktopo.throw.counterweight.tangent_circle import flank_directions
 from cranktopo.throw.fitted import FittedFeature
-from cranktopo.throw.flank import Flank
+from cranktopo.throw.profile import Flank
 
 _SAMPLES = 24
 """Places per piece of the outline among which the search for the nearest begins."""

@@ -17,7 +17,6 @@ from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.web_moments import bolted_mass
-from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
@@ -31,6 +30,7 @@ from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.free_bores import FreeBores, domain_without_free_bores
 from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _TOLERANCE = 1e-5
 """Relative residual of the search; the error of a compliance is its square."""

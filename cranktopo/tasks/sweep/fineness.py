@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.error_target import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from cranktopo.design.goal.changing import limits_by_quantity, with_goal
+from cranktopo.design.goal.wanted import limits_by_quantity, with_goal
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.tasks.sweep.variation import Variation, read_text
 

@@ -10,15 +10,16 @@ from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, sug
 from cranktopo.base.reproducible import SEED
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import (
+    check_keys,
     design_text,
     load_scene,
     parse_toml,
     resolve_design,
     scene_from_dict,
     with_resolved_files,
+    with_value,
 )
 from cranktopo.design.schema import Scene
-from cranktopo.design.varying import check_keys, with_value
 from cranktopo.tasks.fea.stage import MeshRequest
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.goal_sweep import varied_limits, with_goal_tables

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import input_files, scene_from_dict
+from cranktopo.design.loading import input_files, scene_from_dict, with_value
 from cranktopo.design.schema import Scene
-from cranktopo.design.varying import with_value
 from cranktopo.runs.manifest import file_hash, settings_hash
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.files import write_json, write_text
-from cranktopo.design.new_run import new_run
-from cranktopo.design.varying import value_at
+from cranktopo.design.loading import value_at
+from cranktopo.design.writing import new_run
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind

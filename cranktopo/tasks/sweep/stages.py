@@ -119,7 +119,7 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
-    from cranktopo.design.goal.changing import with_goal
+    from cranktopo.design.goal.wanted import with_goal
     from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 

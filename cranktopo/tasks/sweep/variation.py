@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
-from cranktopo.design.varying import key_parts
+from cranktopo.design.loading import key_parts
 
 Value = str | float | int | bool
 STAGE = "stage"

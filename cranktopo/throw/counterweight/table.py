@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -14,8 +14,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import Length
-from cranktopo.throw.counterweight.corner_fillet import CornerFillet
-from cranktopo.throw.counterweight.sector import Sector
+from cranktopo.throw.counterweight.sector import CornerFillet, Sector
 from cranktopo.throw.counterweight.tangent_circle import (
     OutlineSection,
     TangentCircle,
@@ -29,12 +28,10 @@ from cranktopo.throw.feature import (
     Face,
     Feature,
     Reach,
+    ThrowView,
     least_shoulder_mm,
 )
 from cranktopo.throw.primitives import FeatureDrawing, number_lines
-
-if TYPE_CHECKING:
-    from cranktopo.throw.throw_view import ThrowView
 
 LEAST_HALF_ANGLE_DEG = 5.0
 _NO_CORNER_MM = 1e-6

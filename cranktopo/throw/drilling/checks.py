@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +13,9 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
 from cranktopo.throw.drilling.ends import DrillingEnd
 from cranktopo.throw.drilling.outlet_ring import ring_points
-from cranktopo.throw.feature import Body, least_shoulder_mm
+from cranktopo.throw.feature import Body, ThrowView, least_shoulder_mm
+from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import web_bodies
-
-if TYPE_CHECKING:
-    from cranktopo.throw.throw_view import JournalView, ThrowView
 
 Ends = tuple[tuple[str, DrillingEnd], tuple[str, DrillingEnd]]
 """Ends of a drilling with their keys."""
@@ -39,7 +36,7 @@ def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outle
         CranktopoError: first inconsistency found, with its key.
     """
     for name, end in ends:
-        journal: JournalView = getattr(scene.throw, end.journal_key)
+        journal: Journal = getattr(scene.throw, end.journal_key)
         if end.in_bore and not journal.bore_diameter_mm:
             allowed = f"throw.{end.journal_key} has no bore (bore_diameter_mm = 0)"
             raise invalid(f"{key}.{name}.on", end.on, allowed, f"Write '{end.journal_key}', or give a bore.")
@@ -164,7 +161,7 @@ def _over_fillet_mm(scene: ThrowView, bore: DrillBore, outlet: DrillOutlet) -> f
     return float((toward * z).max() - limit)
 
 
-def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[JournalView, int, float]:
+def _end_of(scene: ThrowView, outlet: DrillOutlet) -> tuple[Journal, int, float]:
     """Return a journal, on which side of it the web lies, and the height of that face."""
     start, end = scene.web_z_mm
     if outlet.journal == "main_journal":

@@ -19,8 +19,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
 from cranktopo.throw.drilling.outlet_ring import ring_points
 from cranktopo.throw.drilling.table import drill_bores
+from cranktopo.throw.feature import ThrowView
 from cranktopo.throw.moments import Moments, integrate
-from cranktopo.throw.throw_view import ThrowView
 
 Part = Literal["main_journal", "web", "crankpin"]
 PARTS: tuple[Part, ...] = "main_journal", "web", "crankpin"

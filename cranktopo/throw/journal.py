@@ -1,0 +1,144 @@
+"""Journals and the sections of their fillets: a quarter of an ellipse, by default of a circle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import invalid
+from cranktopo.base.table import Length, LengthOrZero, SceneTable
+
+ASPECT = (0.5, 2.5)
+"""Axial over radial semi-axis: beyond, one end of the arc is nearly a sharp edge."""
+
+
+@dataclass(frozen=True)
+class FilletSection:
+    """Quarter of an ellipse that is tangent to the journal's cylinder and to the web's face.
+
+    Attributes:
+        radial_mm: semi-axis outward from the journal, the height on the web's face; 0 is a sharp edge.
+        axial_mm: semi-axis along the crank, the length on the journal.
+    """
+
+    radial_mm: float
+    axial_mm: float
+
+    @property
+    def round(self) -> bool:
+        """True if it is a circle."""
+        return self.radial_mm == self.axial_mm
+
+    @property
+    def shorter_mm(self) -> float:
+        """Shorter semi-axis, mm."""
+        return min(self.radial_mm, self.axial_mm)
+
+    @property
+    def least_radius_mm(self) -> float:
+        """Smallest radius of curvature, at the end of the longer semi-axis, mm."""
+        longer = max(self.radial_mm, self.axial_mm)
+        return self.shorter_mm * (self.shorter_mm / longer) if longer else 0.0
+
+    @property
+    def mean_mm(self) -> float:
+        """Mean semi-axis, mm; the arc is within 4 % as long as that of a circle of this radius."""
+        return (self.radial_mm + self.axial_mm) / 2
+
+    @property
+    def flattening(self) -> float:
+        """Radial over axial semi-axis: the factor on lengths along the crank that makes it a circle."""
+        return self.radial_mm / self.axial_mm if self.axial_mm else 1.0
+
+    def off_mm(self, across_mm: Array, height_mm: Array) -> Array:
+        """Distance from the whole ellipse with lengths along the crank stretched till it is a circle, mm.
+
+        Args:
+            across_mm: from the centre, outward from the journal's axis.
+            height_mm: from the centre, along the crank.
+        """
+        return np.asarray(np.hypot(across_mm, height_mm * self.flattening) - self.radial_mm)
+
+    def __str__(self) -> str:
+        if self.round:
+            return f"R{self.radial_mm:g}"
+        return f"ellipse {self.radial_mm:g} radial x {self.axial_mm:g} axial"
+
+
+ROUNDING_MM = 1e-9
+"""The largest dimension that a message names must itself be accepted."""
+
+
+class Journal(SceneTable):
+    """A main journal or crankpin: a cylinder with an axial bore (0 = solid) and a fillet (0 = sharp)."""
+
+    outer_diameter_mm: Length = Field(examples=[42.0])
+    """Outer diameter."""
+    bore_diameter_mm: LengthOrZero = 0.0
+    """Diameter of the axial bore, which runs on through the web; 0 = solid."""
+    length_mm: Length = Field(examples=[38.0])
+    """Full length between the webs; the half throw has half of it."""
+    fillet_mm: LengthOrZero = 0.0
+    """Radius of the fillet to the web; 0 = sharp. Smaller than half the length."""
+    fillet_axial_mm: Length | None = Field(default=None, examples=[4.0])
+    """Makes the fillet an ellipse: its semi-axis along the crank, `fillet_mm` being that on the web's face;
+    0.5 to 2.5 times `fillet_mm` and smaller than half the length. Left out, the fillet is round."""
+
+    @property
+    def radius_mm(self) -> float:
+        """Outer radius, mm."""
+        return self.outer_diameter_mm / 2
+
+    @property
+    def fillet(self) -> FilletSection:
+        """Section of its fillets."""
+        axial = self.fillet_mm if self.fillet_axial_mm is None else self.fillet_axial_mm
+        return FilletSection(self.fillet_mm, axial)
+
+    @property
+    def bore_radius_mm(self) -> float:
+        """Bore radius, mm (0 = solid)."""
+        return self.bore_diameter_mm / 2
+
+    def check(self, key: str) -> None:
+        """Refuse dimensions that give no journal.
+
+        Raises:
+            CranktopoError: first inconsistency found.
+        """
+        if self.bore_diameter_mm >= self.outer_diameter_mm:
+            raise invalid(
+                f"{key}.bore_diameter_mm",
+                self.bore_diameter_mm,
+                f"must be smaller than {key}.outer_diameter_mm = {self.outer_diameter_mm:g} mm",
+                "Use 0 for a solid journal.",
+            )
+        self._check_fillet(key)
+
+    def _check_fillet(self, key: str) -> None:
+        fillet, given = self.fillet, self.fillet_axial_mm is not None
+        key = f"{key}.fillet_axial_mm" if given else f"{key}.fillet_mm"
+        low, high = (share * fillet.radial_mm for share in ASPECT)
+        if given and not fillet.radial_mm:
+            raise invalid(
+                key,
+                fillet.axial_mm,
+                "an ellipse needs both semi-axes, and fillet_mm = 0",
+                "Give fillet_mm, too.",
+            )
+        if given and not low - ROUNDING_MM <= fillet.axial_mm <= high + ROUNDING_MM:
+            raise invalid(
+                key,
+                fillet.axial_mm,
+                f"must be >= {low:.4g} and <= {high:.4g} mm, {ASPECT[0]:g} to {ASPECT[1]:g} times "
+                f"fillet_mm = {fillet.radial_mm:g} mm",
+            )
+        if fillet.axial_mm >= self.length_mm / 2:
+            raise invalid(
+                key,
+                fillet.axial_mm,
+                f"must be smaller than half the journal's length ({self.length_mm / 2:g} mm)",
+            )
