@@ -15,8 +15,7 @@ from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
-from cranktopo.throw.drilling.bore import DrillOutlet, across
-from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.outlet import DrillOutlet, across, ring_points
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
 from cranktopo.throw.journal import Journal

@@ -49,13 +49,9 @@ class Assumption:
 
 
 def assumptions(scene: Scene, tables: Sequence[str]) -> tuple[Assumption, ...]:
-    """Values that a scene as it was read does not give and a command nevertheless uses.
+    """Return the values that a scene as it was read does not give and a command nevertheless uses.
 
     A scene that was read back from a run has every key: ask before it is stored.
-
-    Args:
-        tables: which parts of the scene are used, of `THROW`, `LOADS`, `SUPPORTS`, `ENVELOPE`, `FATIGUE`,
-            `GOAL`.
     """
     found: list[Assumption] = []
     for table in tables:
@@ -109,7 +105,6 @@ def assumed_json(found: Sequence[Assumption]) -> list[dict[str, Any]]:
 
 
 def _limits(scene: Scene) -> Iterator[Assumption]:
-    """Yield the limits that a goal brings by default."""
     goal = wanted(scene)
     for limit in goal.limits if goal is not None else ():
         if limit.assumed:

@@ -25,12 +25,7 @@ _DIRECTIONS, _CRANK_ANGLES = 721, 1441
 
 @dataclass(frozen=True)
 class ClearanceLimit:
-    """The largest radius of the web in each direction.
-
-    Attributes:
-        angle_rad: from the direction of the crankpin, 0 to half a turn; both sides are alike.
-        radius_mm: from the crank axis.
-    """
+    """The largest radius of the web in each direction from the crankpin's, 0 to half a turn on either side."""
 
     angle_rad: Array
     radius_mm: Array
@@ -95,12 +90,7 @@ def clearances_text(clearances_mm: Mapping[str, float]) -> str:
 
 
 def check_clearance(scene: Scene) -> None:
-    """Check that web and counterweight of the scene keep the clearances.
-
-    Raises:
-        CranktopoError: the piston's clearance without an engine, a skirt longer than there is room for it, or
-            a part of the web that reaches too far.
-    """
+    """Check that web and counterweight of the scene keep the clearances."""
     clearance = scene.envelope.clearance if scene.envelope else None
     if clearance is None:
         return
@@ -144,7 +134,6 @@ def _check_piston(scene: Scene, skirt_mm: float, gap_mm: float) -> None:
 
 @lru_cache(maxsize=8)
 def _limits(scene: Scene, with_gap: bool) -> dict[str, ClearanceLimit]:
-    """Return the limits by what is in the way."""
     clearance = scene.envelope.clearance if scene.envelope else None
     found: dict[str, ClearanceLimit] = {}
     if clearance is None:

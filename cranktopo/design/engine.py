@@ -264,9 +264,7 @@ class Engine(SceneTable):
 
         Given throws of a four-stroke engine leave open in which of two turns a cylinder fires: those after
         some place of the firing order fire in the second; the place with the most even intervals counts.
-
-        Raises:
-            CranktopoError: the throws do not reach top dead centre in the firing order.
+        Throws that do not reach top dead centre in the firing order are refused.
         """
         count = len(self.order)
         if not self.arranged.throw_angles_deg:
@@ -300,5 +298,4 @@ class Engine(SceneTable):
 
 
 def _unevenness(fires_deg: Sequence[float], cycle_deg: float) -> float:
-    """Sum of the squared intervals between firings over a cycle."""
     return sum((b - a) ** 2 for a, b in pairwise([*fires_deg, fires_deg[0] + cycle_deg]))

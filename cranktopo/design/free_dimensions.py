@@ -94,11 +94,7 @@ def is_axial(name: DimensionName) -> bool:
 
 
 def with_dimensions(scene: Scene, values: Mapping[DimensionName, float]) -> Scene:
-    """The scene with other dimensions, not checked; the pitch stays, the main journal gives way to the web.
-
-    Args:
-        values: mm or degrees, by name.
-    """
+    """Return the scene with other dimensions, mm or deg, not checked; the main journal keeps the pitch."""
     if not values:
         return scene
     throw, web = scene.throw, scene.web
@@ -124,11 +120,7 @@ M53_FILLET = (0.03, 0.13)
 
 
 def check_free_dimensions(scene: Scene) -> None:
-    """Check every range of `[shape.free]`.
-
-    Raises:
-        CranktopoError: first range that cannot be.
-    """
+    """Check every range of `[shape.free]`."""
     for name in DIMENSIONS:
         found = free_range_mm(scene, name)
         if found is None:
@@ -215,7 +207,6 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
 
 
 def _stays_round(scene: Scene, name: DimensionName) -> bool:
-    """Tell whether the axial semi-axis of a fillet follows its radius."""
     return free_range_mm(scene, AXIAL[name]) is None and journal_of(scene, name).fillet_axial_mm is None
 
 

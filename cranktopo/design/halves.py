@@ -59,11 +59,7 @@ def drilled_alike(half: Scene) -> Scene:
 
 
 def require_equal_halves(scene: Scene) -> None:
-    """Refuse a throw whose halves differ, for what models half of it.
-
-    Raises:
-        CranktopoError: they do.
-    """
+    """Refuse a throw whose halves differ, for what models half of it."""
     key = difference(scene)
     if key:
         raise CranktopoError(
@@ -132,11 +128,7 @@ def mirror_image(scene: Scene) -> Scene:
 
 
 def may_mirror(scene: Scene, asymmetry: str) -> bool:
-    """Tell whether x = 0 may serve as a mirror: nothing is asymmetric and the scene does not forbid it.
-
-    Args:
-        asymmetry: what `web_asymmetry` or `envelope_asymmetry` found; empty for nothing.
-    """
+    """Tell whether x = 0 may serve as a mirror: no asymmetry was found and the scene does not forbid it."""
     return not asymmetry and scene.effects.lateral_symmetry != "off"
 
 

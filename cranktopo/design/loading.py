@@ -26,9 +26,6 @@ def with_value(data: dict[str, Any], key: str, value: object) -> dict[str, Any]:
     """Return the tables of a scene with a value at a key path such as `web.pocket[0].diameter_mm`.
 
     A table that is not there yet is made; an entry of an array must be there.
-
-    Raises:
-        CranktopoError: no key path, or one through a value that is no table, or an entry that is missing.
     """
     return _changed(data, key_parts(key), value, key)
 
@@ -44,11 +41,7 @@ def value_at(data: Any, key: str) -> Any:
 
 
 def check_keys(data: dict[str, Any], source: str) -> None:
-    """Refuse keys that no scene has; values are not looked at.
-
-    Raises:
-        CranktopoError: unknown keys, each with the nearest one that there is.
-    """
+    """Refuse keys that no scene has; values are not looked at."""
     try:
         Scene.model_validate(data)
     except ValidationError as error:
@@ -95,16 +88,10 @@ WebName = Literal["first", "second"]
 
 
 def one_web(scene: Scene, web: WebName | None) -> Scene:
-    """The throw that has a web of a scene twice, with its journals; the scene itself where halves are alike.
+    """Return the throw that has one web of a scene twice; the scene itself where its halves are alike.
 
-    A drilling in that half alone has a mirror image there.
-
-    Args:
-        web: which one; must be given where the halves differ, and only there.
-
-    Raises:
-        CranktopoError: it is missing, there is nothing to choose, a body from CAD stands for the original, or
-            the half is no throw of its own.
+    A drilling in that half alone has a mirror image there. The web must be given where the halves differ, and
+    only there.
     """
     key = difference(scene)
     if web is None and key:
@@ -161,11 +148,7 @@ def builtin_designs() -> list[str]:
 
 
 def resolve_design(design: str) -> Path:
-    """Path of a design given as a TOML path or a built-in name.
-
-    Raises:
-        CranktopoError: neither a file nor a built-in design.
-    """
+    """Return the path of a design given as a TOML path or a built-in name."""
     if os.path.exists(design) and not os.path.isdir(design):
         return Path(design)
     if design in builtin_designs():
@@ -185,14 +168,7 @@ def resolve_design(design: str) -> Path:
 
 
 def design_text(design: str) -> str:
-    """Text of a design.
-
-    Args:
-        design: TOML path or name of a built-in design.
-
-    Raises:
-        CranktopoError: no such design, or none that can be read.
-    """
+    """Return the text of a design given as a TOML path or a built-in name."""
     path = resolve_design(design)
     kind = _GEOMETRY.get(path.suffix.lower())
     text = "" if kind else read_text_file(path, f"design {quoted(str(path), 400)}")
@@ -212,16 +188,10 @@ def design_text(design: str) -> str:
 def parse_scene(
     text: str, source: str = "scene", folder: Path | None = None, *, whole: bool = False
 ) -> Scene:
-    """Return a validated scene from TOML text.
+    """Return a validated scene from TOML text; source and `whole` as in `scene_from_dict`.
 
     Args:
-        text: the TOML document.
-        source: name shown in messages.
         folder: folder that relative file names in the scene refer to; the current one by default.
-        whole: as `scene_from_dict`.
-
-    Raises:
-        CranktopoError: malformed TOML, unknown key, value outside its range, inconsistent geometry.
     """
     data = with_resolved_files(parse_toml(text, source), folder or Path.cwd())
     return scene_from_dict(data, source, whole=whole)
@@ -237,7 +207,6 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
 
 
 def _toml_reason(error: Exception, text: str) -> str:
-    """Return what the parser says, with the line that it is about."""
     if isinstance(error, tomllib.TOMLDecodeError):
         reason, place = quoted(str(error))[1:-1], _TOML_PLACE.search(str(error))
         lines = text.splitlines()[int(place[1]) - 1 :] if place else []
@@ -273,11 +242,9 @@ def input_files(scene: Scene) -> dict[str, Path]:
 
 
 def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool = False) -> Scene:
-    """Return a validated scene from plain data.
+    """Return a validated scene from plain data with absolute file names; the source is named in messages.
 
     Args:
-        data: the tables of the scene, file names absolute.
-        source: name shown in messages.
         whole: the halves of the throw may differ; else, what models half of it is safe with the scene.
 
     Raises:
@@ -294,13 +261,6 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
 
 
 def load_scene(design: str, *, whole: bool = False) -> Scene:
-    """Return a validated scene from a TOML path or the name of a built-in design.
-
-    Args:
-        whole: as `scene_from_dict`.
-
-    Raises:
-        CranktopoError: as `parse_scene`, or no such design.
-    """
+    """Return a validated scene from a TOML path or a built-in name; `whole` as in `scene_from_dict`."""
     path = resolve_design(design)
     return parse_scene(design_text(design), str(path), path.resolve().parent, whole=whole)

@@ -52,8 +52,6 @@ def explain(error: ValidationError, source: str, table: tuple[str, ...] = ()) ->
     """Return all problems of a validation error as one error: one line, or one per problem below a headline.
 
     Args:
-        error: what pydantic raised for the scene.
-        source: file shown in front of the key path.
         table: where in the scene the validated table is.
     """
     return listed(_problems(error.errors(include_url=False), table), source)
@@ -147,7 +145,6 @@ def _nearest(loc: tuple[int | str, ...]) -> str | None:
 
 
 def _limits(loc: tuple[int | str, ...]) -> str:
-    """Return the range of a number, as words."""
     words = []
     for sign, name in ((">=", "ge"), (">", "gt"), ("<=", "le"), ("<", "lt")):
         found = [getattr(rule, name) for rule in _rules(_field(loc)) if getattr(rule, name, None) is not None]
@@ -156,7 +153,6 @@ def _limits(loc: tuple[int | str, ...]) -> str:
 
 
 def _rules(annotation: Any) -> Iterator[Any]:
-    """Yield everything that restricts a number, from the outermost annotation to the innermost."""
     if isinstance(annotation, FieldInfo):
         yield from annotation.metadata
         yield from _rules(annotation.annotation)
@@ -189,7 +185,6 @@ def _annotation(loc: tuple[int | str, ...]) -> Any:
 
 
 def _field(loc: tuple[int | str, ...]) -> Any:
-    """Return the field of a location, or the type of an array's item."""
     table, key = _annotation(loc[:-1]), loc[-1]
     for model in _models(table):
         if key in _fields(model):
@@ -202,7 +197,6 @@ def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
 
 
 def _all_keys(table: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield every table and key of the scene."""
     for model in _models(table):
         for name, field in _fields(model).items():
             yield path, name
@@ -210,7 +204,6 @@ def _all_keys(table: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Return the fields of a table by the key that stands in the file."""
     return {field.alias or name: field for name, field in model.model_fields.items()}
 
 

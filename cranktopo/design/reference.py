@@ -21,11 +21,8 @@ class KeyReference:
 
     Attributes:
         kind: what the value is, such as `number` or `one of "a", "b"`.
-        unit: unit of the value, from the key's name; empty where it has none.
         allowed: range of the value, such as `0.05 to 20000`; empty where everything is allowed.
         required: whether the table needs it, `unless` what this says.
-        default: value when the key is left out; None where there is none.
-        example: a value that fits the examples of the other keys.
         shown: whether a template has the key switched on although it is optional.
     """
 
@@ -94,7 +91,6 @@ def _tables(
 
 
 def _common(variants: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the properties that all variants have alike."""
     first, *others = (variant["properties"] for variant in variants)
     return {name: part for name, part in first.items() if all(o.get(name) == part for o in others)}
 
@@ -194,7 +190,6 @@ def template(name: str) -> str:
 
 
 def _blocks(tables: list[TableReference], name: str, off: str) -> Iterator[str]:
-    """Yield the block of a table; of a repeated one with choices, a block for each choice."""
     common, *choices = tables
     header = f"[[{common.path}]]" if common.repeated else f"[{common.path}]"
     top = [_prose(common.meaning), off + header] if common.path else []
@@ -213,7 +208,6 @@ def _blocks(tables: list[TableReference], name: str, off: str) -> Iterator[str]:
 
 
 def _lines(keys: tuple[KeyReference, ...], off: str, values: dict[str, Any] | None = None) -> Iterator[str]:
-    """Yield the lines of keys: meaning, then the key, one `#` more when it is optional."""
     for key in keys:
         on = (key.required and not key.unless) or key.shown
         use_example = on or key.default is None
@@ -223,13 +217,11 @@ def _lines(keys: tuple[KeyReference, ...], off: str, values: dict[str, Any] | No
 
 
 def _facts(key: KeyReference) -> str:
-    """Unit, range and whether a key is needed, in one phrase."""
     needed = f"required unless {key.unless}" if key.unless else "required" if key.required else "optional"
     kind = "" if key.kind == "number" and key.unit else key.kind
     return ", ".join(filter(None, (kind, key.unit, key.allowed, needed)))
 
 
 def _prose(text: str) -> str:
-    """Return the first paragraph of a text as comment lines."""
     words = " ".join(text.split("\n\n")[0].split())
     return "\n".join(textwrap.wrap(words, _WIDTH, initial_indent="# ", subsequent_indent="# "))

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from importlib.resources import files
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import (
     LIKE_WEB,
     SHOWN,
-    UNLESS_IN_LIBRARY,
     Fraction,
     Length,
     SceneTable,
-    Strength,
     Weight,
     WholeNumber,
-    filled_in,
 )
 from cranktopo.design.engine import Engine
-from cranktopo.design.fatigue import Fatigue
-from cranktopo.design.goal.table import GoalTable
+from cranktopo.design.goal.limit import GoalTable
+from cranktopo.design.material import Fatigue, Material
 from cranktopo.design.messages import explain, register_root
 from cranktopo.design.shaft import ShaftTable, Supports
 from cranktopo.design.shape import ShapeTable
@@ -33,59 +27,10 @@ from cranktopo.throw.geometry import ThrowTable
 from cranktopo.throw.outline import Web
 
 _EffectState = Literal["auto", "on", "off"]
-_FkmGroup = Literal[
-    "Steel",
-    "Forg_Steel",
-    "CaseHard_Steel",
-    "Stainless_Steel",
-    "GS",
-    "GJS",
-    "GJM",
-    "GJL",
-    "Al_wrought",
-    "Al_cast",
-]
-"""Material groups of the FKM guideline."""
 Process = Literal["free", "forged", "cast", "milled"]
 """How the web is made; free: anyhow, so that undercuts and closed hollows are possible."""
 Parting = Literal["lateral", "web_faces"]
 """Where the halves of a die or mould leave: along x, or along z through the web's faces."""
-
-
-@cache
-def material_library() -> dict[str, dict[str, Any]]:
-    """Return the material library shipped with the package, by name."""
-    return tomllib.loads((files("cranktopo.design") / "materials.toml").read_text(encoding="utf-8"))
-
-
-class Material(SceneTable):
-    """Linear elastic material; a known `name` fills in every value that is not given."""
-
-    name: str = Field(default="custom", examples=["31CrMoV9"], json_schema_extra=SHOWN)
-    """A name of the library fills in every key that is not given; any other name needs own values."""
-    E_GPa: float = Field(ge=0.1, le=2000, examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
-    """Young's modulus."""
-    poisson: float = Field(ge=0, le=0.49, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
-    """Poisson's ratio."""
-    density_kg_m3: float = Field(ge=10, le=30000, examples=[7850.0], json_schema_extra=UNLESS_IN_LIBRARY)
-    """Density."""
-    yield_MPa: Strength | None = Field(default=None, examples=[900.0])
-    """Yield strength."""
-    ultimate_MPa: Strength | None = Field(default=None, examples=[1100.0])
-    """Tensile strength."""
-    fatigue_tension_MPa: Strength | None = Field(default=None, examples=[495.0])
-    """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
-    fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
-    """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
-    fkm_group: _FkmGroup = "Steel"
-    """Material group of the FKM guideline, for `fatigue --method fkm`."""
-    source: str = ""
-    """Where the values come from."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _from_library(cls, data: Any) -> Any:
-        return filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
 
 
 class Effects(SceneTable):
@@ -235,14 +180,7 @@ class Scene(SceneTable):
     published: Published | None = None
 
     def with_optimise(self, **changes: object) -> Scene:
-        """Return the scene with other settings of `[optimise]`.
-
-        Args:
-            changes: by name; None keeps the scene's own.
-
-        Raises:
-            CranktopoError: an unknown setting, or a value outside its range.
-        """
+        """Return the scene with other settings of `[optimise]`, by name; None keeps its own."""
         given = {key: value for key, value in changes.items() if value is not None}
         try:
             settings = Optimise.model_validate({**self.optimise.model_dump(), **given})
@@ -281,11 +219,7 @@ class Scene(SceneTable):
 
     @property
     def shaft_angles_deg(self) -> tuple[float, ...]:
-        """Angle of every throw of the shaft in the sense of rotation, deg, cylinder 1 first and at 0.
-
-        Raises:
-            CranktopoError: no engine, so nothing says how many throws the shaft has.
-        """
+        """Angle of every throw in the sense of rotation, deg, cylinder 1 first and at 0; needs an engine."""
         if self.engine is None:
             raise CranktopoError(
                 f"{self.name}: [engine] is missing: the whole shaft needs its cylinders and firing order.",

@@ -11,11 +11,6 @@ from cranktopo.design.goal.limit import refused
 
 
 def _ascending(value: Any, most: float = LARGEST_MM, unit: str = "mm", example: str = "[2.5, 5.0]") -> Any:
-    """Least and greatest as floats.
-
-    Raises:
-        PydanticCustomError: not two numbers, or not in this order.
-    """
     numbers = isinstance(value, list | tuple) and len(value) == 2
     if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
         raise refused(f"must be the least and the greatest value in {unit}", f"Write {example}, for example.")

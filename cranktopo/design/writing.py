@@ -25,15 +25,7 @@ from cranktopo.throw.journal import Journal
 
 
 def copy_of(design: str, file: Path) -> str:
-    """Text of a design for another file, comments and order kept, without what was published about it.
-
-    Args:
-        design: TOML path or name of a built-in design.
-        file: where the copy will be; it gives the name.
-
-    Raises:
-        CranktopoError: no such design or an invalid one, or a file name that no name can be made of.
-    """
+    """Return the text of a design for another file, which names it; what was published about it goes."""
     import tomlkit
 
     load_scene(design, whole=True)
@@ -47,11 +39,7 @@ def copy_of(design: str, file: Path) -> str:
 
 
 def design_name(file: Path) -> str:
-    """The name of a design that is kept in a file: the file's, with a hyphen for what no name may hold.
-
-    Raises:
-        CranktopoError: nothing is left of it.
-    """
+    """Return the name of a design kept in a file: the file's, with a hyphen for what no name may hold."""
     name = re.sub(r"[^A-Za-z0-9._-]+", "-", file.stem).strip("-._")
     if not name:
         raise CranktopoError(
@@ -63,7 +51,6 @@ def design_name(file: Path) -> str:
 
 
 def _find_from(document: Any, keys: tuple[str, ...], source: Path, target: Path) -> None:
-    """Let the file that a key names relative to `source` be found from `target`."""
     *tables, key = keys
     for name in tables:
         document = document.get(name, {})
@@ -76,12 +63,6 @@ def design_from_run(run: RunStore) -> Scene:
 
     The design.toml of a run is the user's text: it lacks those options, and its relative paths are relative
     to where it came from.
-
-    Args:
-        run: an optimisation or a loop, finished or not.
-
-    Raises:
-        CranktopoError: the manifest is missing or damaged, or its scene is invalid.
     """
     manifest = run.manifest()
     return scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
@@ -108,11 +89,7 @@ def new_run(
     Args:
         out: directory; None makes a new one under runs/.
         design_toml: text of the design as the user wrote it; None writes it from the scene.
-        command: the command line.
         options: what the scene does not hold.
-
-    Raises:
-        CranktopoError: the directory is taken, or cannot be written.
     """
     return create_run(
         design=scene.name,
@@ -130,14 +107,10 @@ _JOURNALS = ("main_journal", "crankpin")
 
 
 def pair_text(design: str, file: Path, first: Scene | None = None, second: Scene | None = None) -> str:
-    """Text of a design for another file, with other webs and the lengths of journals that come with them.
+    """Return the text of a design for another file, with other webs and the lengths of their journals.
 
     Args:
-        design: TOML path or name of a built-in design, whose halves may differ.
         first, second: designs of one web each, whose halves are alike; without one the design's own stays.
-
-    Raises:
-        CranktopoError: a throw that is not the design's, or webs that do not go with each other.
     """
     import tomlkit
 

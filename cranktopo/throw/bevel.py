@@ -143,14 +143,7 @@ class EndBevel(Feature):
 
 @dataclass(frozen=True)
 class BevelTool(Body):
-    """What a bevel takes off, over the whole width.
-
-    Attributes:
-        arc: where it cuts.
-        face_mm: height of its face.
-        into: sign of the crank axis from its face into the web.
-        wide_mm: a lateral extent beyond the outline.
-    """
+    """What a bevel takes off at its face, over the whole width; `into` is +1 if the web lies toward +z."""
 
     arc: BevelArc
     face_mm: float
@@ -208,11 +201,7 @@ def height_range_mm(scene: ThrowView, y_mm: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class FittedBevel(FittedToSections):
-    """An end bevel of a parametric web, by its face.
-
-    Attributes:
-        hollow: whether its arc may be hollow, too; a re-model's is plane or crowned.
-    """
+    """An end bevel of a parametric web; its arc may be hollow where it is told so, a re-model's is not."""
 
     face: Face
     hollow: bool = False

@@ -59,10 +59,7 @@ class _EnvelopeBase(SceneTable):
         return ""
 
     def outside_mm(self, points: Array) -> tuple[Array, Array] | None:
-        """Return how far points lie outside each side, and the derivatives; None without a closed form.
-
-        Args:
-            points: (n, 2) with x >= 0.
+        """Return how far points (n, 2) with x >= 0 lie outside each side; None without a closed form.
 
         Returns:
             Excesses (sides, n), mm, and their derivatives by each point (sides, n, 2).
@@ -70,11 +67,7 @@ class _EnvelopeBase(SceneTable):
         return None
 
     def check(self) -> None:
-        """Refuse dimensions that hold nothing.
-
-        Raises:
-            CranktopoError: first inconsistency found.
-        """
+        """Refuse dimensions that hold nothing."""
 
 
 class BoxEnvelope(_EnvelopeBase):

@@ -122,11 +122,7 @@ class Body(ABC):
         return self.y_range_mm
 
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
-        """Heights at which its lateral interval has kinks, for each place along the throw.
-
-        Args:
-            half_width_mm: of the outline there.
-        """
+        """Heights at which its lateral interval has kinks, by place along the throw and the outline there."""
         return [np.full(y_mm.shape, z) for z in self.z_mm]
 
     @property
@@ -159,11 +155,7 @@ class Body(ABC):
         return left, right, y
 
     def polygon_mm(self, sides: Callable[[float], int]) -> Array:
-        """Corners (n, 2) of the section of such a prism, in order.
-
-        Args:
-            sides: of a polygon that stands for a circle of a radius.
-        """
+        """Corners (n, 2) of the section of such a prism; `sides` gives those of a circle of a radius."""
         left, right, y = self.ends_mm()
         return np.column_stack([np.r_[right, left[::-1]], np.r_[y, y[::-1]]])
 
@@ -202,11 +194,7 @@ class Feature(SceneTable, ABC):
 
     @abstractmethod
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
-        """Its bodies in the web.
-
-        Args:
-            key: key path of the table.
-        """
+        """Its bodies in the web, named by the key path of the table."""
 
     def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         """Bodies that the design space must hold; by default those that no optimiser takes away."""
@@ -220,19 +208,11 @@ class Feature(SceneTable, ABC):
 
     @abstractmethod
     def check_alone(self, scene: ThrowView, key: str) -> None:
-        """Refuse dimensions that no outline makes sound; before any body is asked for.
-
-        Raises:
-            CranktopoError: first inconsistency found.
-        """
+        """Refuse dimensions that no outline makes sound; before any body is asked for."""
 
     @abstractmethod
     def check_in_web(self, scene: ThrowView, key: str) -> None:
-        """Refuse what does not go with the outline, the journals and other features.
-
-        Raises:
-            CranktopoError: first inconsistency found.
-        """
+        """Refuse what does not go with the outline, the journals and other features."""
 
     def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
         """Key, value and smallest share of the throw's size of dimensions that are in proportion to it."""

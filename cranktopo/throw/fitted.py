@@ -84,14 +84,7 @@ class Region(Protocol):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What the constraints on a feature refer to.
-
-    Attributes:
-        scene: journals and thickness.
-        limits: what is to be kept.
-        points_mm: (n, 2) points of the outline's right half, from end to end.
-        arcs: end bevels of the web.
-    """
+    """What the constraints on a feature refer to; points (n, 2) are of the outline's right half."""
 
     scene: ThrowView
     limits: ManufacturingLimits
@@ -144,11 +137,8 @@ class FittedFeature(ABC):
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         """Signed distance of points from each of its faces, positive on the side of the material.
 
-        A point is in the material where the largest is positive. Each is smooth near its face.
-
-        Args:
-            ends: least and largest y of the outline, mm.
-            at: x > 0, y and z of the points, broadcastable.
+        A point is in the material where the largest is positive. Each is smooth near its face. The ends are
+        the least and largest y of the outline, mm; the points have x > 0 and are broadcastable.
         """
 
     @abstractmethod
@@ -162,7 +152,7 @@ class FittedFeature(ABC):
     @classmethod
     @abstractmethod
     def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
-        """The kind and the values whose `tables` a table of the scene is; None for one of another kind.
+        """Return the kind and values whose `tables` a table of the scene is; None for one of another kind.
 
         Args:
             pair: whether its mirror image is there as well; then it is the one at x > 0.
@@ -177,12 +167,7 @@ class FittedFeature(ABC):
         return None
 
     def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
-        """Signed distance of the cells, positive where it leaves material, broadcastable to (nx, ny, nz).
-
-        Args:
-            values: in the order of `names`.
-            ends: least and largest y of the outline, mm.
-        """
+        """Signed distance of the cells for values in the order of `names`, positive in material."""
         named = dict(zip(self.names, values, strict=True))
         at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
         return functools.reduce(np.maximum, self.faces_mm(named, ends, at, web_z_mm))

@@ -45,11 +45,7 @@ class ThrowTable(SceneTable):
             yield f"throw.drilling[{index}]", drilling
 
     def check_bores_apart(self) -> None:
-        """Refuse bores that meet in the web, through which both run.
-
-        Raises:
-            CranktopoError: they do.
-        """
+        """Refuse bores that meet in the web, through which both run."""
         main, pin, radius = self.main_journal, self.crankpin, self.radius_mm
         if (
             main.bore_diameter_mm

@@ -108,11 +108,7 @@ def check_depth(scene: ThrowView, key: str, depth_mm: float) -> None:
 
 
 def check_cut(scene: ThrowView, body: Body) -> None:
-    """Refuse a body that takes nothing from the web, or that cuts a bore.
-
-    Raises:
-        CranktopoError: which, by the body's key.
-    """
+    """Refuse a body that takes nothing from the web, or that cuts a bore."""
     y = np.linspace(*body.y_range_mm, 401)
     half = scene.web.half_width_mm(scene.throw.radius_mm, y)
     for part in scene.web.counterweight.parts(scene) if scene.web.counterweight is not None else ():

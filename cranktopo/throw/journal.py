@@ -54,12 +54,7 @@ class FilletSection:
         return self.radial_mm / self.axial_mm if self.axial_mm else 1.0
 
     def off_mm(self, across_mm: Array, height_mm: Array) -> Array:
-        """Distance from the whole ellipse with lengths along the crank stretched till it is a circle, mm.
-
-        Args:
-            across_mm: from the centre, outward from the journal's axis.
-            height_mm: from the centre, along the crank.
-        """
+        """Distance from the whole ellipse, stretched along the crank till it is a circle, mm."""
         return np.asarray(np.hypot(across_mm, height_mm * self.flattening) - self.radial_mm)
 
     def __str__(self) -> str:
@@ -104,11 +99,7 @@ class Journal(SceneTable):
         return self.bore_diameter_mm / 2
 
     def check(self, key: str) -> None:
-        """Refuse dimensions that give no journal.
-
-        Raises:
-            CranktopoError: first inconsistency found.
-        """
+        """Refuse dimensions that give no journal."""
         if self.bore_diameter_mm >= self.outer_diameter_mm:
             raise invalid(
                 f"{key}.bore_diameter_mm",

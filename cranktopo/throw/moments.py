@@ -59,11 +59,7 @@ class Moments:
 
 
 def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
-    """Moments of the material that bodies leave.
-
-    Args:
-        before_z_mm: a height; every moment is then weighted by the distance before it, mm.
-    """
+    """Return the moments of what bodies leave; with a height, weighted by the distance before it, mm."""
 
     def slices(y: Array) -> Array:
         heights, weights = _heights(bodies, y)
@@ -82,7 +78,6 @@ def body_section_moments(bodies: Sequence[Body], z_mm: float) -> Moments:
 
 
 def _breaks(bodies: Sequence[Body]) -> Array:
-    """Places along the throw between which the quadrature starts, within the material."""
     ends = [y for body in bodies if body.adds for y in body.y_range_mm]
     places = np.array(sorted({y for body in bodies for y in body.y_breaks_mm}))
     return places[(places >= min(ends)) & (places <= max(ends))]
@@ -113,10 +108,9 @@ def _moments_at(bodies: Sequence[Body], y: Array, z: Array) -> Array:
 
 
 def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: float = _TOLERANCE) -> Array:
-    """Integrals (n,) of a function with values (y, n) between breaks; intervals are halved until they add up.
+    """Return integrals (n,) of a function with values (y, n) between breaks.
 
-    Args:
-        tolerance: largest change of an integral by halving an interval, over the whole.
+    Intervals are halved until that changes no integral by more than the tolerance, over the whole.
     """
     low, high = breaks[:-1], breaks[1:]
     values = _quadrature(function, low, high)
@@ -135,7 +129,6 @@ def integrate(function: Callable[[Array], Array], breaks: Array, tolerance: floa
 
 
 def _quadrature(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Integral over each interval, (intervals, n)."""
     share, weights = gauss_rule(_PLACES)
     size = (high - low)[:, None]
     values = function((low[:, None] + size * share).ravel()).reshape(len(low), _PLACES, -1)

@@ -109,7 +109,6 @@ def _half_width(main_radius: float, pin_radius: float, distance: float, y: Array
 
 
 def _contour(main: float, pin: float, radius: float, z: float) -> tuple[Curve, ...]:
-    """Two round ends joined by their outer tangents, counter-clockwise from the right main tangent point."""
     sine = (main - pin) / radius
     cosine = math.sqrt(1 - sine**2)
     right_main, right_pin, left_pin, left_main = (

@@ -92,12 +92,10 @@ class RoundedOutlet:
     """What rounds the edge at which a hole leaves a cylinder along the crank axis.
 
     Attributes:
-        key: of the hole in the scene, for messages.
-        on: what the cylinder is called there.
+        on: what the cylinder is called in the scene.
         at: where the hole's axis meets the cylinder.
         outward: unit vector of that axis, out of the cylinder.
-        y_mm: place of the cylinder's axis along the throw.
-        surface_mm: radius of the cylinder.
+        y_mm, surface_mm: place of the cylinder's axis along the throw, and its radius.
     """
 
     key: str

@@ -23,12 +23,9 @@ _BISECTIONS = 52
 
 @dataclass(frozen=True)
 class Flank:
-    """The right flank of a profile: cubic pieces between points.
+    """The right flank of a profile: cubic pieces between points (n, 2) of increasing y, mm.
 
-    Attributes:
-        points_mm: (n, 2) x and y of the points, y increasing.
-        lengths_mm: (n - 1,) chord lengths, the parameter ranges of the pieces.
-        slopes: (n, 2) derivatives by the parameter.
+    Each piece has its chord's length as parameter range; `slopes` (n, 2) are the derivatives by it.
     """
 
     points_mm: Any
@@ -36,11 +33,7 @@ class Flank:
     slopes: Any
 
     def at(self, u: Any) -> Any:
-        """Points of every piece, (pieces, u, 2), mm.
-
-        Args:
-            u: (u,) places in each piece, 0 to 1.
-        """
+        """Points of every piece at places (u,) from 0 to 1 in each, (pieces, u, 2), mm."""
         start, end, leave, arrive = self._pieces()
         t = np.asarray(u)[None, :, None]
         return (
@@ -51,11 +44,7 @@ class Flank:
         )
 
     def along(self, chords: int) -> Any:
-        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm.
-
-        Args:
-            chords: number of steps.
-        """
+        """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm."""
         pieces = self.points_mm.shape[0] - 1
         place = np.linspace(0, pieces, chords + 1)
         piece = np.minimum(place.astype(int), pieces - 1)
@@ -69,11 +58,7 @@ class Flank:
         )
 
     def derivatives(self, u: Any) -> tuple[Any, Any]:
-        """First and second derivative by the parameter, (pieces, u, 2) each, - and 1/mm.
-
-        Args:
-            u: (u,) places in each piece, 0 to 1.
-        """
+        """First and second derivative at places (u,) in each piece, (pieces, u, 2) each, - and 1/mm."""
         start, end, leave, arrive = self._pieces()
         t, length = np.asarray(u)[None, :, None], self.lengths_mm[:, None, None]
         first = 6 * t * (1 - t) * (end - start) + leave * (1 - t) * (1 - 3 * t) + arrive * t * (3 * t - 2)
@@ -81,11 +66,7 @@ class Flank:
         return first / length, second / length**2
 
     def curvature_per_mm(self, u: Any) -> Any:
-        """Signed curvature of every piece, (pieces, u), 1/mm; positive where the web is convex.
-
-        Args:
-            u: (u,) places in each piece, 0 to 1.
-        """
+        """Signed curvature at places in each piece, (pieces, u), 1/mm; positive where the web is convex."""
         first, second = self.derivatives(u)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return cross / (first**2).sum(axis=-1) ** 1.5
@@ -101,11 +82,7 @@ class Flank:
 
 
 def flank_through(half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]) -> Flank:
-    """Return the flank through half-widths at stations, (n,) each, mm.
-
-    Args:
-        round_ends: whether the lower and the upper end cross x = 0 smoothly.
-    """
+    """Return the flank through half-widths at stations, (n,) each, mm; a round end crosses x = 0 smoothly."""
     points = np.stack([half_widths_mm, stations_mm], axis=1)
     lengths = np.sqrt(((points[1:] - points[:-1]) ** 2).sum(axis=1))
     free = _slopes(lengths, points, (False, False))
@@ -132,12 +109,7 @@ def _slopes(lengths: Any, points: Any, clamped: tuple[bool, bool]) -> Any:
 
 
 def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
-    """Half-width at positions along the throw, mm; 0 beyond the ends.
-
-    Args:
-        flank: right flank of a profile.
-        y_mm: positions along the throw, any shape.
-    """
+    """Return the half-width of a right flank at positions along the throw, mm; 0 beyond the ends."""
     stations = flank.points_mm[:, 1]
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
     y = np.clip(y_mm, stations[0], stations[-1]).ravel()
@@ -168,7 +140,6 @@ def largest_half_width_mm(flank: Flank) -> float:
 
 
 def _hermite(flank: Flank, piece: NDArray[np.int64], u: Array, axis: int) -> Array:
-    """Return one coordinate at u in [0, 1] of chosen pieces."""
     start, first, second, third = _cubic(flank, piece, axis)
     return np.asarray(start + u * (first + u * (second + u * third)))
 

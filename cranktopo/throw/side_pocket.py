@@ -157,7 +157,6 @@ def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> 
 
 
 def _check_apart(scene: ThrowView, slots: SideSlots) -> None:
-    """Sloped walls stay clear of other pockets."""
     y = np.linspace(*slots.y_range_mm, 401)
     own = slots.spans(y, np.asarray(slots.z_centre_mm))
     others = (

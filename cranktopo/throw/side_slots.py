@@ -20,13 +20,9 @@ _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 @dataclass(frozen=True)
 class SideSlots(Body):
-    """Both slots of a side pocket.
+    """Both slots of a side pocket: the floor at |x| = `floor_mm`, where y, z and half sizes count.
 
-    Attributes:
-        floor_mm, outer_mm: |x| of the floor and of the tool's end, beyond the outline.
-        y_mm, half_length_mm: along the throw, at the floor.
-        z_centre_mm, half_height_mm: along the crank axis, at the floor.
-        slope: how much each wall opens per mm of |x|.
+    The tool ends at |x| = `outer_mm`, beyond the outline; each wall opens by `slope` mm per mm of |x|.
     """
 
     floor_mm: float

@@ -81,11 +81,7 @@ class WebTable(SceneTable, ABC):
         return ()
 
     def check_outline(self, throw_radius_mm: float) -> None:
-        """Refuse dimensions that give no outline.
-
-        Raises:
-            CranktopoError: first inconsistency found.
-        """
+        """Refuse dimensions that give no outline."""
 
     def features(self) -> Iterator[tuple[str, Feature]]:
         """Yield each feature with its key path in the scene."""
@@ -139,7 +135,6 @@ def web_bodies(scene: ThrowView) -> list[Body]:
 
 
 def _feature_bodies(scene: ThrowView) -> list[Body]:
-    """Return the bodies of all features of the web in the order of the scene."""
     return [body for key, feature in scene.web.features() for body in feature.bodies(scene, key)]
 
 
@@ -149,15 +144,7 @@ def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
 
 
 def check_inside(scene: ThrowView, section: Section, z_mm: float | None = None) -> None:
-    """Check that a section of the design space holds what no optimiser takes away.
-
-    Args:
-        section: of the design space.
-        z_mm: height of the section; None where all are alike.
-
-    Raises:
-        CranktopoError: a part of it lies outside.
-    """
+    """Check that a section of the design space, at a height or any, holds what no optimiser takes away."""
     for key, feature in scene.web.features():
         for body in feature.occupied(scene, key):
             if z_mm is None or body.z_mm[0] < z_mm < body.z_mm[1]:

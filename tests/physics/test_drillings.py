@@ -22,7 +22,7 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.importing.placement import misfits
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.drilling.moments import drilled
-from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.outlet import ring_points
 from cranktopo.throw.drilling.table import drill_bores, drilling_asymmetry, drilling_rules
 from cranktopo.throw.fitted import CLEAR_MM, Surroundings
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits

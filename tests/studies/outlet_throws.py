@@ -23,7 +23,8 @@ from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import unit_fields
-from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.outlet import DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores
 from tests.studies.example_throws import rule_throws
 

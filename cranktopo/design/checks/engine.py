@@ -16,11 +16,7 @@ _REFUSED = {"rubber": ("damping_Nms_per_rad",), "viscous": ("loss_factor",)}
 
 
 def check_shaft(scene: Scene) -> None:
-    """Check that the parts of the shaft fit together.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
+    """Check that the parts of the shaft fit together."""
     shaft = scene.shaft
     if shaft is None:
         return
@@ -110,11 +106,7 @@ _PATH = "engine.arrangement"
 
 
 def check_arrangement(scene: Scene) -> None:
-    """Check that layout, banks, throws and balancer shafts fit together.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
+    """Check that layout, banks, throws and balancer shafts fit together."""
     engine = scene.engine
     if engine is None or engine.arrangement is None:
         return
@@ -210,11 +202,7 @@ def _check_shaft(path: str, shaft: BalancerShaft, before: tuple[BalancerShaft, .
 
 
 def check_engine(scene: Scene) -> None:
-    """Check that rod, speeds, firing order and gas fit together.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
+    """Check that rod, speeds, firing order and gas fit together."""
     engine = scene.engine
     if engine is None:
         return

@@ -24,11 +24,7 @@ from cranktopo.throw.web import check_inside
 
 
 def check_supports(scene: Scene) -> None:
-    """Check that the bearing stiffness is given once, and given where a spring support needs it.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
+    """Check that the bearing stiffness is given once, and given where a spring support needs it."""
     supports = scene.supports
     given = [
         key
@@ -82,17 +78,12 @@ _UNITS = {25.4: "inches", 1000.0: "metres", 10.0: "centimetres"}
 
 
 def _throw_size_mm(scene: Scene) -> float:
-    """Throw radius plus the larger journal radius, mm: what dimensions are compared with."""
     throw = scene.throw
     return throw.radius_mm + max(throw.main_journal.radius_mm, throw.crankpin.radius_mm)
 
 
 def check_proportions(scene: Scene) -> None:
-    """Check that no dimension of the throw is far from all others.
-
-    Raises:
-        CranktopoError: first one found.
-    """
+    """Check that no dimension of the throw is far from all others."""
     for key, value, smallest in _dimensions(scene):
         _check(scene, key, value, smallest)
 
@@ -105,14 +96,7 @@ def check_web_extent(scene: Scene) -> None:
 
 
 def check_envelope_reach(scene: Scene, bounds_mm: tuple[float, float, float, float]) -> None:
-    """Check that a design space is not many times larger than the throw.
-
-    Args:
-        bounds_mm: ranges that hold the design space (x_min, x_max, y_min, y_max).
-
-    Raises:
-        CranktopoError: it is, with the unit that would explain it.
-    """
+    """Check that a design space (x_min, x_max, y_min, y_max), mm, is not many times larger than the throw."""
     size = _throw_size_mm(scene)
     reach = max(abs(bound) for bound in bounds_mm)
     if reach <= ENVELOPE * size:
@@ -159,13 +143,7 @@ def _check(scene: Scene, key: str, value: float, smallest: float) -> None:
 
 
 def check_solid(scene: Scene) -> None:
-    """Check that the throw's dimensions describe one sound body.
-
-    Raises:
-        CranktopoError: corner larger than the web, outline that misses a journal, fillet larger than the
-            shoulder, bore through the rim, pocket outside the web, too deep, or cutting a bore, drilling that
-            breaks out.
-    """
+    """Check that the dimensions give one sound body: outline, fillets, bores, pockets, drillings."""
     web = scene.web
     features = list(web.features())
     web.check_outline(scene.throw.radius_mm)
@@ -181,10 +159,6 @@ def check_solid(scene: Scene) -> None:
 
 
 def _shoulder_mm(scene: Scene, y_mm: float) -> float:
-    """Least distance from the axis (0, y) to the edge of the web's outline, mm.
-
-    The outline is sampled at 4001 points of a cosine grid.
-    """
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
     y = low + (high - low) * (1 - np.cos(np.linspace(0, np.pi, 4001))) / 2
     half = scene.web.half_width_mm(scene.throw.radius_mm, y)
@@ -218,11 +192,7 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
 
 
 def check_scene(scene: Scene) -> None:
-    """Check that the parts of a scene fit together, in each half of its throw.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
+    """Check that the parts of a scene fit together, in each half of its throw."""
     first, second = halves(scene)
     _check_half(first)
     if second is not first:
@@ -235,7 +205,6 @@ def check_scene(scene: Scene) -> None:
 
 
 def _named_bores(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
-    """Return the drillings of a half by their keys in the whole scene."""
     own = (f"throw.drilling[{i}]" for i, one in enumerate(scene.throw.drilling) if one.web != other)
     return [replace(bore, key=key) for key, bore in zip(own, drill_bores(half), strict=True)]
 

@@ -24,12 +24,9 @@ _MINIMUM_OFF_CENTRE = 0.01
 
 @dataclass(frozen=True)
 class Constraint:
-    """A limit on a quantity: sign * (value - bound) / scale <= 0.
+    """A limit on a quantity: sign * (value - bound) / scale <= 0, in the quantity's unit in the model.
 
-    Attributes:
-        bound: in the quantity's unit in the model.
-        original: value of the original web, which is the scale of a bound of zero.
-        minimum_scale: of a limit on what may be 0.
+    `original` is the scale of a bound of zero, `minimum_scale` that of a limit on what may be 0.
     """
 
     quantity: str
@@ -85,10 +82,7 @@ def minimum_scale(quantity: str, original: Mapping[str, float]) -> float:
     """Return the minimum scale of a limit or a goal, for a quantity that may be 0; 0 for others.
 
     The unbalance of a body is at most the root of its mass times its inertia: its centre of mass is no
-    farther out than its radius of gyration.
-
-    Args:
-        original: values of the original web; without mass and inertia there is no minimum.
+    farther out than its radius of gyration. Without mass and inertia of the original there is no minimum.
     """
     if not quantity_named(quantity).signed or not {"mass", "inertia"} <= original.keys():
         return 0.0
@@ -111,10 +105,5 @@ def without_error(quantity: str, value: float, error: float) -> float:
 
 
 def bound_in_model(quantity: str, required: float, in_model: float, better: float) -> float:
-    """Return the bound of a limit in a model at which the better one reaches what is required.
-
-    Args:
-        required: in the better model.
-        in_model, better: values of the same design.
-    """
+    """Return the bound in a model at which the better one, known for the same design, has what is required."""
     return with_error(quantity, required, model_error(quantity, in_model, better))

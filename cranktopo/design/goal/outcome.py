@@ -109,11 +109,7 @@ class GoalOutcome(GoalWords):
     """Why the evaluation that decides whether limits hold failed."""
 
     def with_evaluation(self, evaluated: GoalOutcome, **how: Any) -> GoalOutcome:
-        """Return the outcome in the optimiser's model with the evaluation, whose word on limits is the last.
-
-        Args:
-            how: the fields of `GoalEvaluation` that say how it was evaluated.
-        """
+        """Return the outcome with the evaluation, made as `how` says, whose word on limits is the last."""
         pairs = zip(self.limits, evaluated.limits, strict=True)
         limits = tuple(own.model_copy(update=_evaluated(own, better)) for own, better in pairs)
         total = GoalEvaluation(
@@ -140,8 +136,8 @@ def goal_outcome(goal: Goal, reached: Values, original: Values, tolerance: float
     """Return what became of a goal.
 
     Args:
-        reached, original: values of a web and of the original in the same model, by quantity, in its internal
-            unit; what is not known is left out.
+        reached, original: of a web and of the original in the same model, by quantity, in its internal unit;
+            what is not known is left out.
         tolerance: share of its scale by which a limit may be violated and still holds.
     """
     name = goal.quantity
@@ -184,7 +180,6 @@ def limit_outcome(
 
 
 def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:
-    """Return what changes in a limit of the optimiser's model once it is evaluated."""
     told = LimitEvaluation(
         required=better.required, reached=better.reached, reached_percent=better.reached_percent
     )
@@ -193,5 +188,4 @@ def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:
 
 
 def _percent(value: float | None, original: float | None) -> float | None:
-    """Return a value in percent of the original's, where that is above 0."""
     return None if value is None or original is None or original <= 0 else 100 * value / original

@@ -38,15 +38,13 @@ class GoalQuantity:
     """A quantity of the throw that can be wanted.
 
     Attributes:
-        label: its name in a sentence.
         units: units that a limit may have, with their size in the internal one, which comes first.
         better: which way a designer wants it.
         as_goal: whether it may be the goal itself, not only a limit.
         either_limit: whether a limit from below and one from above make sense on their own.
         signed: whether it may be 0 or negative.
-        load_case: load case that it is read off; empty where geometry alone gives it.
+        load_case: empty where geometry alone gives it.
         engine_load: whether it depends on the size of the engine's load.
-        optimisers: those that can take it into account while they search.
     """
 
     name: QuantityName
@@ -163,10 +161,7 @@ def unit_size(quantity: GoalQuantity, unit: str) -> float | None:
 
 
 def _plain(unit: str) -> str:
-    """Return a unit without the marks in which spellings differ.
-
-    `kg·mm²`, `kg*mm^2` and `kg mm2` are the same, and `N m/(rad kg)` is `N m/rad/kg`.
-    """
+    """Return a unit without what differs by spelling: `kg·mm²`, `kg*mm^2` and `kg mm2` are the same."""
     unit = re.sub(r"\((\w+)[ *·.](\w+)\)", r"\1/\2", unit)
     for mark in (" ", "\t", "*", "·", "^", "."):
         unit = unit.replace(mark, "")

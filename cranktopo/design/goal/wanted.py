@@ -9,9 +9,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
-from cranktopo.design.goal.limit import Goal, Limit, read_limits
+from cranktopo.design.goal.limit import Goal, GoalTable, Limit, LimitsTable, read_limits
 from cranktopo.design.goal.quantities import QUANTITIES, Optimiser, QuantityName, nearest_quantity
-from cranktopo.design.goal.table import GoalTable, LimitsTable
 from cranktopo.design.messages import explain, listed
 from cranktopo.design.schema import Scene
 
@@ -48,11 +47,7 @@ def with_goal(
 
 
 def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]:
-    """Return limits as the scene's table has them.
-
-    Raises:
-        CranktopoError: an unknown quantity.
-    """
+    """Return limits as the scene's table has them; an unknown quantity is refused."""
     found: dict[str, tuple[str, ...]] = {}
     for text in texts:
         match = _LIMIT.fullmatch(text)
@@ -76,16 +71,13 @@ _KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety
 
 
 def wanted(scene: Scene) -> Goal | None:
-    """Return the goal of a scene with its limits: those that are given, then those that the goal brings.
+    """Return the goal of a scene, if any, with its limits: those given, then those that the goal brings.
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
     of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. With a
     counterweight the unbalance stays at most as it is: a smaller one would only pass for a lighter web. A
     goal does not drive the unbalance below 0. The safety is left out where the scene cannot give one. A given
     limit replaces the default one of its quantity.
-
-    Returns:
-        None for a scene without a goal.
     """
     if scene.goal is None:
         return None
@@ -97,14 +89,7 @@ def wanted(scene: Scene) -> Goal | None:
 
 
 def require_goal(scene: Scene, task: str, example: str) -> Goal:
-    """Return the goal of a scene for a task that needs one.
-
-    Args:
-        example: a quantity that it might maximise, for the message.
-
-    Raises:
-        CranktopoError: the scene has none (exit code 2).
-    """
+    """Return the goal of a scene for a task that needs one; the refusal names an example to maximise."""
     goal = wanted(scene)
     if goal is None:
         raise CranktopoError(
@@ -158,11 +143,7 @@ def no_safety(scene: Scene) -> str:
 
 
 def check_goal(scene: Scene) -> None:
-    """Check that the limits leave the goal its sense and that the scene can tell every quantity.
-
-    Raises:
-        CranktopoError: every inconsistency found.
-    """
+    """Check that the limits leave the goal its sense and that the scene can tell every quantity."""
     goal = wanted(scene)
     if goal is None:
         return
@@ -172,11 +153,7 @@ def check_goal(scene: Scene) -> None:
 
 
 def check_known(goal: Goal, optimiser: Optimiser) -> None:
-    """Check that an optimiser knows what it is asked for; limits that it does not know, it may leave.
-
-    Raises:
-        CranktopoError: it does not.
-    """
+    """Check that an optimiser knows what it is asked for; limits that it does not know, it may leave."""
     if optimiser not in QUANTITIES[goal.quantity].optimisers:
         raise invalid(
             f"goal.{goal.sense}",
@@ -218,7 +195,6 @@ def _limit_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
 
 
 def _written(scene: Scene, name: QuantityName) -> str:
-    """Return a limit as the scene gives it."""
     assert scene.goal is not None
     return f"goal.limits.{name} = {quoted(getattr(scene.goal.limits, name))}"
 

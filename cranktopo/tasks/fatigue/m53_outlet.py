@@ -16,7 +16,8 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.outlet import DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores
 
 _LARGEST_BORE = 0.2

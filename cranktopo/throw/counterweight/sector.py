@@ -20,10 +20,7 @@ from cranktopo.throw.primitives import Arc, Extrusion, LineSegment, Point, Solid
 class CornerFillet(MirroredPrism):
     """What lies between two arcs, from where they leave the flanks to where they reach the outline.
 
-    Its inside lies in counterweight and web, with which it is one body.
-
-    Attributes:
-        circle: of the right arc.
+    Its inside lies in counterweight and web, with which it is one body. The circle is that of the right arc.
     """
 
     circle: TangentCircle
@@ -73,12 +70,7 @@ _SAMPLES = 181
 
 @dataclass(frozen=True)
 class Sector(MirroredPrism):
-    """A sector about the crank axis, symmetric about the direction away from the crankpin.
-
-    Attributes:
-        radius_mm: of its arc.
-        half_angle: of each flank to that direction, rad, at most a right angle.
-    """
+    """A sector about the crank axis, `half_angle` (rad) to both sides of the line away from the crankpin."""
 
     radius_mm: float
     half_angle: float

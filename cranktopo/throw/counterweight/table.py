@@ -200,7 +200,6 @@ class Counterweight(Feature):
 
 @lru_cache(maxsize=16)
 def _outline(web: Any, throw_radius_mm: float) -> OutlineSection:
-    """Return the outline of a web table."""
     return OutlineSection(lambda y: web.half_width_mm(throw_radius_mm, y), web.y_range_mm(throw_radius_mm))
 
 
@@ -210,7 +209,6 @@ def _circle(web: Any, throw_radius_mm: float, half_angle: float, radius_mm: floa
 
 
 def _meets(slot: Body, part: Sector | CornerFillet) -> bool:
-    """Tell whether the tool of a side pocket ends in a part of the counterweight."""
     low, high = (max(slot.z_mm[0], part.z_mm[0]), min(slot.z_mm[1], part.z_mm[1]))
     if low >= high:
         return False

@@ -29,12 +29,7 @@ _BISECTIONS = 60
 
 @dataclass(frozen=True)
 class TangentCircle:
-    """A circle at x > 0 that touches flank and outline, and its mirror image.
-
-    Attributes:
-        centre: (x, y), mm.
-        on_flank, on_outline: where it touches.
-    """
+    """A circle at x > 0 that touches flank and outline at two places (x, y), mm, and its mirror image."""
 
     centre: tuple[float, float]
     radius_mm: float
@@ -111,14 +106,7 @@ class OutlineSection:
 
 
 def tangent_circle(outline: OutlineSection, half_angle: float, radius_mm: float) -> TangentCircle:
-    """Return the circle of a radius; the flank is taken to have no end.
-
-    Args:
-        half_angle: of the flank to the direction away from the crankpin, rad.
-
-    Raises:
-        CranktopoError: the search for it does not settle.
-    """
+    """Return the circle at a flank without end, at an angle (rad) from the line away from the crankpin."""
     along, across = flank_directions(half_angle)
     reach = outline.reach_mm + 2 * radius_mm
     for _ in range(_NEWTON):
@@ -141,11 +129,7 @@ def tangent_circle(outline: OutlineSection, half_angle: float, radius_mm: float)
 
 
 def largest_radius_mm(outline: OutlineSection, half_angle: float, end_mm: float) -> float:
-    """Radius of the circle that touches a flank at its end; 0 where the flank ends inside the outline.
-
-    Args:
-        end_mm: distance of the flank's end from the crank axis.
-    """
+    """Return the radius of the circle that touches a flank at its end; 0 where that is inside the outline."""
     along, across = flank_directions(half_angle)
 
     def fits(radius_mm: float) -> bool:

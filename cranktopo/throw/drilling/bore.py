@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, Span
+from cranktopo.throw.drilling.outlet import DrillOutlet, across
 from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Cylinder, Point, RoundedOutlet, Solid
 
@@ -26,67 +27,10 @@ _BEYOND = 0.25
 
 
 @dataclass(frozen=True)
-class DrillOutlet:
-    """Where a drilling meets the surface of a journal or the wall of a bore.
-
-    Attributes:
-        point_mm: (x, y, z) where the axis meets the surface.
-        outward: unit vector of the axis, away from the rest of the drilling.
-        y_mm: place of the journal's axis along the throw.
-        surface_mm: radius of the surface; 0 where the axial bore is left out.
-        in_bore: whether it is the wall of an axial bore.
-        rounding_mm: radius of its rounding.
-        journal: key of the journal in the throw.
-    """
-
-    point_mm: tuple[float, float, float]
-    outward: tuple[float, float, float]
-    y_mm: float
-    surface_mm: float
-    in_bore: bool
-    rounding_mm: float
-    journal: str
-
-    @property
-    def normal(self) -> Array:
-        """Unit vector (x, y, z) out of the material."""
-        radial = np.array([self.point_mm[0], self.point_mm[1] - self.y_mm, 0.0])
-        length = float(np.hypot(*radial[:2]))
-        if not length:  # a bore that is left out: the drilling ends at its axis
-            return np.array(self.outward)
-        return radial / (-length if self.in_bore else length)
-
-    @property
-    def obliquity_deg(self) -> float:
-        """Angle between the drilling and the normal of the surface; above 90 it lies outside the material."""
-        return math.degrees(math.acos(float(np.clip(self.normal @ np.array(self.outward), -1, 1))))
-
-    def in_second_half(self, pitch_mm: float) -> DrillOutlet:
-        """Return it as one of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
-        (x, y, z), (dx, dy, dz) = self.point_mm, self.outward
-        return replace(self, point_mm=(x, y, pitch_mm - z), outward=(dx, dy, -dz))
-
-    def height_mm(self, offsets_mm: Array, radius_mm: float) -> Array:
-        """Return how far beyond `point_mm` lines parallel to the axis pass a cylinder about the journal.
-
-        Args:
-            offsets_mm: (n, 3) of the lines from the axis.
-            radius_mm: of that cylinder.
-        """
-        foot = np.array(self.point_mm) + offsets_mm - np.array([0.0, self.y_mm, 0.0])
-        across = np.array(self.outward)[:2]
-        a, b = float(across @ across), foot[:, :2] @ across
-        c = (foot[:, :2] ** 2).sum(axis=1) - radius_mm**2
-        root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
-        return cast(Array, (-b + (-root if self.in_bore else root)) / a)
-
-
-@dataclass(frozen=True)
 class DrillBore(Body):
     """A drilling as a body: a cylinder that reaches just beyond the surfaces at both its ends.
 
-    Attributes:
-        alone: the other half has no mirror image of it, so that it does not end at the mid-pin plane.
+    Where it is `alone`, the other half has no mirror image of it, and it does not end at the mid-pin plane.
     """
 
     radius_mm: float
@@ -222,7 +166,6 @@ class DrillBore(Body):
 
 
 def _between(slope: float, low: Array, high: Array) -> tuple[Array, Array]:
-    """Interval in which slope times a value lies between two ends."""
     if abs(slope) < _PARALLEL:
         inside = (low <= 0) & (high >= 0)
         return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
@@ -232,13 +175,6 @@ def _between(slope: float, low: Array, high: Array) -> tuple[Array, Array]:
 
 def _point(place: Array) -> Point:
     return cast(Point, tuple(place.tolist()))
-
-
-def across(direction: Array) -> tuple[Array, Array]:
-    """Two unit vectors at right angles to a direction and to each other."""
-    one = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
-    one /= np.linalg.norm(one)
-    return one, np.cross(direction, one)
 
 
 _GROWTH = 0.5
@@ -251,7 +187,6 @@ def size_terms(bore: DrillBore, size: float, fraction: float | None, height: str
     """Return formulae of the largest element size at a drilling in x, y and z, mm.
 
     Args:
-        size: general element size.
         fraction: element size on a rounded outlet over its radius; None for what stiffness needs.
         height: formula of the height in the half throw.
     """
@@ -276,7 +211,6 @@ def _fine(size: float, wanted: float) -> float:
 
 
 def _rim(bore: DrillBore, outlet: DrillOutlet) -> float:
-    """Radius around an outlet that is meshed finely."""
     return bore.radius_mm + outlet.rounding_mm
 
 

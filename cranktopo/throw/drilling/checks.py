@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
-from cranktopo.throw.drilling.ends import DrillingEnd
-from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.outlet import DrillingEnd, DrillOutlet, ring_points
 from cranktopo.throw.feature import Body, ThrowView, least_shoulder_mm
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import web_bodies
@@ -30,11 +29,7 @@ _BORES = "throw."
 
 
 def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outlet_radius_mm: float) -> None:
-    """Check the dimensions of a drilling against those of its journals.
-
-    Raises:
-        CranktopoError: first inconsistency found, with its key.
-    """
+    """Check the dimensions of a drilling against those of its journals."""
     for name, end in ends:
         journal: Journal = getattr(scene.throw, end.journal_key)
         if end.in_bore and not journal.bore_diameter_mm:
@@ -53,11 +48,7 @@ def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outle
 
 
 def check_bore(scene: ThrowView, ends: Ends, bore: DrillBore) -> None:
-    """Check that a drilling joins its two surfaces inside the throw.
-
-    Raises:
-        CranktopoError: first inconsistency found, with the key of the drilling.
-    """
+    """Check that a drilling joins its two surfaces inside the throw."""
     _check_lean(bore)
     _check_outlets(scene, ends, bore)
     _check_in_journals(scene, bore)
@@ -66,11 +57,7 @@ def check_bore(scene: ThrowView, ends: Ends, bore: DrillBore) -> None:
 
 
 def check_apart(scene: ThrowView, bores: Sequence[DrillBore]) -> None:
-    """Check that no drilling meets another.
-
-    Raises:
-        CranktopoError: two of them do.
-    """
+    """Check that no drilling meets another."""
     for one, other in combinations(bores, 2):
         _check_apart(scene, one, other)
 
@@ -78,15 +65,7 @@ def check_apart(scene: ThrowView, bores: Sequence[DrillBore]) -> None:
 def check_across_pin(
     halves: tuple[ThrowView, ThrowView], bores: tuple[Sequence[DrillBore], Sequence[DrillBore]]
 ) -> None:
-    """Check drillings that one half of the throw has against the pin beyond its middle and what is there.
-
-    Args:
-        halves: first and second half of the throw.
-        bores: those of each half, by their keys in the whole scene.
-
-    Raises:
-        CranktopoError: first inconsistency found.
-    """
+    """Check drillings of one half alone, named as in the whole scene, against the pin beyond its middle."""
     for own, other, found, facing in zip(halves, halves[::-1], bores, bores[::-1], strict=True):
         beyond = [bore.in_second_half(own.pitch_mm) for bore in facing]
         for bore in (one for one in found if one.alone):
@@ -217,7 +196,6 @@ def _refusal(bore: DrillBore, what: str, least: float) -> CranktopoError:
 
 
 def _holds(body: Body, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
-    """Tell whether a body holds points, each at its own height."""
     low, high = body.y_range_mm
     parts = [(x >= left) & (x <= right) & (left < right) for left, right in body.spans(y, z)]
     return np.asarray(np.any(parts, axis=0) & (y >= low) & (y <= high))

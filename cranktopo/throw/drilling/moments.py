@@ -16,8 +16,8 @@ from typing import Literal, cast
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
-from cranktopo.throw.drilling.outlet_ring import ring_points
+from cranktopo.throw.drilling.bore import DrillBore
+from cranktopo.throw.drilling.outlet import DrillOutlet, ring_points
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import ThrowView
 from cranktopo.throw.moments import Moments, integrate
@@ -34,12 +34,10 @@ _TOLERANCE = 1e-8
 
 
 def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | None = None) -> Moments:
-    """Moments of what the drillings take out of the half throw, or of one part of it.
+    """Return the moments of what the drillings take out of the half throw, or of one part of it.
 
-    One that only this half has counts as a whole where it reaches across the middle of the crankpin.
-
-    Args:
-        before_z_mm: a height; volume and first moments are then weighted by the distance before it, mm.
+    One that only this half has counts as a whole where it reaches across the middle of the crankpin. With
+    `before_z_mm`, volume and first moments are weighted by the distance before that height, mm.
     """
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for bore in drill_bores(scene):
@@ -51,7 +49,6 @@ def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | Non
 
 @lru_cache(maxsize=64)
 def _bored(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
-    """Return what the cylinder of a drilling takes out of a part."""
     slice_at = _Slices(scene, bore, part, before_z_mm)
     kinks = np.clip(np.array(slice_at.kinks_mm) / bore.radius_mm, -1, 1)
     turns = np.arcsin(np.unique(np.concatenate([[-1.0, 0.0, 1.0], kinks])))
@@ -94,7 +91,6 @@ class _Slices:
         return [place + side * radius for _, place, radius in self._bores for side in (-1, 1)]
 
     def _circle(self, y: float, radius: float) -> tuple[float, float, float]:
-        """A circle about a journal's axis: along and across the plane of the drilling, and its radius."""
         centre = np.array([0.0, y]) - self._start[:2]
         return float(centre @ self._along), float(centre @ self._aside), radius
 
@@ -108,7 +104,6 @@ class _Slices:
         return total
 
     def _material(self, place: float) -> Iterator[tuple[float, float]]:
-        """Intervals of material along the plane."""
         solid = (-self._far, self._far) if self._solid is None else _chord(self._solid, place)
         at = solid[0]
         for left, right in sorted(_chord(bore, place) for bore in self._bores):
@@ -162,7 +157,6 @@ def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[A
 
 
 def _rounded(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
-    """Return what the roundings of its outlets take out of a part."""
     total = Moments(0.0, 0.0, 0.0, 0.0)
     for outlet in bore.outlets:
         if outlet.rounding_mm and outlet.journal == part:
@@ -180,7 +174,6 @@ def _end(scene: ThrowView, bore: DrillBore) -> float:
 def _ring(
     radius_mm: float, outlet: DrillOutlet, z_mm: tuple[float, float], before_z_mm: float | None
 ) -> tuple[float, ...]:
-    """Integrals over the ring of a rounding between two heights."""
     share, weight = np.polynomial.legendre.leggauss(_GAUSS)
     share, weight = (share + 1) / 2, weight / 2
     turn, arc = (v.ravel() for v in np.meshgrid(2 * np.pi * np.arange(_AROUND) / _AROUND, share))

@@ -17,9 +17,9 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.table import Length, LengthOrZero
-from cranktopo.throw.drilling.bore import DrillBore, DrillOutlet
+from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.checks import check_bore, check_ends
-from cranktopo.throw.drilling.ends import DrillingEnd, DrillingSecondEnd
+from cranktopo.throw.drilling.outlet import DrillingEnd, DrillingSecondEnd, DrillOutlet
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, Feature, JournalsView, ThrowView
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
 from cranktopo.throw.journal import Journal
@@ -175,11 +175,7 @@ _NamedBox = tuple[str, Array]
 
 
 def drilling_rules(around: Surroundings, boxes: Sequence[_NamedBox]) -> Iterator[Rule]:
-    """One rule for each drilling and each of outline, bevels and boxes; none where there is no drilling.
-
-    Args:
-        boxes: titles of pockets and the corners of the box around each, (2, 3), z from the journal face.
-    """
+    """Yield a rule for each drilling and each of outline, bevels, boxes (2, 3), z from the journal face."""
     start, end = around.scene.web_z_mm
     least = around.limits.min_wall_mm
     for bore in drill_bores(around.scene):
@@ -219,7 +215,6 @@ def _in_outline_mm(axis: Array, points: Array) -> float:
 
 
 def _off_box_mm(points: Array, low: Array, high: Array) -> float:
-    """Least distance of points from a box, negative inside."""
     off = np.maximum(low - points, points - high)
     outside = np.sqrt((np.maximum(off, 0.0) ** 2).sum(axis=1))
     return float(np.where(outside > 0, outside, off.max(axis=1)).min())

@@ -1,0 +1,98 @@
+"""Scene tables of the material, and of what its fatigue strength depends on."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from cranktopo.base.table import SHOWN, UNLESS_IN_LIBRARY, Length, SceneTable, Strength, filled_in
+
+_FkmGroup = Literal[
+    "Steel",
+    "Forg_Steel",
+    "CaseHard_Steel",
+    "Stainless_Steel",
+    "GS",
+    "GJS",
+    "GJM",
+    "GJL",
+    "Al_wrought",
+    "Al_cast",
+]
+"""Material groups of the FKM guideline."""
+
+
+@cache
+def material_library() -> dict[str, dict[str, Any]]:
+    """Return the material library shipped with the package, by name."""
+    return tomllib.loads((files("cranktopo.design") / "materials.toml").read_text(encoding="utf-8"))
+
+
+class Material(SceneTable):
+    """Linear elastic material; a known `name` fills in every value that is not given."""
+
+    name: str = Field(default="custom", examples=["31CrMoV9"], json_schema_extra=SHOWN)
+    """A name of the library fills in every key that is not given; any other name needs own values."""
+    E_GPa: float = Field(ge=0.1, le=2000, examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
+    """Young's modulus."""
+    poisson: float = Field(ge=0, le=0.49, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
+    """Poisson's ratio."""
+    density_kg_m3: float = Field(ge=10, le=30000, examples=[7850.0], json_schema_extra=UNLESS_IN_LIBRARY)
+    """Density."""
+    yield_MPa: Strength | None = Field(default=None, examples=[900.0])
+    """Yield strength."""
+    ultimate_MPa: Strength | None = Field(default=None, examples=[1100.0])
+    """Tensile strength."""
+    fatigue_tension_MPa: Strength | None = Field(default=None, examples=[495.0])
+    """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
+    fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
+    """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
+    fkm_group: _FkmGroup = "Steel"
+    """Material group of the FKM guideline, for `fatigue --method fkm`."""
+    source: str = ""
+    """Where the values come from."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_library(cls, data: Any) -> Any:
+        return filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
+
+
+class Fatigue(SceneTable):
+    """Surface, size and rule factors of the fatigue methods.
+
+    Defaults: size and survival factor and specimen of J. Voparil, Brno University of Technology, 2011; ground
+    fillets; drop forging and trunk piston engine of IACS UR M53.
+    """
+
+    surface_treatment_factor: float = Field(default=1.0, ge=0.5, le=3.0)
+    """Strength of rolled, nitrided or hardened fillets over untreated ones, by tests or a standard."""
+    surface_treatment_source: str = Field(
+        default="", max_length=500, examples=["rolled, component tests of the forge, report 12/2025"]
+    )
+    """The treatment and where its factor comes from; told beside every safety that holds it."""
+    size_factor: float = Field(default=0.89, ge=0.01, le=1.0)
+    """Strength of the part over that of the specimen for its size."""
+    survival_factor: float = Field(default=0.75, ge=0.01, le=1.0)
+    """Strength at the wanted probability of survival over the mean strength."""
+    specimen_diameter_mm: Length = 7.5
+    """Diameter of the specimens of the fatigue strengths."""
+    roughness_um: float = Field(default=6.3, ge=0.01, le=1000)
+    """Roughness Rz of the fillets."""
+    process_factor: float = Field(default=1.05, ge=0.1, le=1.5)
+    """Factor K of IACS UR M53 for the way of forging: 1.05 drop forged, 1.0 free forged, 0.93 cast."""
+    additional_stress_MPa: float = Field(default=10.0, ge=0, le=1e4)
+    """Additional bending stress of IACS UR M53: 10 for trunk piston engines."""
+
+    @property
+    def treatment(self) -> str:
+        """The factor of the surface treatment with its source in words; empty where there is none."""
+        factor = self.surface_treatment_factor
+        if factor == 1.0:
+            return ""
+        source = self.surface_treatment_source or "NO SOURCE; name it in fatigue.surface_treatment_source"
+        return f"strength of the fillets times {factor:g} for their surface treatment: {source}"
