@@ -25,7 +25,7 @@ _DIRECTIONS, _CRANK_ANGLES = 721, 1441
 
 @dataclass(frozen=True)
 class ClearanceLimit:
-    """The largest radius of the web in each direction from the crankpin's, 0 to half a turn on either side."""
+    """The largest radius of the web in each direction from the crankpin's, to half a turn on either side."""
 
     angle_rad: Array
     radius_mm: Array
@@ -115,17 +115,15 @@ def check_clearance(scene: Scene) -> None:
 
 def _check_piston(scene: Scene, skirt_mm: float, gap_mm: float) -> None:
     if scene.engine is None:
-        raise invalid(
+        raise scene.invalid(
             "envelope.clearance.piston_skirt_mm",
-            skirt_mm,
             "needs the piston's diameter and the rod's length",
             "Add [engine] with bore_mm and rod_length_mm.",
         )
     room = scene.engine.rod_length_mm - scene.throw.radius_mm - scene.throw.main_journal.radius_mm
     if skirt_mm + gap_mm >= room:
-        raise invalid(
+        raise scene.invalid(
             "envelope.clearance.piston_skirt_mm",
-            skirt_mm,
             f"with least_gap_mm = {gap_mm:g} mm must be smaller than {room:.4g} mm, what lies between main "
             "journal and piston pin at bottom dead centre",
             "Give the distance from the piston pin to the skirt's lower edge.",

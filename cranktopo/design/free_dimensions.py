@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
 from cranktopo.throw.journal import ROUNDING_MM, Journal
@@ -145,20 +145,20 @@ def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, 
     weight = scene.web.counterweight
     if weight is None:
         hint = "Add [web.counterweight], or leave it out."
-        raise _refused(name, found, "the design has no counterweight", hint)
+        raise _refused(scene, name, "the design has no counterweight", hint)
     if weight.bolted:
         allowed = "the counterweight is a part of its own (density_kg_m3), which no shape changes"
-        raise _refused(name, found, allowed, "Leave it out, or leave the density out.")
+        raise _refused(scene, name, allowed, "Leave it out, or leave the density out.")
     _check_own(scene, name, found)
     if name == "counterweight_angle" and found[0] < LEAST_HALF_ANGLE_DEG:
         allowed = f"the least must be at least {LEAST_HALF_ANGLE_DEG:g} deg"
-        raise _refused(name, found, allowed, "Narrow the range.")
+        raise _refused(scene, name, allowed, "Narrow the range.")
     least = with_dimensions(scene, {name: found[0]})
     assert least.web.counterweight is not None
     try:
         least.web.counterweight.check_alone(least, "web.counterweight")
     except CranktopoError as error:
-        raise _refused(name, found, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
+        raise _refused(scene, name, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
 
 
 def _check_outlets(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
@@ -167,7 +167,7 @@ def _check_outlets(scene: Scene, name: DimensionName, found: tuple[float, float]
         if drilling.outlet_radius_mm:
             allowed = f"throw.drilling[{index}] has rounded outlets, which cannot move with the journals"
             raise _refused(
-                name, found, allowed, "Leave it out, or leave outlet_radius_mm of the drilling out."
+                scene, name, allowed, "Leave it out, or leave outlet_radius_mm of the drilling out."
             )
 
 
@@ -175,8 +175,8 @@ def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) ->
     own = own_dimension_mm(scene, name)
     if not found[0] - ROUNDING_MM <= own <= found[1] + ROUNDING_MM:
         raise _refused(
+            scene,
             name,
-            found,
             f"the range must hold the design's own value, {key_of(name)} = {own:g}"
             f" {free_key(name).rpartition('_')[2]}",
             "Widen the range, or change the design.",
@@ -189,8 +189,8 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
     low, high = (share * pin for share in M53_FILLET)
     if found[0] < low - ROUNDING_MM or found[1] > high + ROUNDING_MM:
         raise _refused(
+            scene,
             name,
-            found,
             f"must lie within {low:.4g} and {high:.4g} mm, {M53_FILLET[0]:g} to {M53_FILLET[1]:g} of the "
             "pin's diameter (IACS UR M53)",
             "Narrow the range.",
@@ -198,8 +198,8 @@ def _check_fillet(scene: Scene, name: DimensionName, found: tuple[float, float])
     journal, room = _shortest_journal(scene, name)
     if found[1] >= room / 2 and (is_axial(name) or _stays_round(scene, name)):
         raise _refused(
+            scene,
             name,
-            found,
             f"the greatest must be smaller than half of throw.{journal}.length_mm, which is at least "
             f"{room:g} mm",
             "Narrow this range" + (" or that of the thickness." if journal == "main_journal" else "."),
@@ -224,10 +224,7 @@ def _check_bore(scene: Scene, name: DimensionName, found: tuple[float, float]) -
     if found[1] >= outer:
         key = key_of(name).replace("bore_diameter_mm", "outer_diameter_mm")
         raise _refused(
-            name,
-            found,
-            f"the greatest must be smaller than {key} = {outer:g} mm",
-            "Narrow the range.",
+            scene, name, f"the greatest must be smaller than {key} = {outer:g} mm", "Narrow the range."
         )
 
 
@@ -242,8 +239,8 @@ def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) 
     reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
     if bored.bore_radius_mm and reach >= scene.throw.radius_mm:
         raise _refused(
+            scene,
             name,
-            found,
             f"{key_of(bore)} cuts {key_of(fillet)}: with the journal they reach {reach:g} mm, and "
             f"throw.radius_mm = {scene.throw.radius_mm:g} mm",
             "Leave it out, or change the design.",
@@ -257,8 +254,8 @@ def _check_thickness(scene: Scene, least: float) -> None:
     if length <= 2 * fillet:
         most = found[1] - (2 * fillet - length) / 2
         raise _refused(
+            scene,
             "web_thickness",
-            found,
             f"the pitch stays, so the main journal would keep {length:g} mm; the greatest must be smaller "
             f"than {most:.4g} mm to leave a bearing between its fillets",
             "Narrow the range.",
@@ -267,12 +264,12 @@ def _check_thickness(scene: Scene, least: float) -> None:
     clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm if envelope else 0.0
     if least <= clearance:
         raise _refused(
+            scene,
             "web_thickness",
-            found,
             f"the least must be larger than the clearances of the envelope, {clearance:g} mm together",
             "Narrow the range.",
         )
 
 
-def _refused(name: DimensionName, found: tuple[float, float], allowed: str, hint: str) -> CranktopoError:
-    return invalid(f"shape.free.{free_key(name)}", list(found), allowed, hint)
+def _refused(scene: Scene, name: DimensionName, allowed: str, hint: str) -> CranktopoError:
+    return scene.invalid(f"shape.free.{free_key(name)}", allowed, hint)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import re
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import (
     LIKE_WEB,
     SHOWN,
@@ -193,6 +194,13 @@ class Scene(SceneTable):
         if getattr(self.effects, effect) == state:
             return self
         return self.model_copy(update={"effects": self.effects.model_copy(update={effect: state})})
+
+    def invalid(self, key: str, allowed: str, hint: str = "") -> CranktopoError:
+        """Return the refusal of the value at a key path such as `web.pocket[0].y_mm`."""
+        value: Any = self
+        for name, place in re.findall(r"(\w+)(?:\[(\d+)\])?", key):
+            value = getattr(value, name)[int(place)] if place else getattr(value, name)
+        return invalid(key, list(value) if isinstance(value, tuple) else value, allowed, hint)
 
     @property
     def pitch_mm(self) -> float:

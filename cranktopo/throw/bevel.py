@@ -87,15 +87,15 @@ class EndBevel(Feature):
         arc = self.arc(scene)
         if self.depth_mm >= web.thickness_mm:
             allowed = f"must be smaller than web.thickness_mm = {web.thickness_mm:g} mm"
-            raise invalid(f"{key}.depth_mm", self.depth_mm, allowed)
+            raise scene.invalid(f"{key}.depth_mm", allowed)
         if arc.start_mm >= arc.end_mm:
             end = arc.outward * arc.end_mm
-            raise invalid(f"{key}.y_mm", self.y_mm, f"lies beyond the end of the outline at {end:g} mm")
+            raise scene.invalid(f"{key}.y_mm", f"lies beyond the end of the outline at {end:g} mm")
         if abs(self.crown_mm) > arc.largest_crown_mm:
             most = math.copysign(arc.largest_crown_mm, self.crown_mm)
             side = "at most" if most > 0 else "at least"
             allowed = f"must be {side} {most:.4g} mm, or the arc turns back"
-            raise invalid(f"{key}.crown_mm", self.crown_mm, allowed)
+            raise scene.invalid(f"{key}.crown_mm", allowed)
 
     def check_in_web(self, scene: ThrowView, key: str) -> None:
         """The two bevels do not meet, and each keeps clear of the journal that stands on its face."""
@@ -107,9 +107,8 @@ class EndBevel(Feature):
         shoulder = least_shoulder_mm(scene.throw)
         room = arc.start_mm - arc.outward * axis - shoulder
         if journal.radius_mm + journal.fillet_mm > room + ROUNDING_MM:
-            raise invalid(
+            raise scene.invalid(
                 f"{key}.y_mm",
-                self.y_mm,
                 f"starts {room + shoulder:.4g} mm from the axis of throw.{name}, which needs "
                 f"{journal.radius_mm + journal.fillet_mm + shoulder:.4g} mm for its radius and fillet",
                 "Move the bevel outward.",

@@ -12,7 +12,6 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import invalid
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.feature import Body, Feature, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
@@ -266,7 +265,7 @@ class CylinderPocket(FacePocket):
                 allowed, hint = f"is missing with face = {self.face!r}", "Give it, or face = 'through'."
             else:
                 allowed, hint = "has no meaning with face = 'through'", "Remove it, or name another face."
-            raise invalid(f"{key}.depth_mm", self.depth_mm, allowed, hint)
+            raise scene.invalid(f"{key}.depth_mm", allowed, hint)
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 

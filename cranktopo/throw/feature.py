@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import Span, holds
 from cranktopo.base.table import SceneTable
 from cranktopo.throw.journal import Journal
@@ -47,6 +48,9 @@ class JournalsView(Hashable, Protocol):
 
 class ThrowView(Hashable, Protocol):
     """The throw around a web: its journals, the web table (`WebTable`) and where its faces lie."""
+
+    def invalid(self, key: str, allowed: str, hint: str = "") -> CranktopoError:
+        """Return the refusal of the value at a key path."""
 
     @property
     def throw(self) -> JournalsView:

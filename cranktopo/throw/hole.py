@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import Span
 from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Solid
@@ -104,7 +104,7 @@ def check_depth(scene: ThrowView, key: str, depth_mm: float) -> None:
     thickness = scene.web.thickness_mm
     if depth_mm >= thickness:
         allowed = f"must be smaller than web.thickness_mm = {thickness:g} mm"
-        raise invalid(key, depth_mm, allowed, "Reduce the pocket or thicken the web.")
+        raise scene.invalid(key, allowed, "Reduce the pocket or thicken the web.")
 
 
 def check_cut(scene: ThrowView, body: Body) -> None:

@@ -21,18 +21,21 @@ def check_shaft(scene: Scene) -> None:
     if shaft is None:
         return
     if shaft.damper is not None:
-        _check_damper(shaft.damper)
+        _check_damper(scene, shaft.damper)
     if shaft.propeller is not None and shaft.driven is not None:
         raise CranktopoError(
             "shaft: driven and propeller are both given; the shaft ends at one of them.",
             hint="Keep [shaft.driven] or [shaft.propeller].",
         )
-    _check_speeds(shaft, scene.engine)
+    _check_speeds(scene, shaft)
 
 
 def speed_range_rpm(scene: Scene) -> tuple[float, float]:
     """Lowest and highest speed at which the vibration of a scene is looked at, rpm."""
-    return _range(scene.shaft or ShaftTable(), scene.engine)
+    shaft, engine = scene.shaft or ShaftTable(), scene.engine
+    rated = engine.speed_rpm if engine else 0.0
+    highest = max(engine.overspeed_rpm or 0.0, rated) if engine else math.inf
+    return shaft.speed_min_rpm or max(1.0, _SLOWEST * rated), shaft.speed_max_rpm or highest
 
 
 def shaft_warnings(scene: Scene) -> tuple[str, ...]:
@@ -65,7 +68,7 @@ def is_damped(shaft: ShaftTable) -> bool:
     return any((*own, *joined))
 
 
-def _check_damper(damper: Damper) -> None:
+def _check_damper(scene: Scene, damper: Damper) -> None:
     for key in _NEEDED[damper.kind]:
         if getattr(damper, key) is None:
             raise CranktopoError(
@@ -74,32 +77,24 @@ def _check_damper(damper: Damper) -> None:
             )
     for key in _REFUSED[damper.kind]:
         if getattr(damper, key) is not None:
-            raise invalid(
+            raise scene.invalid(
                 f"shaft.damper.{key}",
-                getattr(damper, key),
                 f"belongs to no damper of kind = '{damper.kind}'",
                 f"Take it out; such a damper needs {' and '.join(_NEEDED[damper.kind])}.",
             )
 
 
-def _check_speeds(shaft: ShaftTable, engine: Engine | None) -> None:
-    low, high = _range(shaft, engine)
+def _check_speeds(scene: Scene, shaft: ShaftTable) -> None:
+    low, high = speed_range_rpm(scene)
     if low < high:
         return
     key = "speed_max_rpm" if shaft.speed_min_rpm is None else "speed_min_rpm"
     word = "above" if key == "speed_max_rpm" else "below"
-    raise invalid(
+    raise scene.invalid(
         f"shaft.{key}",
-        getattr(shaft, key),
         f"speeds from {low:g} to {high:g} rpm are no range",
         f"Give a value {word} {low if key == 'speed_max_rpm' else high:g} rpm.",
     )
-
-
-def _range(shaft: ShaftTable, engine: Engine | None) -> tuple[float, float]:
-    rated = engine.speed_rpm if engine else 0.0
-    highest = max(engine.overspeed_rpm or 0.0, rated) if engine else math.inf
-    return shaft.speed_min_rpm or max(1.0, _SLOWEST * rated), shaft.speed_max_rpm or highest
 
 
 _PATH = "engine.arrangement"
@@ -110,83 +105,82 @@ def check_arrangement(scene: Scene) -> None:
     engine = scene.engine
     if engine is None or engine.arrangement is None:
         return
-    _check_layout(engine, engine.arrangement)
+    _check_layout(scene, engine.cylinders, engine.arrangement)
     _check_lengths(scene, engine.arrangement)
-    _check_throws(engine, engine.arrangement)
+    _check_throws(scene, engine, engine.arrangement)
     for number, shaft in enumerate(engine.arrangement.balancer_shaft):
-        _check_shaft(f"{_PATH}.balancer_shaft[{number}]", shaft, engine.arrangement.balancer_shaft[:number])
+        _check_balancer(
+            scene, f"{_PATH}.balancer_shaft[{number}]", shaft, engine.arrangement.balancer_shaft[:number]
+        )
 
 
-def _check_layout(engine: Engine, arranged: Arrangement) -> None:
+def _check_layout(scene: Scene, cylinders: int, arranged: Arrangement) -> None:
     bank, layout = arranged.bank_angle_deg, arranged.layout
     if layout == "V" and bank is None:
-        raise invalid(f"{_PATH}.bank_angle_deg", None, "must be given for a V, >= 1 and <= 180 deg")
+        raise scene.invalid(f"{_PATH}.bank_angle_deg", "must be given for a V, >= 1 and <= 180 deg")
     if layout == "in-line" and bank is not None:
-        raise invalid(
-            f"{_PATH}.bank_angle_deg", bank, "an in-line engine has one bank", f"Give {_PATH}.layout = 'V'."
+        raise scene.invalid(
+            f"{_PATH}.bank_angle_deg", "an in-line engine has one bank", f"Give {_PATH}.layout = 'V'."
         )
     if layout == "boxer" and bank not in (None, 180.0):
-        raise invalid(f"{_PATH}.bank_angle_deg", bank, "must be 180 deg for a boxer", "Leave it out.")
-    if layout != "in-line" and engine.cylinders % 2:
-        raise invalid("engine.cylinders", engine.cylinders, f"must be even for {_PATH}.layout = '{layout}'")
+        raise scene.invalid(f"{_PATH}.bank_angle_deg", "must be 180 deg for a boxer", "Leave it out.")
+    if layout != "in-line" and cylinders % 2:
+        raise scene.invalid("engine.cylinders", f"must be even for {_PATH}.layout = '{layout}'")
 
 
 def _check_lengths(scene: Scene, arranged: Arrangement) -> None:
     pin, offset, pitch = scene.throw.crankpin.length_mm, arranged.rod_offset_mm, arranged.cylinder_pitch_mm
     if offset is not None and arranged.layout != "V":
-        raise invalid(f"{_PATH}.rod_offset_mm", offset, "only a V has two rods on a pin", "Leave it out.")
-    for key, value, fits in (
-        ("rod_offset_mm", offset, offset is None or offset < pin),
-        ("cylinder_pitch_mm", pitch, pitch is None or pitch > pin),
+        raise scene.invalid(f"{_PATH}.rod_offset_mm", "only a V has two rods on a pin", "Leave it out.")
+    for key, than, fits in (
+        ("rod_offset_mm", "smaller", offset is None or offset < pin),
+        ("cylinder_pitch_mm", "larger", pitch is None or pitch > pin),
     ):
         if not fits:
-            than = "smaller" if key == "rod_offset_mm" else "larger"
-            raise invalid(
-                f"{_PATH}.{key}", value, f"must be {than} than throw.crankpin.length_mm = {pin:g} mm"
+            raise scene.invalid(
+                f"{_PATH}.{key}", f"must be {than} than throw.crankpin.length_mm = {pin:g} mm"
             )
 
 
-def _check_throws(engine: Engine, arranged: Arrangement) -> None:
+def _check_throws(scene: Scene, engine: Engine, arranged: Arrangement) -> None:
     key, angles = f"{_PATH}.throw_angles_deg", arranged.throw_angles_deg
     if not angles:
-        _check_even_firing(engine)
+        _check_even_firing(scene, engine)
         return
     if len(angles) != engine.throws:
-        raise invalid(key, list(angles), f"must have one angle per throw ({engine.throws})")
+        raise scene.invalid(key, f"must have one angle per throw ({engine.throws})")
     if angles[0]:
-        raise invalid(key, list(angles), "must begin with 0: angles count from the first throw")
+        raise scene.invalid(key, "must begin with 0: angles count from the first throw")
     _ = engine.firing_angles_deg  # refuses throws that contradict the firing order
 
 
-def _check_even_firing(engine: Engine) -> None:
+def _check_even_firing(scene: Scene, engine: Engine) -> None:
     """Even firing is possible only where both rods of a pin ask for the same angle of it."""
     for cylinder in range(1, engine.cylinders + 1):
         first = engine.throw_of(cylinder) + 1
         gap = (engine.even_angle_deg(cylinder) - engine.even_angle_deg(first) + 180.0) % 360.0 - 180.0
         if abs(gap) > 1e-6:
-            raise invalid(
+            raise scene.invalid(
                 "engine.firing_order",
-                list(engine.order),
                 f"cannot be even: cylinders {first} and {cylinder} on one pin would need throws "
                 f"{abs(gap):g} deg apart, and split pins (two pins with a web between them) are not modelled",
                 f"Give {_PATH}.throw_angles_deg, or another order or bank angle.",
             )
 
 
-def _check_shaft(path: str, shaft: BalancerShaft, before: tuple[BalancerShaft, ...]) -> None:
+def _check_balancer(scene: Scene, path: str, shaft: BalancerShaft, before: tuple[BalancerShaft, ...]) -> None:
     moment = shaft.balances == "moment"
     if moment and shaft.distance_mm is None:
-        raise invalid(f"{path}.distance_mm", None, "must be given where balances = 'moment'")
+        raise scene.invalid(f"{path}.distance_mm", "must be given where balances = 'moment'")
     if not moment and shaft.distance_mm is not None:
-        raise invalid(
+        raise scene.invalid(
             f"{path}.distance_mm",
-            shaft.distance_mm,
             "a shaft that balances a force has one mass",
             "Leave it out, or give balances = 'moment'.",
         )
     if moment and shaft.z_mm is not None:
-        raise invalid(
-            f"{path}.z_mm", shaft.z_mm, "two opposite masses act alike wherever they are", "Leave it out."
+        raise scene.invalid(
+            f"{path}.z_mm", "two opposite masses act alike wherever they are", "Leave it out."
         )
     free = shaft.unbalance_kg_mm is None or shaft.phase_deg is None
     alike = [
@@ -208,37 +202,30 @@ def check_engine(scene: Scene) -> None:
         return
     radius = scene.throw.radius_mm
     if engine.rod_length_mm <= radius:
-        raise invalid(
-            "engine.rod_length_mm",
-            engine.rod_length_mm,
-            f"must be longer than throw.radius_mm = {radius:g} mm",
-        )
+        raise scene.invalid("engine.rod_length_mm", f"must be longer than throw.radius_mm = {radius:g} mm")
     if engine.overspeed_rpm is not None and engine.overspeed_rpm < engine.speed_rpm:
-        raise invalid(
-            "engine.overspeed_rpm",
-            engine.overspeed_rpm,
-            f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm",
+        raise scene.invalid(
+            "engine.overspeed_rpm", f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm"
         )
-    _check_firing_order(engine)
+    _check_firing_order(scene, engine)
     check_arrangement(scene)
-    _check_rod(engine)
+    _check_rod(scene, engine)
     if engine.gas is not None:
-        _check_gas(engine, engine.gas)
+        _check_gas(scene, engine.strokes, engine.gas)
 
 
-def _check_firing_order(engine: Engine) -> None:
+def _check_firing_order(scene: Scene, engine: Engine) -> None:
     numbers = tuple(range(1, engine.cylinders + 1))
     if tuple(sorted(engine.order)) == numbers:
         return
-    raise invalid(
+    raise scene.invalid(
         "engine.firing_order",
-        list(engine.firing_order),
         f"must name each of the {engine.cylinders} cylinders once (1 to {engine.cylinders})",
         "Give engine.firing_order = [...] or correct engine.cylinders.",
     )
 
 
-def _check_rod(engine: Engine) -> None:
+def _check_rod(scene: Scene, engine: Engine) -> None:
     """The whole rod is given with its centre of mass, and not beside its parts."""
     masses = engine.masses
     whole = {"rod_kg": masses.rod_kg, "rod_centre_from_big_end_mm": masses.rod_centre_from_big_end_mm}
@@ -258,14 +245,13 @@ def _check_rod(engine: Engine) -> None:
         )
     centre = masses.rod_centre_from_big_end_mm
     if centre is not None and centre >= engine.rod_length_mm:
-        raise invalid(
+        raise scene.invalid(
             "engine.masses.rod_centre_from_big_end_mm",
-            centre,
             f"must be smaller than engine.rod_length_mm = {engine.rod_length_mm:g} mm",
         )
 
 
-def _check_gas(engine: Engine, gas: Gas) -> None:
+def _check_gas(scene: Scene, strokes: int, gas: Gas) -> None:
     peak = (gas.peak_pressure_MPa, gas.peak_angle_deg)
     if gas.indicator_csv is not None:
         if peak != (None, None):
@@ -280,15 +266,12 @@ def _check_gas(engine: Engine, gas: Gas) -> None:
             hint="Give indicator_csv, or peak_pressure_MPa and peak_angle_deg.",
         )
     if not 0 < gas.peak_angle_deg < 60:
-        raise invalid(
-            "engine.gas.peak_angle_deg",
-            gas.peak_angle_deg,
-            "must be > 0 and < 60 deg after firing top dead centre",
+        raise scene.invalid(
+            "engine.gas.peak_angle_deg", "must be > 0 and < 60 deg after firing top dead centre"
         )
-    if engine.strokes == 2 and gas.exhaust_pressure_MPa is not None:
-        raise invalid(
+    if strokes == 2 and gas.exhaust_pressure_MPa is not None:
+        raise scene.invalid(
             "engine.gas.exhaust_pressure_MPa",
-            gas.exhaust_pressure_MPa,
             "a two-stroke engine has no exhaust stroke",
             "Give the scavenging pressure as engine.gas.intake_pressure_MPa.",
         )

@@ -36,16 +36,14 @@ def check_supports(scene: Scene) -> None:
             f"supports: {' and '.join(given)} each give the bearing stiffness.", hint="Keep one of them."
         )
     if "spring" in (supports.torsion, supports.bending) and not given:
-        raise invalid(
+        raise scene.invalid(
             "supports.bearing_spring_N_per_mm",
-            None,
             "must be > 0 N/mm when a support is 'spring'",
             "Give it, or bearing_clearance_mm, or roller_bearing.",
         )
     if supports.bearing_clearance_mm is not None and scene.engine is None:
-        raise invalid(
+        raise scene.invalid(
             "supports.bearing_clearance_mm",
-            supports.bearing_clearance_mm,
             "needs an [engine]: the spring is half the largest pin force over 0.8 of the clearance",
         )
     _check_roller_table(scene)
@@ -57,17 +55,15 @@ def _check_roller_table(scene: Scene) -> None:
         return
     key = "supports.roller_bearing"
     if bearing.kind == "thrust":
-        raise invalid(f"{key}.name", bearing.name, "a thrust bearing has no radial stiffness")
+        raise scene.invalid(f"{key}.name", "a thrust bearing has no radial stiffness")
     if len(bearing.reaction_N) != len(bearing.displacement_mm):
-        raise invalid(
-            f"{key}.reaction_N",
-            list(bearing.reaction_N),
-            f"must have one value per displacement ({len(bearing.displacement_mm)})",
+        raise scene.invalid(
+            f"{key}.reaction_N", f"must have one value per displacement ({len(bearing.displacement_mm)})"
         )
     for name in ("displacement_mm", "reaction_N"):
         values = getattr(bearing, name)
         if any(b <= a for a, b in pairwise(values)):
-            raise invalid(f"{key}.{name}", list(values), "must increase")
+            raise scene.invalid(f"{key}.{name}", "must increase")
 
 
 _LARGEST = 50.0
@@ -171,20 +167,18 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
     least = least_shoulder_mm(scene.throw)
     if edge <= 0:
         allowed = f"does not reach around the axis of {key} at y = {y:g} mm"
-        raise invalid("web.outline", scene.web.outline, allowed, "Widen or lengthen it.")
+        raise scene.invalid("web.outline", allowed, "Widen or lengthen it.")
     if journal.bore_radius_mm >= edge - least:
-        raise invalid(
+        raise scene.invalid(
             f"{key}.bore_diameter_mm",
-            journal.bore_diameter_mm,
             f"breaks through the web's rim; must be smaller than {2 * (edge - least):.4g} mm",
             "Reduce the bore or widen the web.",
         )
     if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - least + ROUNDING_MM:
         room = edge - least - journal.radius_mm
         allowed = f"at most {room:.4g} mm fits" if room > 0 else "no fillet fits"
-        raise invalid(
+        raise scene.invalid(
             f"{key}.fillet_mm",
-            journal.fillet_mm,
             f"larger than the shoulder: the web's edge is {edge:.4g} mm from the axis, of which "
             f"{least:.3g} mm stay, {allowed}",
             "Reduce the fillet or widen the web.",
@@ -239,9 +233,8 @@ def _check_envelope(scene: Scene) -> None:
     check_clearance(scene)
     clearance = envelope.bearing_clearance_mm + envelope.rod_clearance_mm
     if clearance >= scene.web.thickness_mm:
-        raise invalid(
+        raise scene.invalid(
             "envelope.rod_clearance_mm",
-            envelope.rod_clearance_mm,
             f"with bearing_clearance_mm must leave some of the web's {scene.web.thickness_mm:g} mm",
         )
 
@@ -249,16 +242,14 @@ def _check_envelope(scene: Scene) -> None:
 def _check_optimise(scene: Scene) -> None:
     settings = scene.optimise
     if settings.projection_first > settings.projection_last:
-        raise invalid(
+        raise scene.invalid(
             "optimise.projection_first",
-            settings.projection_first,
             f"must be at most optimise.projection_last = {settings.projection_last:g}",
         )
     plain = scene.goal is None and settings.combine == "sum"
     if settings.method == "optimality_criteria" and not plain:
-        raise invalid(
+        raise scene.invalid(
             "optimise.method",
-            settings.method,
             "finds the least sum of compliances at a volume fraction, and nothing else",
             "Leave it out, or write 'moving_asymptotes'.",
         )
@@ -268,4 +259,4 @@ def _check_tool(scene: Scene) -> None:
     radius = scene.optimise.tool_radius_mm
     if radius is not None and radius > scene.throw.radius_mm:
         allowed = f"must be at most throw.radius_mm = {scene.throw.radius_mm:g} mm"
-        raise invalid("optimise.tool_radius_mm", radius, allowed, "Give the radius of the mill.")
+        raise scene.invalid("optimise.tool_radius_mm", allowed, "Give the radius of the mill.")

@@ -105,5 +105,5 @@ def without_error(quantity: str, value: float, error: float) -> float:
 
 
 def bound_in_model(quantity: str, required: float, in_model: float, better: float) -> float:
-    """Return the bound in a model at which the better one, known for the same design, has what is required."""
+    """Return the bound in a model at which the better one of the same design has what is required."""
     return with_error(quantity, required, model_error(quantity, in_model, better))

@@ -12,7 +12,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length
 from cranktopo.throw.counterweight.sector import CornerFillet, Sector
 from cranktopo.throw.counterweight.tangent_circle import (
@@ -116,20 +116,18 @@ class Counterweight(Feature):
         web, journal = scene.web, scene.throw.main_journal
         if self.thickness_mm is not None and self.thickness_mm > web.thickness_mm:
             allowed = f"must be at most web.thickness_mm = {web.thickness_mm:g} mm"
-            raise invalid(f"{key}.thickness_mm", self.thickness_mm, allowed, "Leave it out for all of it.")
+            raise scene.invalid(f"{key}.thickness_mm", allowed, "Leave it out for all of it.")
         least = journal.radius_mm + journal.fillet_mm + least_shoulder_mm(scene.throw)
         if self.outer_radius_mm <= least:
-            raise invalid(
+            raise scene.invalid(
                 f"{key}.outer_radius_mm",
-                self.outer_radius_mm,
                 f"must be larger than {least:.4g} mm, what the main journal needs for its radius and fillet",
                 "Enlarge it, or remove the counterweight.",
             )
         x, y = self.sector(scene).rim_mm()
         if (x <= web.half_width_mm(scene.throw.radius_mm, y)).all():
-            raise invalid(
+            raise scene.invalid(
                 f"{key}.outer_radius_mm",
-                self.outer_radius_mm,
                 "lies within the web's outline and adds nothing",
                 "Enlarge it, or remove the counterweight.",
             )
@@ -140,20 +138,18 @@ class Counterweight(Feature):
             return
         if self.bolted:
             allowed = "a part of its own (density_kg_m3) has no fillet to the web"
-            raise invalid(f"{key}.fillet_mm", self.fillet_mm, allowed, "Leave one of them out.")
+            raise scene.invalid(f"{key}.fillet_mm", allowed, "Leave one of them out.")
         outline, half_angle = _outline(scene.web, scene.throw.radius_mm), math.radians(self.half_angle_deg)
         largest = largest_radius_mm(outline, half_angle, self.outer_radius_mm)
         if largest < _NO_CORNER_MM:
-            raise invalid(
+            raise scene.invalid(
                 f"{key}.fillet_mm",
-                self.fillet_mm,
                 "has no corner: the counterweight's flanks end within the web's outline",
                 "Leave it out, or enlarge half_angle_deg or outer_radius_mm.",
             )
         if self.fillet_mm > largest:
-            raise invalid(
+            raise scene.invalid(
                 f"{key}.fillet_mm",
-                self.fillet_mm,
                 f"must be at most {math.floor(largest * 1e3) / 1e3:g} mm: there the flank ends",
                 "Reduce it, or enlarge the counterweight.",
             )
