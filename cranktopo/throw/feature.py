@@ -116,9 +116,9 @@ class Body(ABC):
         """Lateral extent of a body that adds material, which the cells must hold."""
         raise NotImplementedError
 
-    @abstractmethod
     def solids(self) -> tuple[Solid, ...]:
         """Return the exact body; it may reach beyond the web, if nothing of the web is there."""
+        return self.continued(self.z_mm)
 
     @property
     def y_breaks_mm(self) -> tuple[float, ...]:

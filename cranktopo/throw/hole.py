@@ -39,10 +39,6 @@ class RoundHole(Body):
         return float(np.hypot(self.x_mm, self.y_mm - y_mm)) - self.radius_mm
 
     @override
-    def solids(self) -> tuple[Solid, ...]:
-        return self.continued(self.z_mm)
-
-    @override
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:
         low, high = z_mm
         return (Cylinder((self.x_mm, self.y_mm, low), (0.0, 0.0, high - low), self.radius_mm),)
@@ -70,10 +66,6 @@ class RectangularHole(Body):
         """Distance of the hole's edge from the axis (0, y), mm; 0 if it covers the axis."""
         (x0, y0), (x1, y1) = self.low_mm, self.high_mm
         return float(np.hypot(max(x0, -x1, 0.0), max(y0 - y_mm, y_mm - y1, 0.0)))
-
-    @override
-    def solids(self) -> tuple[Solid, ...]:
-        return self.continued(self.z_mm)
 
     @override
     def continued(self, z_mm: tuple[float, float]) -> tuple[Solid, ...]:

@@ -43,19 +43,18 @@ class Moments:
     polar: float
 
     def __add__(self, other: Moments) -> Moments:
-        return Moments(
-            self.volume + other.volume,
-            self.first_x + other.first_x,
-            self.first_y + other.first_y,
-            self.polar + other.polar,
-        )
+        return Moments(*(one + two for one, two in zip(self._all, other._all, strict=True)))
 
     def __sub__(self, other: Moments) -> Moments:
         return self + other.times(-1)
 
     def times(self, factor: float) -> Moments:
         """Return all moments multiplied by a height or a density."""
-        return Moments(*(factor * value for value in (self.volume, self.first_x, self.first_y, self.polar)))
+        return Moments(*(factor * value for value in self._all))
+
+    @property
+    def _all(self) -> tuple[float, float, float, float]:
+        return self.volume, self.first_x, self.first_y, self.polar
 
 
 def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:

@@ -6,6 +6,7 @@ An outline is registered here, any other feature in `web.py`.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import Annotated, Literal
 
 import numpy as np
@@ -20,36 +21,59 @@ from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.web import WebTable
 
 
-class ObroundWeb(WebTable):
+class _HullWeb(WebTable):
+    @property
+    @abstractmethod
+    def radii_mm(self) -> tuple[float, float]:
+        """Radii of the round ends about the crank axis and the pin axis, whose convex hull the web is."""
+
+    @override
+    def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
+        return _half_width(*self.radii_mm, throw_radius_mm, y_mm)
+
+    @override
+    def y_range_mm(self, throw_radius_mm: float) -> tuple[float, float]:
+        main, pin = self.radii_mm  # one circle may hold the other
+        return min(-main, throw_radius_mm - pin), max(main, throw_radius_mm + pin)
+
+    @property
+    @override
+    def largest_half_width_mm(self) -> float:
+        return max(self.radii_mm)
+
+    @override
+    def kinks_mm(self, throw_radius_mm: float) -> tuple[float, ...]:
+        main, pin = self.radii_mm
+        sine = (main - pin) / throw_radius_mm
+        return () if abs(sine) >= 1 else (main * sine, throw_radius_mm + pin * sine)
+
+    @override
+    def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
+        main, pin = self.radii_mm
+        if abs(main - pin) >= throw_radius_mm:
+            raise invalid(
+                "web.main_radius_mm",
+                main,
+                f"must differ from web.pin_radius_mm = {pin:g} mm by less than the throw radius "
+                f"{throw_radius_mm:g} mm",
+            )
+        return _contour(main, pin, throw_radius_mm, z_mm)
+
+
+class ObroundWeb(_HullWeb):
     """Slot-shaped web: both round ends centred on the axes."""
 
     outline: Literal["obround"]
     width_mm: Length = Field(examples=[50.0])
     """Width across the throw."""
 
-    @override
-    def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
-        return _half_width(self.width_mm / 2, self.width_mm / 2, throw_radius_mm, y_mm)
-
-    @override
-    def y_range_mm(self, throw_radius_mm: float) -> tuple[float, float]:
-        return -self.width_mm / 2, throw_radius_mm + self.width_mm / 2
-
     @property
     @override
-    def largest_half_width_mm(self) -> float:
-        return self.width_mm / 2
-
-    @override
-    def kinks_mm(self, throw_radius_mm: float) -> tuple[float, ...]:
-        return 0.0, throw_radius_mm
-
-    @override
-    def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
-        return _contour(self.width_mm / 2, self.width_mm / 2, throw_radius_mm, z_mm)
+    def radii_mm(self) -> tuple[float, float]:
+        return self.width_mm / 2, self.width_mm / 2
 
 
-class TaperedWeb(WebTable):
+class TaperedWeb(_HullWeb):
     """Convex hull of a circle on the crank axis and a circle on the pin axis."""
 
     outline: Literal["tapered"]
@@ -58,38 +82,10 @@ class TaperedWeb(WebTable):
     pin_radius_mm: Length = Field(examples=[25.0])
     """Radius of the circle on the pin axis."""
 
-    @override
-    def half_width_mm(self, throw_radius_mm: float, y_mm: Array) -> Array:
-        return _half_width(self.main_radius_mm, self.pin_radius_mm, throw_radius_mm, y_mm)
-
-    @override
-    def y_range_mm(self, throw_radius_mm: float) -> tuple[float, float]:
-        # One circle may hold the other.
-        low = min(-self.main_radius_mm, throw_radius_mm - self.pin_radius_mm)
-        return low, max(self.main_radius_mm, throw_radius_mm + self.pin_radius_mm)
-
     @property
     @override
-    def largest_half_width_mm(self) -> float:
-        return max(self.main_radius_mm, self.pin_radius_mm)
-
-    @override
-    def kinks_mm(self, throw_radius_mm: float) -> tuple[float, ...]:
-        sine = (self.main_radius_mm - self.pin_radius_mm) / throw_radius_mm
-        if abs(sine) >= 1:
-            return ()
-        return self.main_radius_mm * sine, throw_radius_mm + self.pin_radius_mm * sine
-
-    @override
-    def contour(self, throw_radius_mm: float, z_mm: float) -> tuple[Curve, ...]:
-        if abs(self.main_radius_mm - self.pin_radius_mm) >= throw_radius_mm:
-            raise invalid(
-                "web.main_radius_mm",
-                self.main_radius_mm,
-                f"must differ from web.pin_radius_mm = {self.pin_radius_mm:g} mm by less than the throw "
-                f"radius {throw_radius_mm:g} mm",
-            )
-        return _contour(self.main_radius_mm, self.pin_radius_mm, throw_radius_mm, z_mm)
+    def radii_mm(self) -> tuple[float, float]:
+        return self.main_radius_mm, self.pin_radius_mm
 
 
 def _half_width(main_radius: float, pin_radius: float, distance: float, y: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -34,28 +35,14 @@ class Flank:
 
     def at(self, u: Any) -> Any:
         """Points of every piece at places (u,) from 0 to 1 in each, (pieces, u, 2), mm."""
-        start, end, leave, arrive = self._pieces()
-        t = np.asarray(u)[None, :, None]
-        return (
-            start * (1 + 2 * t) * (1 - t) ** 2
-            + end * t**2 * (3 - 2 * t)
-            + leave * t * (1 - t) ** 2
-            + arrive * t**2 * (t - 1)
-        )
+        return _blended(self._pieces(), np.asarray(u)[None, :, None])
 
     def along(self, chords: int) -> Any:
         """Points at equal steps of the piece number, both ends included, (chords + 1, 2), mm."""
         pieces = self.points_mm.shape[0] - 1
         place = np.linspace(0, pieces, chords + 1)
         piece = np.minimum(place.astype(int), pieces - 1)
-        t = np.asarray(place - piece)[:, None]
-        start, end, leave, arrive = (part[piece, 0] for part in self._pieces())
-        return (
-            start * (1 + 2 * t) * (1 - t) ** 2
-            + end * t**2 * (3 - 2 * t)
-            + leave * t * (1 - t) ** 2
-            + arrive * t**2 * (t - 1)
-        )
+        return _blended([part[piece, 0] for part in self._pieces()], np.asarray(place - piece)[:, None])
 
     def derivatives(self, u: Any) -> tuple[Any, Any]:
         """First and second derivative at places (u,) in each piece, (pieces, u, 2) each, - and 1/mm."""
@@ -79,6 +66,16 @@ class Flank:
             self.slopes[:-1, None] * length,
             self.slopes[1:, None] * length,
         )
+
+
+def _blended(ends: Sequence[Any], t: Any) -> Any:
+    start, end, leave, arrive = ends
+    return (
+        start * (1 + 2 * t) * (1 - t) ** 2
+        + end * t**2 * (3 - 2 * t)
+        + leave * t * (1 - t) ** 2
+        + arrive * t**2 * (t - 1)
+    )
 
 
 def flank_through(half_widths_mm: Any, stations_mm: Any, round_ends: tuple[bool, bool]) -> Flank:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
@@ -18,7 +19,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from cranktopo.base.errors import quoted, suggest
-from cranktopo.base.table import SceneTable
+from cranktopo.base.table import SHOWN, SceneTable
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.quantities import (
     QUANTITIES,
@@ -133,18 +134,14 @@ def _read(quantity: GoalQuantity, text: Any) -> Limit:
         raise refused(
             "must be text with a sign, a number and a unit", f"Write {_example(quantity, number=number)}."
         )
-    sign, number, rest = (part or "" for part in _whole_match(text.strip()))
+    found = _TEXT.fullmatch(text.strip())
+    sign, number, rest = (part or "" for part in (found.groups() if found else ("", "", text.strip())))
     sense = _sense(quantity, sign, f"{number}{rest}".strip())
     value = _number(quantity, number, f"{number}{rest}")
     unit = rest.strip()
     if unit == "%":
         return Limit(quantity.name, sense, _in_percent(quantity, value), percent=True)
     return Limit(quantity.name, sense, _in_unit(quantity, value, unit, sense))
-
-
-def _whole_match(text: str) -> tuple[str | None, ...]:
-    found = _TEXT.fullmatch(text)
-    return found.groups() if found else (None, None, text)
 
 
 def _sense(quantity: GoalQuantity, sign: str, rest: str) -> LimitSense:
@@ -239,7 +236,9 @@ _LimitText = Annotated[
 """Such as `>= 100 %`; two of them for a range."""
 
 
-def _goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
+def _goal_word(value: Any, sense: str) -> Any:
+    if value is None:
+        return None
     allowed = get_args(_Minimised if sense == "minimise" else _Maximised)
     if not isinstance(value, str):
         raise refused("must be the name of a quantity", f"Valid: {', '.join(allowed)}.")
@@ -254,14 +253,6 @@ def _goal_word(value: Any, sense: Literal["minimise", "maximise"]) -> Any:
         )
     other = "Maximise" if sense == "minimise" else "Minimise"
     raise refused(f"{quantity.label} is wanted {quantity.better}", f"{other} it.")
-
-
-def _minimised(value: Any) -> Any:
-    return value if value is None else _goal_word(value, "minimise")
-
-
-def _maximised(value: Any) -> Any:
-    return value if value is None else _goal_word(value, "maximise")
 
 
 class LimitsTable(SceneTable):
@@ -305,11 +296,11 @@ class GoalTable(SceneTable):
     Without this table `optimise` minimises the weighted compliance at `optimise.volume_fraction`.
     """
 
-    minimise: Annotated[_Minimised | None, BeforeValidator(_minimised)] = Field(
-        default=None, examples=["mass"], json_schema_extra={"shown": True}
+    minimise: Annotated[_Minimised | None, BeforeValidator(partial(_goal_word, sense="minimise"))] = Field(
+        default=None, examples=["mass"], json_schema_extra=SHOWN
     )
     """Quantity to be made as low as possible; this or `maximise`."""
-    maximise: Annotated[_Maximised | None, BeforeValidator(_maximised)] = Field(
+    maximise: Annotated[_Maximised | None, BeforeValidator(partial(_goal_word, sense="maximise"))] = Field(
         default=None, examples=["torsion_per_mass"]
     )
     """Quantity to be made as high as possible; this or `minimise`."""

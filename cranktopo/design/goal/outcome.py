@@ -160,7 +160,12 @@ def limit_outcome(
     name = limit.quantity
     now, before = reached.get(name), original.get(name)
     required = limit.required(before)
-    found = LimitOutcome(
+    judged: dict[str, Any] = {"holds": None, "active": False}
+    if required is not None and now is not None:
+        kept = Constraint(name, limit.sense, required, before or 0.0, minimum_scale(name, original))
+        judged = {"holds": kept.satisfied(now, tolerance), "active": kept.active(now)}
+        judged["violation"] = kept.violation(now)
+    return LimitOutcome(
         quantity=name,
         sense=limit.sense,
         required=required,
@@ -168,15 +173,9 @@ def limit_outcome(
         unit=QUANTITIES[name].unit,
         required_percent=limit.value if limit.percent else _percent(required, before),
         reached_percent=_percent(now, before),
-        holds=None,
-        active=False,
         assumed=limit.assumed,
+        **judged,
     )
-    if required is None or now is None:
-        return found
-    kept = Constraint(name, limit.sense, required, before or 0.0, minimum_scale(name, original))
-    judged = {"holds": kept.satisfied(now, tolerance), "active": kept.active(now)}
-    return found.model_copy(update={**judged, "violation": kept.violation(now)})
 
 
 def _evaluated(own: LimitOutcome, better: LimitOutcome) -> dict[str, Any]:

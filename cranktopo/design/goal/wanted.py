@@ -15,6 +15,8 @@ from cranktopo.design.messages import explain, listed
 from cranktopo.design.schema import Scene
 
 _LIMIT = re.compile(r"\s*([^\s<>=!~≤≥]*)\s*(.*)", re.S)
+_KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety")
+"""Quantities that may not become worse than the original's unless the goal or a limit says otherwise."""
 
 
 def with_goal(
@@ -40,7 +42,8 @@ def with_goal(
     try:
         goal = GoalTable.model_validate(table)
     except ValidationError as error:
-        raise _wrong_use(explain(error, scene.name, ("goal",))) from None
+        wrong = explain(error, scene.name, ("goal",))
+        raise CranktopoError(wrong.message, hint=wrong.hint, code=ExitCode.USAGE) from None
     scene = scene.model_copy(update={"goal": goal})
     check_goal(scene)
     return scene
@@ -60,14 +63,6 @@ def limits_by_quantity(texts: Sequence[str]) -> dict[str, str | tuple[str, ...]]
             raise CranktopoError(message, hint=nearest_quantity(name), code=ExitCode.USAGE)
         found[name] = (*found.get(name, ()), rest.strip())
     return {name: rest[0] if len(rest) == 1 else rest for name, rest in found.items()}
-
-
-def _wrong_use(error: CranktopoError) -> CranktopoError:
-    return CranktopoError(error.message, hint=error.hint, code=ExitCode.USAGE)
-
-
-_KEPT: tuple[QuantityName, ...] = ("mass", "torsion", "bending", "fatigue_safety")
-"""Quantities that may not become worse than the original's unless the goal or a limit says otherwise."""
 
 
 def wanted(scene: Scene) -> Goal | None:

@@ -31,6 +31,7 @@ from cranktopo.throw.feature import (
     ThrowView,
     least_shoulder_mm,
 )
+from cranktopo.throw.hole import depth_range_mm
 from cranktopo.throw.primitives import FeatureDrawing, number_lines
 
 LEAST_HALF_ANGLE_DEG = 5.0
@@ -67,9 +68,7 @@ class Counterweight(Feature):
 
     def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
         """Its body without the fillets to the web."""
-        start, end = scene.web_z_mm
-        thick = scene.web.thickness_mm if self.thickness_mm is None else self.thickness_mm
-        z_mm = (start, start + thick) if self.face == "journal" else (end - thick, end)
+        z_mm = depth_range_mm(scene, self.face, self.thickness_mm or scene.web.thickness_mm)
         return Sector(key, z_mm, self.outer_radius_mm, math.radians(self.half_angle_deg))
 
     def parts(self, scene: ThrowView, key: str = "web.counterweight") -> tuple[Sector | CornerFillet, ...]:

@@ -22,7 +22,6 @@ from cranktopo.throw.drilling.checks import check_bore, check_ends
 from cranktopo.throw.drilling.outlet import DrillingEnd, DrillingSecondEnd, DrillOutlet
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, Feature, JournalsView, ThrowView
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
-from cranktopo.throw.journal import Journal
 from cranktopo.throw.primitives import FeatureDrawing, Polyline
 
 _DIGITS = 6
@@ -129,8 +128,7 @@ def _bore(throw: JournalsView, pitch_mm: float, drilling: Drilling, key: str) ->
 
 
 def _point(throw: JournalsView, pitch_mm: float, end: DrillingEnd) -> tuple[float, float, float]:
-    journal, y = _journal(throw, end)
-    radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
+    y, radius = _surface(throw, end)
     angle = math.radians(end.angle_deg)
     z = end.place_mm if end.journal_key == "main_journal" else pitch_mm / 2 - end.place_mm
     x, along = (round(value, 12) + 0.0 for value in (radius * math.sin(angle), y + radius * math.cos(angle)))
@@ -140,15 +138,14 @@ def _point(throw: JournalsView, pitch_mm: float, end: DrillingEnd) -> tuple[floa
 def _outlet(
     throw: JournalsView, end: DrillingEnd, point: Array, outward: Array, rounding: float
 ) -> DrillOutlet:
-    journal, y = _journal(throw, end)
-    radius = journal.bore_radius_mm if end.in_bore else journal.radius_mm
+    y, radius = _surface(throw, end)
     place, way = (cast(tuple[float, float, float], tuple(v.tolist())) for v in (point, outward))
     return DrillOutlet(place, way, y, radius, end.in_bore, 0.0 if end.in_bore else rounding, end.journal_key)
 
 
-def _journal(throw: JournalsView, end: DrillingEnd) -> tuple[Journal, float]:
-    (main, _), (pin, radius) = throw.journals
-    return (main, 0.0) if end.journal_key == "main_journal" else (pin, radius)
+def _surface(throw: JournalsView, end: DrillingEnd) -> tuple[float, float]:
+    journal, y = throw.journals[end.journal_key == "crankpin"]
+    return y, journal.bore_radius_mm if end.in_bore else journal.radius_mm
 
 
 def drilling_asymmetry(scene: ThrowView) -> str:
