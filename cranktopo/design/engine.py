@@ -1,4 +1,4 @@
-"""Scene tables of the engine that loads the throw: gas, masses, cylinders, firing order."""
+"""Scene tables of the engine that loads the throw: gas, masses, cylinders, firing order, arrangement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dimensions of the throw that the shape optimisation may change: where each stands in a scene."""
+"""Dimensions that the shape optimisation may change: where each stands in a scene, and its checked range."""
 
 from __future__ import annotations
 

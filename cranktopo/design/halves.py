@@ -1,4 +1,4 @@
-"""The two halves of a throw, each as the throw of two equal webs that it is half of.
+"""The two halves of a throw, each as the throw of two equal webs that it is half of; symmetry, usual sizes.
 
 What a half throw is, has and weighs follows from such a scene; the second half is the mirror image of what
 its scene describes. Where both are alike, both are the scene itself.

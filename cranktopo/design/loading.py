@@ -1,4 +1,4 @@
-"""From a TOML path or the name of a built-in design to a validated scene."""
+"""From a TOML path or a built-in name to a validated scene, with other values or one of two webs if asked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every key of a scene, read off the schema: meaning, unit, default, range, required or not."""
+"""Every key of a scene, read off the schema, and a template with all of them, each explained."""
 
 from __future__ import annotations
 

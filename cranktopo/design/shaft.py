@@ -1,4 +1,4 @@
-"""Scene tables of what is joined to the crankshaft, and of its damping."""
+"""Scene tables of the bearings, of what is joined to the crankshaft, and of its damping."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene as TOML text that reads back as the same scene."""
+"""Designs as text: written, copied, joined of two webs, and kept in a run with what it was started with."""
 
 from __future__ import annotations
 

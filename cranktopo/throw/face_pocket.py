@@ -1,4 +1,4 @@
-"""What pockets from a web face have in common: their axis is parallel to the crank axis."""
+"""Pockets from a web face, their axis parallel to the crank axis: round and rectangular, and their fits."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""What every feature of a web can say about itself: the table in the scene, and its bodies in the web.
+"""What every feature of a web can say about itself, and what it sees of the scene that holds it.
 
-A feature knows neither meshes nor cells nor pages: rooms above loop over features and ask.
+A feature knows neither meshes nor cells nor pages: rooms above loop over features and ask. Scene and throw
+come later, being built from features.
 """
 
 from __future__ import annotations

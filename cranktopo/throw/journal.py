@@ -1,4 +1,4 @@
-"""Journals and the sections of their fillets: a quarter of an ellipse, by default of a circle."""
+"""Journals, and the sections of their fillets: a quarter of an ellipse, by default of a circle."""
 
 from __future__ import annotations
 

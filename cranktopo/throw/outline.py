@@ -1,7 +1,4 @@
-"""Features of a web: one file per kind says its keys, rules, bodies, drawing and how the re-model fits it.
-
-An outline is registered here, any other feature in `web.py`.
-"""
+"""Outlines of a web; another one is registered in `Web`, any other feature in `web.py`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""The profile outline: half-widths at stations along the throw, joined by a spline."""
+"""The profile outline: half-widths at stations along the throw, joined by one smooth curve, its flank.
+
+The flank is a cubic spline of x and y over the chord length between its points, with continuous curvature.
+An end with half-width 0 is round: the curve crosses x = 0 at a right angle, with the curvature of its own
+mirror image. An end with a half-width above 0 is cut straight across. The formulae are analytic, so that a
+complex step differentiates them.
+"""
 
 from __future__ import annotations
 

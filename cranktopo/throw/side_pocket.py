@@ -30,10 +30,9 @@ from cranktopo.throw.fitted import (
     Surroundings,
     wall_rule,
 )
-from cranktopo.throw.hole import check_cut, check_depth
+from cranktopo.throw.hole import BEYOND_MM, SideSlots, check_cut, check_depth
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import DimensionLine, FeatureDrawing, Polyline, number_lines
-from cranktopo.throw.side_slots import BEYOND_MM, SideSlots
 
 _LARGEST_DRAFT_DEG = 45.0
 _FIRST_DRAFT_DEG = 10.0

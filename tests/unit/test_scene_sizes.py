@@ -16,9 +16,8 @@ from cranktopo.bodies.envelope_file import envelope_from_file
 from cranktopo.bodies.solid.step_surface import step_surface
 from cranktopo.bodies.web_moments import web_moments
 from cranktopo.design.loading import designs_folder, parse_scene
-from cranktopo.design.schema import Scene
+from cranktopo.design.schema import Scene, ThrowTable
 from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.throw.geometry import ThrowTable
 
 MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
 BARE = MIKRON[: MIKRON.index("[envelope]")]

@@ -1,4 +1,4 @@
-"""Consistency of the engine of a scene."""
+"""Consistency of engine, arrangement and shaft table, and what the latter should not leave out."""
 
 from __future__ import annotations
 

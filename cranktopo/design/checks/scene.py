@@ -1,4 +1,4 @@
-"""Consistency of a scene beyond single values: journals, bores, web and envelope must fit together."""
+"""Consistency of a scene beyond single values: sizes, bearings, journals, bores, web, envelope."""
 
 from __future__ import annotations
 

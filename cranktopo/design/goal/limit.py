@@ -1,4 +1,4 @@
-"""A goal and its limits, and how a limit is read off its text."""
+"""A goal and its limits, how a limit is read off its text, and the scene's table `[goal]`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The goal of a scene with every limit that counts, those that go without saying included."""
+"""The goal of a scene with every limit that counts: read, changed on request, checked."""
 
 from __future__ import annotations
 

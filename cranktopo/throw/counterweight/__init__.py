@@ -1,1 +1,1 @@
-"""The counterweight of a web: table, sector, the fillet in its corners, its distances."""
+"""The counterweight of a web: table, sector with its fillets, the circle of a fillet."""

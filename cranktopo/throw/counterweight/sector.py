@@ -1,4 +1,4 @@
-"""The sector about the crank axis that a counterweight is, without its fillets."""
+"""Bodies of a counterweight: a sector about the crank axis, and the fillets in the corners at the web."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The body of an oil drilling: a straight hole between the surfaces of journals, its outlets rounded."""
+"""The body of an oil drilling, a straight hole between surfaces of journals, and element sizes around it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The ring that the rounding of a drilling's outlet takes out: a ball rolls around the edge inside.
+"""Ends of an oil drilling: tables, outlets, and the ring that the rounding of an outlet takes out.
 
-Its section at every angle about the drilling has three corners: the edge of the sharp outlet, and where the
-ball touches the drilling and the journal.
+The ring is what a ball leaves that rolls around the edge inside. Its section at every angle about the
+drilling has three corners: the edge of the sharp outlet, and where the ball touches drilling and journal.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Oil drillings of a throw: straight holes between the surfaces of its journals, their outlets rounded.
+"""Oil drillings of a throw: straight holes between the surfaces of its journals, and walls around them.
 
 A drilling is described in the half throw of its web and is in both halves, the second one the mirror image,
 or in one of them alone: then its outlet may reach across the middle of the crankpin.
