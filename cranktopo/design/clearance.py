@@ -20,7 +20,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import Reach
 
 PISTON, CRANKCASE = "piston skirt", "crankcase"
-_DIRECTIONS, _CRANK_ANGLES = 721, 1441
+_CRANK_ANGLES = 1441
+_ANGLES_RAD = np.linspace(0.0, np.pi, 721)
+"""Directions from that of the crankpin."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def clearance_limit(scene: Scene) -> ClearanceLimit | None:
     found = _limits(scene, with_gap=True)
     if not found:
         return None
-    return ClearanceLimit(_angles(), np.min([limit.radius_mm for limit in found.values()], axis=0))
+    return ClearanceLimit(_ANGLES_RAD, np.min([limit.radius_mm for limit in found.values()], axis=0))
 
 
 def clearances_mm(scene: Scene) -> dict[str, float]:
@@ -138,15 +140,11 @@ def _limits(scene: Scene, with_gap: bool) -> dict[str, ClearanceLimit]:
         return found
     gap = clearance.least_gap_mm if with_gap else 0.0
     if clearance.piston_skirt_mm is not None and _half_width_mm(scene):
-        found[PISTON] = ClearanceLimit(_angles(), _below_piston(scene, clearance.piston_skirt_mm + gap))
+        found[PISTON] = ClearanceLimit(_ANGLES_RAD, _below_piston(scene, clearance.piston_skirt_mm + gap))
     if clearance.crankcase_radius_mm is not None:
-        radius = np.full(_DIRECTIONS, clearance.crankcase_radius_mm - gap)
-        found[CRANKCASE] = ClearanceLimit(_angles(), radius)
+        radius = np.full(len(_ANGLES_RAD), clearance.crankcase_radius_mm - gap)
+        found[CRANKCASE] = ClearanceLimit(_ANGLES_RAD, radius)
     return found
-
-
-def _angles() -> Array:
-    return np.linspace(0.0, np.pi, _DIRECTIONS)
 
 
 def _below_piston(scene: Scene, skirt_mm: float) -> Array:
@@ -157,7 +155,7 @@ def _below_piston(scene: Scene, skirt_mm: float) -> Array:
     pin = throw * np.cos(crank) + np.sqrt(engine.rod_length_mm**2 - (throw * np.sin(crank)) ** 2)
     edge = pin - skirt_mm
     half = _half_width_mm(scene)
-    turned = _angles()[:, None] + crank
+    turned = _ANGLES_RAD[:, None] + crank
     along, across = np.cos(turned), np.abs(np.sin(turned))
     with np.errstate(divide="ignore"):
         radius = np.where(along > 1e-9, edge / np.maximum(along, 1e-9), np.inf)

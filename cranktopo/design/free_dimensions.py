@@ -64,12 +64,11 @@ def own_dimension_mm(scene: Scene, name: DimensionName) -> float:
 
 def free_range_mm(scene: Scene, name: DimensionName) -> tuple[float, float] | None:
     """Least and greatest of a dimension in `[shape.free]`, mm or degrees; None where it is not free."""
-    found: tuple[float, float] | None = getattr(scene.shape.free, free_key(name))
+    found: tuple[float, float] | None = getattr(scene.shape.free, _free_key(name))
     return found
 
 
-def free_key(name: DimensionName) -> str:
-    """Key of a dimension in `[shape.free]`."""
+def _free_key(name: DimensionName) -> str:
     return f"{name}_{'deg' if name == 'counterweight_angle' else 'mm'}"
 
 
@@ -83,8 +82,7 @@ def is_of_counterweight(name: DimensionName) -> bool:
     return name in _COUNTERWEIGHT
 
 
-def fillet_of(name: DimensionName) -> DimensionName:
-    """Return the fillet that an axial semi-axis belongs to; any other dimension itself."""
+def _fillet_of(name: DimensionName) -> DimensionName:
     return next((fillet for fillet, axial in AXIAL.items() if axial == name), name)
 
 
@@ -178,7 +176,7 @@ def _check_own(scene: Scene, name: DimensionName, found: tuple[float, float]) ->
             scene,
             name,
             f"the range must hold the design's own value, {key_of(name)} = {own:g}"
-            f" {free_key(name).rpartition('_')[2]}",
+            f" {_free_key(name).rpartition('_')[2]}",
             "Widen the range, or change the design.",
         )
 
@@ -212,7 +210,7 @@ def _stays_round(scene: Scene, name: DimensionName) -> bool:
 
 def _shortest_journal(scene: Scene, name: DimensionName) -> tuple[str, float]:
     """Return the journal of a fillet, and its least length, mm, at the web's greatest thickness."""
-    if fillet_of(name) == "pin_fillet":
+    if _fillet_of(name) == "pin_fillet":
         return "crankpin", scene.throw.crankpin.length_mm
     thickness = free_range_mm(scene, "web_thickness")
     thickest = with_dimensions(scene, {"web_thickness": thickness[1]} if thickness else {})
@@ -233,7 +231,7 @@ def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) 
     bore: DimensionName
     fillet: DimensionName
     bore, fillet = ("pin_bore", "journal_fillet")
-    if fillet_of(name) not in (bore, fillet):
+    if _fillet_of(name) not in (bore, fillet):
         bore, fillet = ("journal_bore", "pin_fillet")
     bored, other = journal_of(scene, bore), journal_of(scene, fillet)
     reach = bored.bore_radius_mm + other.radius_mm + other.fillet_mm
@@ -272,4 +270,4 @@ def _check_thickness(scene: Scene, least: float) -> None:
 
 
 def _refused(scene: Scene, name: DimensionName, allowed: str, hint: str) -> CranktopoError:
-    return scene.invalid(f"shape.free.{free_key(name)}", allowed, hint)
+    return scene.invalid(f"shape.free.{_free_key(name)}", allowed, hint)

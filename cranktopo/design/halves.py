@@ -16,10 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.table import drilling_asymmetry
 
 T = TypeVar("T")
-_LENGTHS = {
-    "second_main_journal_length_mm": "main_journal",
-    "second_crankpin_length_mm": "crankpin",
-}
+_LENGTHS = {"second_main_journal_length_mm": "main_journal", "second_crankpin_length_mm": "crankpin"}
 """Keys of the throw that give a journal another length beyond the crankpin."""
 
 

@@ -1,4 +1,4 @@
-"""From a TOML path or a built-in name to a validated scene, with other values or one of two webs if asked."""
+"""From a TOML path or a built-in name to a validated scene, with other values or one web if asked."""
 
 from __future__ import annotations
 
@@ -111,18 +111,15 @@ def one_web(scene: Scene, web: WebName | None) -> Scene:
             f"--web {web}: the body of original.file is one half throw, and the halves differ.",
             hint="Take [original] out: gains are then measured against the web of the design.",
         )
-    half = _twice(halves(scene)[web == "second"], web)
+    half = halves(scene)[web == "second"]
+    drilling = tuple(one.model_copy(update={"web": "both"}) for one in half.throw.drilling)
+    throw = half.throw.model_copy(update={"drilling": drilling, "mirrored_web": web})
+    half = half.model_copy(update={"throw": throw, "name": f"{half.name}-{web}-web"})
     try:
         check_scene(half)
     except CranktopoError as error:
         raise of_second(error, scene) if web == "second" else error from None
     return half
-
-
-def _twice(half: Scene, web: WebName) -> Scene:
-    drilling = tuple(one.model_copy(update={"web": "both"}) for one in half.throw.drilling)
-    throw = half.throw.model_copy(update={"drilling": drilling, "mirrored_web": web})
-    return half.model_copy(update={"throw": throw, "name": f"{half.name}-{web}-web"})
 
 
 # Keys of the scene that name a file, relative to the design.

@@ -164,24 +164,24 @@ def _rules(annotation: Any) -> Iterator[Any]:
             yield from _rules(part)
 
 
-def _dotted(loc: tuple[int | str, ...]) -> str:
-    """Location without the union tags that pydantic inserts: `web.obround.width_mm` is `web.width_mm`."""
-    path = ""
+def _walked(loc: tuple[int | str, ...]) -> Iterator[tuple[int | str | None, Any]]:
+    """Yield each part of a location with the type there; a union tag, which pydantic inserts, is no part."""
     annotation: Any = _ROOT[0]
     for part in loc:
-        if _is_tag(annotation, part):
-            annotation = _member(annotation, str(part))
-            continue
-        path += f"[{part}]" if isinstance(part, int) else f".{quoted(part)[1:-1]}"
-        annotation = _child(annotation, part)
-    return path.removeprefix(".")
+        tag = _is_tag(annotation, part)
+        annotation = _member(annotation, str(part)) if tag else _child(annotation, part)
+        yield None if tag else part, annotation
+
+
+def _dotted(loc: tuple[int | str, ...]) -> str:
+    """Location without union tags: `web.obround.width_mm` is `web.width_mm`."""
+    parts = [part for part, _ in _walked(loc) if part is not None]
+    path = (f"[{part}]" if isinstance(part, int) else f".{quoted(part)[1:-1]}" for part in parts)
+    return "".join(path).removeprefix(".")
 
 
 def _annotation(loc: tuple[int | str, ...]) -> Any:
-    annotation: Any = _ROOT[0]
-    for part in loc:
-        annotation = _member(annotation, str(part)) if _is_tag(annotation, part) else _child(annotation, part)
-    return annotation
+    return [_ROOT[0], *(annotation for _, annotation in _walked(loc))][-1]
 
 
 def _field(loc: tuple[int | str, ...]) -> Any:

@@ -9,15 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.base.table import (
-    LIKE_WEB,
-    SHOWN,
-    Fraction,
-    Length,
-    SceneTable,
-    Weight,
-    WholeNumber,
-)
+from cranktopo.base.table import LIKE_WEB, SHOWN, Fraction, Length, SceneTable, Weight, WholeNumber
 from cranktopo.design.engine import Engine
 from cranktopo.design.goal.limit import GoalTable
 from cranktopo.design.material import Fatigue, Material

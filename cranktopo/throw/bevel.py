@@ -77,7 +77,7 @@ class EndBevel(Feature):
         arc, (start, end) = self.arc(scene), scene.web_z_mm
         face, into = (start, 1.0) if arc.outward > 0 else (end, -1.0)
         z_mm = (start, start + self.depth_mm) if arc.outward > 0 else (end - self.depth_mm, end)
-        return (BevelTool(key, z_mm, arc, face, into, 2 * scene.web.largest_half_width_mm),)
+        return (_BevelTool(key, z_mm, arc, face, into, 2 * scene.web.largest_half_width_mm),)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
@@ -141,7 +141,7 @@ class EndBevel(Feature):
 
 
 @dataclass(frozen=True)
-class BevelTool(Body):
+class _BevelTool(Body):
     """What a bevel takes off at its face, over the whole width; `into` is +1 if the web lies toward +z."""
 
     arc: BevelArc

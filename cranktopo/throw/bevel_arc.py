@@ -66,10 +66,7 @@ class BevelArc:
         """Depth and reach of the arc's centre."""
         normal = self._normal
         back = self.crown_mm - self.radius_mm
-        return (
-            self.depth_mm / 2 + back * normal[0],
-            (self.start_mm + self.end_mm) / 2 + back * normal[1],
-        )
+        return (self.depth_mm / 2 + back * normal[0], (self.start_mm + self.end_mm) / 2 + back * normal[1])
 
     @property
     def largest_crown_mm(self) -> float:

@@ -46,6 +46,16 @@ class FacePocket(Feature):
         for body in self.bodies(scene, key):
             check_cut(scene, body)
 
+    @property
+    def _edge(self) -> Circle | Polyline:
+        raise NotImplementedError
+
+    @override
+    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+        numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
+        lines = number_lines(f"POCKET {self.shape}, {self.face}", numbers)
+        return FeatureDrawing(front=(self._edge,), lines=lines)
+
     @override
     def mirrored(self) -> Self:
         return self.model_copy(update={"x_mm": -self.x_mm + 0.0})
@@ -201,16 +211,13 @@ class BoxPocket(FacePocket):
     def check_alone(self, scene: ThrowView, key: str) -> None:
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 
+    @property
     @override
-    def drawing(self, scene: ThrowView) -> FeatureDrawing:
+    def _edge(self) -> Polyline:
         half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
         corners = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
         edge = tuple((self.x_mm + i * half_x, self.y_mm + j * half_y) for i, j in corners)
-        numbers = self.model_dump(exclude={"shape", "face"})
-        return FeatureDrawing(
-            front=(Polyline(edge, self.face == "journal"),),
-            lines=number_lines(f"POCKET {self.shape}, {self.face}", numbers),
-        )
+        return Polyline(edge, self.face == "journal")
 
 
 class FittedBox(FittedPocket):
@@ -269,14 +276,11 @@ class CylinderPocket(FacePocket):
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 
+    @property
     @override
-    def drawing(self, scene: ThrowView) -> FeatureDrawing:
-        centre, hidden = (self.x_mm, self.y_mm), self.face == "journal"
-        numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
-        return FeatureDrawing(
-            front=(Circle(centre, self.diameter_mm / 2, hidden, f"⌀{self.diameter_mm:g}"),),
-            lines=number_lines(f"POCKET {self.shape}, {self.face}", numbers),
-        )
+    def _edge(self) -> Circle:
+        hidden, label = self.face == "journal", f"⌀{self.diameter_mm:g}"
+        return Circle((self.x_mm, self.y_mm), self.diameter_mm / 2, hidden, label)
 
 
 class FittedCylinder(FittedPocket):

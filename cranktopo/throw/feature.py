@@ -91,11 +91,7 @@ def least_shoulder_mm(throw: JournalsView) -> float:
 class Body(ABC):
     """A body that a feature adds to the web or takes from it; z counts from the mid-main-journal plane.
 
-    Attributes:
-        key: key path of the feature in the scene, for messages.
-        z_mm: its extent along the crank axis.
-        adds: whether it is material; otherwise it is taken away.
-        kept: no optimiser takes it away; then it is a prism with one interval at each place.
+    No optimiser takes away one that is `kept`: a prism with one interval at each place.
     """
 
     key: str

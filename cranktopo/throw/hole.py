@@ -1,4 +1,4 @@
-"""What pockets and bores take from the web: holes along the crank axis, slots from both sides; their rules."""
+"""What pockets and bores take from the web: holes along the crank axis, slots from both sides, rules."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.spans import Span
 from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Frustum, Solid
@@ -180,7 +180,7 @@ def check_depth(scene: ThrowView, key: str, depth_mm: float) -> None:
     thickness = scene.web.thickness_mm
     if depth_mm >= thickness:
         allowed = f"must be smaller than web.thickness_mm = {thickness:g} mm"
-        raise scene.invalid(key, allowed, "Reduce the pocket or thicken the web.")
+        raise invalid(key, depth_mm, allowed, "Reduce the pocket or thicken the web.")
 
 
 def check_cut(scene: ThrowView, body: Body) -> None:

@@ -19,9 +19,7 @@ ASPECT = (0.5, 2.5)
 class FilletSection:
     """Quarter of an ellipse that is tangent to the journal's cylinder and to the web's face.
 
-    Attributes:
-        radial_mm: semi-axis outward from the journal, the height on the web's face; 0 is a sharp edge.
-        axial_mm: semi-axis along the crank, the length on the journal.
+    Its semi-axes lie outward from the journal, where 0 is a sharp edge, and along the crank.
     """
 
     radial_mm: float

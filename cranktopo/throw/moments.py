@@ -28,13 +28,9 @@ _MOST_INTERVALS = 1000
 
 @dataclass(frozen=True)
 class Moments:
-    """Moments of a body of unit density, or times a density those of its mass.
+    """Moments of a body of unit density about the crank axis, or times a density those of its mass.
 
-    Attributes:
-        volume: integral of 1, mm3.
-        first_x: integral of x, mm4.
-        first_y: integral of y, mm4.
-        polar: integral of x^2 + y^2 about the crank axis, mm5.
+    Volume in mm3, integrals of x and y in mm4, that of x^2 + y^2 in mm5.
     """
 
     volume: float

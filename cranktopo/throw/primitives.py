@@ -91,11 +91,8 @@ class Extrusion:
 class RoundedOutlet:
     """What rounds the edge at which a hole leaves a cylinder along the crank axis.
 
-    Attributes:
-        on: what the cylinder is called in the scene.
-        at: where the hole's axis meets the cylinder.
-        outward: unit vector of that axis, out of the cylinder.
-        y_mm, surface_mm: place of the cylinder's axis along the throw, and its radius.
+    The hole's axis meets the cylinder `at` a point and leaves it `outward`; the cylinder is called `on` in
+    the scene, has its axis at `y_mm` along the throw and the radius `surface_mm`.
     """
 
     key: str

@@ -94,7 +94,7 @@ class WebTable(SceneTable, ABC):
 
 
 @dataclass(frozen=True)
-class OutlineBody(Body):
+class _OutlineBody(Body):
     """The web before its features: the outline between both faces."""
 
     web: WebTable
@@ -130,7 +130,7 @@ class OutlineBody(Body):
 
 def web_bodies(scene: ThrowView) -> list[Body]:
     """Return what the web is made of: its outline, the bores through it, its features."""
-    outline = OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
+    outline = _OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
     return [outline, *bore_holes(scene), *_feature_bodies(scene)]
 
 

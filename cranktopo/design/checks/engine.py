@@ -100,7 +100,7 @@ def _check_speeds(scene: Scene, shaft: ShaftTable) -> None:
 _PATH = "engine.arrangement"
 
 
-def check_arrangement(scene: Scene) -> None:
+def _check_arrangement(scene: Scene) -> None:
     """Check that layout, banks, throws and balancer shafts fit together."""
     engine = scene.engine
     if engine is None or engine.arrangement is None:
@@ -208,7 +208,7 @@ def check_engine(scene: Scene) -> None:
             "engine.overspeed_rpm", f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm"
         )
     _check_firing_order(scene, engine)
-    check_arrangement(scene)
+    _check_arrangement(scene)
     _check_rod(scene, engine)
     if engine.gas is not None:
         _check_gas(scene, engine.strokes, engine.gas)

@@ -23,7 +23,7 @@ from cranktopo.throw.journal import ROUNDING_MM, Journal
 from cranktopo.throw.web import check_inside
 
 
-def check_supports(scene: Scene) -> None:
+def _check_supports(scene: Scene) -> None:
     """Check that the bearing stiffness is given once, and given where a spring support needs it."""
     supports = scene.supports
     given = [
@@ -78,14 +78,12 @@ def _throw_size_mm(scene: Scene) -> float:
     return throw.radius_mm + max(throw.main_journal.radius_mm, throw.crankpin.radius_mm)
 
 
-def check_proportions(scene: Scene) -> None:
-    """Check that no dimension of the throw is far from all others."""
+def _check_proportions(scene: Scene) -> None:
     for key, value, smallest in _dimensions(scene):
         _check(scene, key, value, smallest)
 
 
-def check_web_extent(scene: Scene) -> None:
-    """Check that a sound web is not far larger than the throw; raises CranktopoError."""
+def _check_web_extent(scene: Scene) -> None:
     low, high = scene.web.y_range_mm(scene.throw.radius_mm)
     _check(scene, "web (its length along the throw)", high - low, SMALLEST)
     _check(scene, "web (half of its width)", scene.web.largest_half_width_mm, SMALLEST)
@@ -206,15 +204,15 @@ def _named_bores(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
 def _check_half(scene: Scene) -> None:
     scene.throw.main_journal.check("throw.main_journal")
     scene.throw.crankpin.check("throw.crankpin")
-    check_proportions(scene)
+    _check_proportions(scene)
     scene.throw.check_bores_apart()
     check_engine(scene)
-    check_supports(scene)
+    _check_supports(scene)
     check_shaft(scene)
     for key, feature in scene.throw.features():
         feature.check_alone(scene, key)
     check_solid(scene)
-    check_web_extent(scene)
+    _check_web_extent(scene)
     _check_envelope(scene)
     _check_optimise(scene)
     _check_tool(scene)

@@ -112,7 +112,7 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
     kept = tuple(
         Limit(name, ">=" if QUANTITIES[name].better == "high" else "<=", 100.0, percent=True, assumed=True)
         for name in _KEPT
-        if name != goal.removesuffix("_per_mass") and not (name == "fatigue_safety" and no_safety(scene))
+        if name != goal.removesuffix("_per_mass") and not (name == "fatigue_safety" and _no_safety(scene))
     )
     if goal == "unbalance":
         return (*kept, Limit("unbalance", ">=", 0.0, assumed=True))
@@ -120,7 +120,7 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
     return (*kept, *balanced) if scene.web.counterweight else kept
 
 
-def no_safety(scene: Scene) -> str:
+def _no_safety(scene: Scene) -> str:
     """Return why the scene has no safety against fatigue; empty where it has one."""
     throw = scene.throw
     if scene.engine is None:
@@ -198,15 +198,14 @@ def _cannot_tell(scene: Scene, name: QuantityName) -> str:
     """Why the scene does not give a quantity its size; empty where it does."""
     if not QUANTITIES[name].engine_load:
         return ""
-    return no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)
+    return _no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)
 
 
 def _no_load(scene: Scene, case: str) -> str:
     """Why a load case carries a unit load; empty where the engine gives its size."""
     if scene.engine is None:
         return "needs an [engine]: without one the load is a unit load"
-    given = scene.engine.max_gas_force_N if case == "bending" else scene.engine.max_torque_Nm
     key = "max_gas_force_N" if case == "bending" else "max_torque_Nm"
-    if scene.engine.gas is None and given is None:
+    if scene.engine.gas is None and getattr(scene.engine, key) is None:
         return f"needs [engine.gas] or engine.{key}: without them the load is a unit load"
     return ""

@@ -39,11 +39,14 @@ def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | Non
     One that only this half has counts as a whole where it reaches across the middle of the crankpin. With
     `before_z_mm`, volume and first moments are weighted by the distance before that height, mm.
     """
-    total = Moments(0.0, 0.0, 0.0, 0.0)
+    total = none = Moments(0.0, 0.0, 0.0, 0.0)
     for bore in drill_bores(scene):
         for name in PARTS if part is None else (part,):
             total = total + _bored(scene, bore, name, before_z_mm)
-            total = total + _rounded(scene, bore, name, before_z_mm)
+            rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm and outlet.journal == name)
+            ends = (0.0, _end(scene, bore))
+            rings = (_ring(bore.radius_mm, outlet, ends, before_z_mm) for outlet in rounded)
+            total = total + sum((Moments(*ring) for ring in rings), none)
     return total
 
 
@@ -154,15 +157,6 @@ def _clipped(corners: list[Array], axis: int, sign: int, limit: float) -> list[A
         if (one > 0 > other) or (one < 0 < other):
             kept.append(here + (after - here) * one / (one - other))
     return kept
-
-
-def _rounded(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
-    total = Moments(0.0, 0.0, 0.0, 0.0)
-    for outlet in bore.outlets:
-        if outlet.rounding_mm and outlet.journal == part:
-            ends = (0.0, _end(scene, bore))
-            total = total + Moments(*_ring(bore.radius_mm, outlet, ends, before_z_mm))
-    return total
 
 
 def _end(scene: ThrowView, bore: DrillBore) -> float:
