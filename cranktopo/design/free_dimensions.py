@@ -127,7 +127,7 @@ def check_free_dimensions(scene: Scene) -> None:
             _check_counterweight(scene, name, found)
             continue
         _check_own(scene, name, found)
-        _check_outlets(scene, name, found)
+        _check_outlets(scene, name)
         if name == "web_thickness":
             _check_thickness(scene, found[0])
             continue
@@ -135,7 +135,7 @@ def check_free_dimensions(scene: Scene) -> None:
             _check_bore(scene, name, found)
         else:
             _check_fillet(scene, name, found)
-        _check_clear(scene, name, found)
+        _check_clear(scene, name)
 
 
 def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
@@ -159,7 +159,7 @@ def _check_counterweight(scene: Scene, name: DimensionName, found: tuple[float, 
         raise _refused(scene, name, f"its least gives {str(error).rstrip('.')}", "Narrow it.") from None
 
 
-def _check_outlets(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+def _check_outlets(scene: Scene, name: DimensionName) -> None:
     """No rounded outlet of a drilling is carried along by the journal that it is on."""
     for index, drilling in enumerate(scene.throw.drilling):
         if drilling.outlet_radius_mm:
@@ -226,7 +226,7 @@ def _check_bore(scene: Scene, name: DimensionName, found: tuple[float, float]) -
         )
 
 
-def _check_clear(scene: Scene, name: DimensionName, found: tuple[float, float]) -> None:
+def _check_clear(scene: Scene, name: DimensionName) -> None:
     """A bore that cuts the other journal's fillet leaves neither of them a shape that can change."""
     bore: DimensionName
     fillet: DimensionName
