@@ -1,7 +1,9 @@
-"""The one error type that a user sees: what is wrong, where, and what to do next."""
+"""The one error type that a user sees: what is wrong, where, what to do next; and missing packages."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from enum import IntEnum
 from typing import Any
@@ -79,3 +81,29 @@ def suggest(word: str, valid: list[str]) -> str:
     """
     near = get_close_matches(word, valid, n=1, cutoff=0.6)
     return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."
+
+
+EXTRAS = {"sweep": "sweep", "fatigue": "fatigue by method 'fkm'"}
+"""What needs the packages of an extra, by its name in pyproject.toml."""
+
+
+def install_line(extra: str) -> str:
+    """Return the line that installs an extra."""
+    return f"pip install 'cranktopo[{extra}]'"
+
+
+@contextmanager
+def packages_of(extra: str) -> Iterator[None]:
+    """Tell a user which line installs the extra, where an import of the block fails.
+
+    Raises:
+        CranktopoError: a package is missing or cannot be loaded.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise CranktopoError(
+            f"{EXTRAS[extra]}: a package cannot be loaded: {error}.",
+            hint=f"Install it: {install_line(extra)}",
+            code=ExitCode.MISSING_TOOL,
+        ) from None

@@ -1,17 +1,147 @@
-"""What commands share: the default design, and options."""
+"""Options, their types, and the values that a shell offers, shared by the commands."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from cranktopo.cli.parameters import CELL_MM, Choice, Number
+from cranktopo.base.errors import quoted, suggest
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from cranktopo.design.schema import Scene
+
+
+def designs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Names of built-in designs, and files, for an argument's `shell_complete`."""
+    from click.shell_completion import CompletionItem
+
+    from cranktopo.design.loading import builtin_designs
+
+    names = [CompletionItem(name) for name in builtin_designs() if name.startswith(incomplete)]
+    return [*names, CompletionItem(incomplete, type="file")]
+
+
+def designs_and_runs(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Both, for an argument's `shell_complete`."""
+    return [*runs(context, parameter, incomplete)[:-1], *designs(context, parameter, incomplete)]
+
+
+def runs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Names of runs under runs/, and folders, for an argument's `shell_complete`."""
+    from click.shell_completion import CompletionItem
+
+    from cranktopo.runs.directories import list_runs
+
+    names = [CompletionItem(run.name) for run in list_runs() if run.name.startswith(incomplete)]
+    return [*names, CompletionItem(incomplete, type="dir")]
+
+
+class Number(click.FloatRange):
+    """A finite number in a closed range, which help shows."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the value as a float; fails with the allowed range."""
+        try:
+            number = float(str(value))
+        except ValueError:
+            number = math.nan
+        if not (self.min is not None and self.max is not None and self.min <= number <= self.max):
+            allowed = f"must be a number >= {self.min:g} and <= {self.max:g}"
+            self.fail(f"{quoted(str(value))}: {allowed}.", param, ctx)
+        return number
+
+
+CELL_MM = Number(1e-3, 1000)
+"""Cells of the optimiser, elements, and other small lengths; memory sets the true limit."""
+VOLUME_FRACTION = Number(0.01, 0.99)
+
+
+class Choice(click.Choice[str]):
+    """One of a few words; a misspelt one is answered by the nearest."""
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the word itself; fails with all words and the nearest."""
+        words = [str(choice) for choice in self.choices]
+        if value not in words:
+            allowed = f"{quoted(value)} is none of {', '.join(words)}."
+            near = suggest(str(value)[:100], words)
+            self.fail(f"{allowed} {near}" if near.startswith("Did") else allowed, param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Speeds(click.ParamType[list[float]]):
+    """Speeds (rpm): one, or both ends of a sweep and its step."""
+
+    name = "RPM|FROM:TO:STEP"
+    most = 1000
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """Return the speeds, both ends of a sweep included; fails with the allowed form."""
+        try:
+            numbers = [float(part) for part in str(value).split(":")]
+        except ValueError:
+            numbers = []
+        if len(numbers) == 1 and 0 <= numbers[0] < math.inf:
+            return numbers
+        if len(numbers) == 3:
+            start, stop, step = numbers
+            if 0 <= start <= stop < math.inf and step > 0 and (stop - start) / step < self.most:
+                return [start + index * step for index in range(int((stop - start) / step + 1e-9) + 1)]
+        form = f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {self.most} steps"
+        self.fail(f"{quoted(str(value))}: {form}.", param, ctx)
+
+
+def goal_options(function: Any) -> Any:
+    """Add --minimise, --maximise and --limit to a command; `with_goal_options` takes what they give."""
+    for option in (
+        click.option(
+            "--limit",
+            "limits",
+            metavar="LIMIT",
+            multiple=True,
+            help='Such as "bending >= 100 %" or "unbalance <= 40 kg mm"; repeatable. It replaces what the '
+            'design, or the goal by default, says of that quantity; "bending none" takes that away.',
+        ),
+        click.option(
+            "--maximise",
+            metavar="QUANTITY",
+            help="Make it as high as the limits allow, in place of the design's goal and limits.",
+        ),
+        click.option(
+            "--minimise",
+            metavar="QUANTITY",
+            help="Make it as low as the limits allow, in place of the design's goal and limits.",
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+def with_goal_options(
+    scene: Scene, minimise: str | None, maximise: str | None, limits: tuple[str, ...]
+) -> Scene:
+    """Return the scene with the goal that the options ask for.
+
+    Raises:
+        click.UsageError: two goals, or a limit without a goal.
+        CranktopoError: a goal or limit that makes no sense.
+    """
+    from cranktopo.design.goal.changing import with_goal
+
+    if minimise is not None and maximise is not None:
+        raise click.UsageError("--minimise excludes --maximise: keep one of them, limit the other quantity")
+    if limits and minimise is None and maximise is None and scene.goal is None:
+        raise click.UsageError("--limit needs a goal: add --minimise or --maximise, or [goal] to the design")
+    return with_goal(scene, minimise=minimise, maximise=maximise, limits=limits)
+
 
 DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")

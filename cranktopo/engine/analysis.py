@@ -15,16 +15,18 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
+    RodsOnPin,
     RotatingForces,
+    ShaftTorque,
     ThrowForces,
+    rods_on_pins,
     rotating_forces,
+    shaft_torque,
     throw_forces,
 )
 from cranktopo.engine.gas import PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import exact_motion, series_motion
-from cranktopo.engine.rods_on_pin import RodsOnPin, rods_on_pins
-from cranktopo.engine.torque import ShaftTorque, shaft_torque
-from cranktopo.engine.vibration.vibrating_torque import vibrating_torque, worst_speed_rpm
+from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque, worst_speed_rpm
 
 
 @dataclass(frozen=True)

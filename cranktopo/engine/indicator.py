@@ -12,7 +12,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.reading import read_text_file
+from cranktopo.base.files import read_text_file
 from cranktopo.base.units import MPA_PER_BAR
 
 _HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pressure_MPa)."

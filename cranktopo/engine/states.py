@@ -15,11 +15,10 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_worst_speed
-from cranktopo.engine.forces import rotating_forces
+from cranktopo.engine.forces import INERTIA_EFFECTS, near_share, rods_on_pins, rotating_forces
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
-from cranktopo.engine.load_case import LOAD_TYPES, LoadCase, LoadKind
-from cranktopo.engine.rods_on_pin import near_share, rods_on_pins
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadCase, LoadKind
 
 
 @dataclass(frozen=True)
@@ -210,3 +209,28 @@ def _where(analysis: LoadAnalysis, extreme: Extreme) -> str:
         return ""
     place = f", {extreme.place}" if extreme.place else ""
     return f"{extreme.deg:g} deg, {analysis.engine.speed_rpm:g} rpm{place}"
+
+
+__all__ = ["DEFAULT_EFFECTS", "LoadCase", "LoadKind", "load_cases"]
+
+DEFAULT_EFFECTS = INERTIA_EFFECTS | set(MAIN_KINDS)
+
+
+def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
+    """Return the load cases of a scene.
+
+    Args:
+        scene: the scene; without an engine the cases carry unit loads (1000 N, 1 N m).
+        enabled: names of the effects that are on; bending, torsion and the inertia of piston and rod when
+            not given.
+
+    Returns:
+        One case per kind that is enabled, in the order of `LOAD_TYPES`, named
+        after its kind.
+
+    Raises:
+        CranktopoError: gas data that cannot be used.
+    """
+    effects = DEFAULT_EFFECTS if enabled is None else enabled
+    states = extreme_states(scene, effects)
+    return tuple(state.case for state in states if not state.redundant and state.case.kind in effects)

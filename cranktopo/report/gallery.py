@@ -10,8 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.axes_style import GREY
-from cranktopo.report.plot import Picture
+from cranktopo.report.plot import GREY, Picture
 from cranktopo.report.shading import ShadedMesh, draw, extent_mm, shaded, view_axes
 from cranktopo.report.viewer.scene3d import ShownBody
 

@@ -1,13 +1,32 @@
-"""A plot with its text for readers who cannot see it."""
+"""A plot with its text for readers who cannot see it, the look that all axes share, figures as PNG."""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+GREY = "0.35"
+
+
+def plain(axes: Any) -> None:
+    """Small tick labels, and lines only at the left and below."""
+    axes.tick_params(labelsize=8)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:
+    """Return a figure as PNG."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi, facecolor=facecolor)
+    return stream.getvalue()
+
 
 _WIDE_INCHES = 9.0
 _PANEL_INCHES, _AXES, _POLAR_AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74), (0.07, 0.09, 0.5, 0.72)

@@ -1,4 +1,4 @@
-"""Checkpoint of a long computation: arrays and a small state in one file that is whole or absent.
+"""What a run keeps of a long computation: a checkpoint that is whole or absent, and every design.
 
 The new file replaces the old one by a rename, so a process killed at any moment leaves one of the two. The
 zip format's own checksums are verified on loading.
@@ -17,6 +17,61 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import json_text, read_npz, unwritable, write_npz
+
+FOLDER = "density"
+_PREFIX = "iteration-"
+_AGAIN = "Run `cranktopo optimise` again."
+
+
+def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: float) -> None:
+    """Save the design of one iteration, in half precision and compressed; the checkpoint keeps every bit.
+
+    The filter averages the rounding (2.4e-4 at most) over its neighbours, so that the surface moves by
+    less than a micrometre.
+
+    Args:
+        x: design variables, each in [0, 1].
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    path = _path(run, iteration)
+    try:
+        path.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise unwritable(path, error) from None
+    write_npz(path, {"x": x.astype(np.float16), "beta": np.array(beta)}, compressed=True)
+
+
+def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], float]:
+    """Design variables and projection steepness of one iteration.
+
+    Raises:
+        CranktopoError: the run has no such iteration, or its file is damaged.
+    """
+    path, saved = _path(run, iteration), saved_iterations(run)
+    if iteration not in saved:
+        held = f"holds iterations {saved[0]} to {saved[-1]}" if saved else "holds no density of any iteration"
+        raise CranktopoError(
+            f"run '{run}': no density of iteration {iteration}; it {held}.",
+            hint="Give one of these." if saved else _AGAIN,
+        )
+    content = read_npz(path, f"'{path}'", _AGAIN)
+    try:
+        return content["x"].astype(np.float64), float(content["beta"])
+    except (KeyError, ValueError, TypeError):
+        raise CranktopoError(f"'{path}': corrupted, holds no design.", hint=_AGAIN) from None
+
+
+def saved_iterations(run: Path) -> list[int]:
+    """Numbers of the iterations whose design a run keeps, ascending."""
+    names = (path.stem.removeprefix(_PREFIX) for path in (run / FOLDER).glob(f"{_PREFIX}*.npz"))
+    return sorted(int(name) for name in names if name.isdecimal())
+
+
+def _path(run: Path, iteration: int) -> Path:
+    return run / FOLDER / f"{_PREFIX}{iteration:04d}.npz"
+
 
 SCHEMA_VERSION = 1
 _HINT = "Start a new run of the design."

@@ -14,11 +14,15 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
-from cranktopo.base.files import read_json, sweep_temporaries, unwritable, write_json, write_text
-from cranktopo.base.reading import read_text_file
-from cranktopo.runs.destination import check_folder
-from cranktopo.runs.folders import moved, unfinished_folder
-from cranktopo.runs.lock import locked
+from cranktopo.base.files import (
+    read_json,
+    read_text_file,
+    sweep_temporaries,
+    unwritable,
+    write_json,
+    write_text,
+)
+from cranktopo.runs.destination import check_folder, locked, moved, unfinished_folder
 from cranktopo.runs.manifest import (
     RunStatus,
     check_manifest,

@@ -12,8 +12,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.polygons import Coordinates, polygon_section, self_intersection
-from cranktopo.base.spans import Span, disc_section
+from cranktopo.base.spans import Coordinates, Span, disc_section, polygon_section, self_intersection
 from cranktopo.base.table import Length, LengthOrZero, Place, SceneTable
 
 

@@ -18,9 +18,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.couple import product_of_inertia_kg_mm2
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
-from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
 
 Complex = NDArray[np.complex128]

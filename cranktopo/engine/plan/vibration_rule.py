@@ -14,7 +14,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.plan.context import PlanningContext
-from cranktopo.engine.plan.estimate import Estimate
+from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics

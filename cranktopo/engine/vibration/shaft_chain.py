@@ -10,7 +10,7 @@ from cranktopo.base.units import MM2_PER_M2, NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Coupling, Damper, Propeller, Rotor, ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.torsional_stiffness import (
+from cranktopo.engine.throw_compliance import (
     first_half_share,
     journal_torsion_modulus_mm3,
     throw_stiffness_Nm_per_rad,

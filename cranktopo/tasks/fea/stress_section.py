@@ -14,8 +14,7 @@ from cranktopo.report.page import Section
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.shading import STRESS_COLOURS, ShadedMesh, shaded
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
-from cranktopo.report.viewer.stress_scale import SHARE, StressScale, quantiles_MPa
+from cranktopo.report.viewer.scene3d import SHARE, Scene3D, ShownBody, StressScale, quantiles_MPa
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.axes_style import GREY, plain
 from cranktopo.report.gallery import JOURNAL_SIDE, PIN_SIDE, UP, Direction
-from cranktopo.report.png import png
+from cranktopo.report.plot import GREY, plain, png
 from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
 
 _History = Sequence[Mapping[str, Any]]

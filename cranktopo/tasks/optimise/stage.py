@@ -30,9 +30,8 @@ from cranktopo.design.of_run import design_from_run
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
-from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
+from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.iterations import save_iteration
 from cranktopo.runs.kind import require_kind
 from cranktopo.runs.status import working_in
 from cranktopo.tasks.accuracy.cell_choice import choose_cells

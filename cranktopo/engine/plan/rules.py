@@ -1,24 +1,101 @@
-"""Rules of the effects that belong to the structure: bearings, fillets, bores, symmetry, process, fatigue.
+"""Rules of the effects: loads, structure, and what a goal asks for.
 
-A feature matters by what it changes in the stiffness of the throw.
+A load case matters by the strain energy that it puts into the throw: that is what the optimiser minimises.
+An inertia matters by what it changes in the peak radial force on the web, a feature of the structure by what
+it changes in the stiffness of the throw. A goal takes the load cases that it and its limits are read off.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
+from dataclasses import replace
 
+from cranktopo.base.errors import invalid
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.halves import difference, halves, of_halves
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.plan.beam import throw_compliance, web_section_modulus_mm3
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadKind
 from cranktopo.engine.plan.context import PlanningContext
-from cranktopo.engine.plan.effect import Effect
-from cranktopo.engine.plan.estimate import Estimate
-from cranktopo.engine.plan.goal_rules import wants_safety
+from cranktopo.engine.plan.cost import Cost
+from cranktopo.engine.plan.effect import Effect, Estimate
 from cranktopo.engine.plan.simulated import without
-from cranktopo.engine.torsional_stiffness import journal_torsion_modulus_mm3, web_lever_mm
+from cranktopo.engine.states import extreme_states
+from cranktopo.engine.throw_compliance import (
+    journal_torsion_modulus_mm3,
+    throw_compliance,
+    web_lever_mm,
+    web_section_modulus_mm3,
+)
+
+_NEGLIGIBLE = 1e-9
+"""Unbalance over mass times throw radius that is nothing but rounding."""
+
+
+def as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
+    """Return the estimate of a load case whose need a goal decides, not its size."""
+    users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
+    users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
+    if not users:
+        return replace(estimate, changes="nothing", absent="neither goal nor limits need it", needed="")
+    needed = f"the goal needs it: {', '.join(users)}"
+    changes = f"{', '.join(users)} cannot be told"
+    return replace(estimate, changes=changes, absent="", needed=needed, indispensable=needed)
+
+
+def wants_safety(goal: Goal | None) -> str:
+    """Why the goal needs the fatigue safety; empty when it does not."""
+    if goal is None:
+        return ""
+    limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
+    users = [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
+    return f"the goal needs it: {', '.join(users)}" if users else ""
+
+
+def bound(context: PlanningContext) -> Estimate:
+    """Return what no web of the envelope can beat: wanted beside every result that it can be told of."""
+    absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
+    if context.goal is not None and context.goal.quantity == "fatigue_safety":
+        absent = "nothing is proven about stress"
+    return Estimate(
+        None,
+        "",
+        "how far a result is from the best possible web",
+        Cost() if absent else context.costing.bound(),
+        absent=absent,
+        needed="" if absent else "it tells when to stop",
+        impossible=absent,
+    )
+
+
+def check_goal_cases(context: PlanningContext, goal: Goal, cases: Collection[str]) -> None:
+    """Check that a load case is on and that no limit is in percent of nothing.
+
+    Raises:
+        CranktopoError: no stiffness is asked for, or the original is balanced.
+    """
+    if not cases:
+        raise invalid(
+            f"goal.{goal.sense}",
+            goal.quantity,
+            "no load case is on: neither goal nor limits speak of a stiffness",
+            "Limit torsion or bending.",
+        )
+    original = context.balance.throw_unbalance_kg_mm
+    size = context.balance.mass_kg * context.scene.throw.radius_mm
+    for limit in goal.limits_of("unbalance"):
+        if limit.percent and original < _NEGLIGIBLE * size:
+            raise invalid(
+                "goal.limits.unbalance",
+                limit.condition,
+                f"percent of the original's unbalance, which is {original:.3g} kg mm",
+                "Give the limit in kg mm.",
+            )
 
 
 def bearing_compliance(context: PlanningContext) -> Estimate:
@@ -170,3 +247,74 @@ def _amplitudes(context: PlanningContext) -> tuple[float, float]:
 
 def _half_range(values: list[float]) -> float:
     return (max(values) - min(0.0, *values)) / 2
+
+
+def quasi_static(kind: LoadKind, context: PlanningContext) -> Estimate:
+    """Estimate a load on pin or journals by the closed-form strain energy that it causes."""
+    load = LOAD_TYPES[kind]
+    size = getattr(context.state(kind).case, load.load)
+    amount = f"{size:,.1f} N m" if load.load == "torque_Nm" else f"{size:,.0f} N"
+    return _case(context, kind, f"{load.label} {amount}")
+
+
+def centrifugal(context: PlanningContext) -> Estimate:
+    """Pull of piston and rod at overspeed and centrifugal force of the throw, as if all acted on the pin."""
+    if context.scene.engine is None or context.top_speed_rpm == 0:
+        return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
+    speed = context.top_speed_rpm
+    throw, pull = context.rotating(speed).throw_N, context.overspeed_pull_N
+    weight = context.scene.web.counterweight
+    left_out = (
+        ", the bolted counterweight's own pull left out" if weight is not None and weight.bolted else ""
+    )
+    forces = f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm{left_out}"
+    return _case(context, "centrifugal", forces)
+
+
+def reciprocating_inertia(context: PlanningContext) -> Estimate:
+    """Inertia of piston group and upper part of the rod, at the angle of the peak force."""
+    return _inertia(context, "reciprocating_inertia", "piston and rod's upper end")
+
+
+def rotating_rod_mass(context: PlanningContext) -> Estimate:
+    """Centrifugal force of the rod's big end on the pin."""
+    return _inertia(context, "rotating_rod_mass", "rod's big end")
+
+
+def _case(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
+    found = _by_size(context, kind, load)
+    return found if context.goal is None else as_wanted(found, context.goal, kind)
+
+
+def _by_size(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
+    cost, changes = context.costing.load_case(), f"no {kind} in the objective"
+    if context.unit_loads:
+        why = "unit loads cannot be compared"
+        needed, absent = (why, "") if kind in MAIN_KINDS else ("", why)
+        return Estimate(None, load, changes, cost, absent=absent, needed=needed)
+    energy = context.energy_Nmm
+    dominant = max(MAIN_KINDS, key=lambda name: energy[name])
+    percent = 100 * energy[kind] / energy[dominant] if energy[dominant] else 0.0
+    because = f"{load}: strain energy {percent:.3g} % of {dominant}'s"
+    if kind == dominant:
+        because = f"{load}: the largest strain energy ({energy[kind] / 1000:.3g} J)"
+    weightless = getattr(context.scene.optimise.weights, kind) == 0
+    absent = f"optimise.weights.{kind} is 0" if weightless else ""
+    changes += f" ({percent:.3g} % of the largest energy)"
+    return Estimate(percent, because, changes, cost, absent=absent)
+
+
+def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
+    engine = context.scene.engine
+    if engine is None or (engine.gas is None and engine.max_gas_force_N is None):
+        return Estimate(None, "", "nothing", absent="no gas force in the scene to compare with")
+    if engine.max_gas_force_N is not None:
+        absent = "engine.max_gas_force_N is taken as it is"
+        return Estimate(None, "", "the pull at overspeed", absent=absent)
+    full = context.state("bending").case.radial_N
+    without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
+    other = next(s for s in without if s.name == "max_radial").case.radial_N
+    percent = 100 * abs(other - full) / abs(full)
+    because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
+    changes = f"radial force {100 * (other - full) / abs(full):+.2g} %"
+    return Estimate(percent, because, changes)
