@@ -140,11 +140,7 @@ def cli() -> None:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the command line and return its exit code (also the console script).
-
-    Args:
-        args: arguments without the program name; the process's own by default.
-    """
+    """Run the command line, by default the process's own, and return its exit code (the console script)."""
     if args is not None:
         return _run(args)
     prepare_streams()

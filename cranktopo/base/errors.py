@@ -52,18 +52,12 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
     Args:
         key: dotted path of the key, e.g. `throw.main_journal.bore_diameter_mm`.
         allowed: the allowed range, e.g. `must be > 0 and < 42 mm`.
-        hint: what to do next.
     """
     return CranktopoError(f"{key} = {quoted(value)}: {allowed}.", hint=hint)
 
 
 def quoted(value: object, most: int = 120) -> str:
-    """Return a value for a message: on one line, shortened in the middle when it is long.
-
-    Args:
-        value: what the user gave.
-        most: the largest number of characters.
-    """
+    """Return a value for a message: on one line, shortened in the middle to so many characters."""
     try:
         text = str(value).lower() if isinstance(value, bool) else repr(value)
     except ValueError:  # an integer of more digits than Python writes
@@ -73,12 +67,7 @@ def quoted(value: object, most: int = 120) -> str:
 
 
 def suggest(word: str, valid: list[str]) -> str:
-    """Return a did-you-mean sentence for a misspelt word, listing all choices when nothing is near.
-
-    Args:
-        word: what was written.
-        valid: the words that exist.
-    """
+    """Return a did-you-mean sentence for a misspelt word, listing all choices when nothing is near."""
     near = get_close_matches(word, valid, n=1, cutoff=0.6)
     return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."
 
@@ -94,11 +83,7 @@ def install_line(extra: str) -> str:
 
 @contextmanager
 def packages_of(extra: str) -> Iterator[None]:
-    """Tell a user which line installs the extra, where an import of the block fails.
-
-    Raises:
-        CranktopoError: a package is missing or cannot be loaded.
-    """
+    """Tell a user which line installs the extra, where an import of the block fails, by a CranktopoError."""
     try:
         yield
     except ImportError as error:

@@ -43,11 +43,7 @@ def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -
 
     Args:
         name: of the file in the message, such as `design 'x.toml'`.
-        limit_MiB: the largest size.
-        hint: what to do next, where the size is not what is wrong.
-
-    Raises:
-        CranktopoError: the file cannot be used.
+        hint: next step, where the size is not what is wrong.
     """
     try:
         found = os.stat(path)
@@ -63,16 +59,7 @@ def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -
 
 
 def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") -> bytes:
-    """Content of a file.
-
-    Args:
-        name: of the file in the message, such as `design 'x.toml'`.
-        limit_MiB: the largest size.
-        hint: what to do next, where the size is not what is wrong.
-
-    Raises:
-        CranktopoError: as `check_input`.
-    """
+    """Return the content of a file; raises CranktopoError as `check_input`."""
     check_input(path, name, limit_MiB, hint)
     most = int(limit_MiB * MIB)
     try:
@@ -86,16 +73,7 @@ def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") ->
 
 
 def read_text_file(path: str | Path, name: str, limit_MiB: float = _TEXT_LIMIT_MIB, hint: str = "") -> str:
-    """Text of a UTF-8 file, with or without a byte-order mark.
-
-    Args:
-        name: of the file in the message, such as `design 'x.toml'`.
-        limit_MiB: the largest size.
-        hint: what to do next, where neither the size nor the encoding is wrong.
-
-    Raises:
-        CranktopoError: as `check_input`, or it is not text.
-    """
+    """Return the text of a UTF-8 file, with or without a byte-order mark; raises CranktopoError."""
     content = read_bytes(path, name, limit_MiB, hint)
     if b"\0" in content:
         raise _refused(name, "is not text in UTF-8: it holds NUL bytes", "Save it as UTF-8.")
@@ -133,15 +111,10 @@ class UnwritableError(CranktopoError):
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path beside `path`, suffix in small letters, that becomes `path` when the block ends well.
+    """Give a temporary path beside `path`, suffix in small letters, that becomes it when the block ends well.
 
     For libraries that insist on writing a file by name. When the block fails, `path` keeps what it held.
-
-    Args:
-        path: the file to replace or to make; its folder exists.
-
-    Raises:
-        CranktopoError: the file cannot be written.
+    Raises CranktopoError where the file cannot be written.
     """
     if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
         raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
@@ -168,55 +141,32 @@ def unwritable(path: Path, error: OSError) -> UnwritableError:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file atomically.
-
-    Raises:
-        CranktopoError: it cannot be written.
-    """
+    """Write a file atomically; raises CranktopoError where it cannot be written."""
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 
 
 def write_text(path: Path, content: str) -> None:
-    """Write a text file atomically as UTF-8.
-
-    Raises:
-        CranktopoError: it cannot be written.
-    """
+    """Write a text file atomically as UTF-8."""
     write_bytes(
         path, content.encode("utf-8", "backslashreplace")
     )  # a file name that is not UTF-8 is no reason
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
-    """Write an object to `path` atomically as JSON.
-
-    Raises:
-        CranktopoError: a number is NaN or infinite, or the file cannot be written.
-    """
+    """Write an object atomically as JSON; raises CranktopoError where a number is not finite."""
     write_text(path, json_text(data, path.name, indent=2) + "\n")
 
 
 def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:
-    """Write named arrays to `path` atomically as .npz, every bit kept.
-
-    Raises:
-        CranktopoError: the file cannot be written.
-    """
+    """Write named arrays atomically as .npz, every bit kept."""
     save = np.savez_compressed if compressed else np.savez
     with replacing(path) as temporary, temporary.open("wb") as file:
         save(file, allow_pickle=False, **dict(arrays))
 
 
 def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> str:
-    """JSON of an object, keys in the given order.
-
-    Args:
-        indent: spaces per level; compact without it.
-
-    Raises:
-        CranktopoError: a number is NaN or infinite (JSON has neither).
-    """
+    """Return an object as JSON, keys in the given order; raises CranktopoError for a number not finite."""
     key = _not_finite(data)
     if key is not None:
         raise CranktopoError(
@@ -228,11 +178,7 @@ def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> 
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Return the object in a JSON file.
-
-    Raises:
-        CranktopoError: no such file, unreadable, or not a JSON object.
-    """
+    """Return the object in a JSON file; raises CranktopoError where there is none."""
     if not os.path.lexists(path):
         raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.")
     text = read_text_file(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
@@ -248,15 +194,7 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
-    """Named arrays of an .npz file.
-
-    Args:
-        name: of the file in the message.
-        hint: what to do when it cannot be used.
-
-    Raises:
-        CranktopoError: it cannot be read, is damaged, or unpacks to more than any run holds.
-    """
+    """Return the named arrays of an .npz file; raises CranktopoError, with the hint, for a damaged one."""
     content = io.BytesIO(read_bytes(path, name, ARRAYS_LIMIT_MIB, hint))
     try:
         with zipfile.ZipFile(content) as packed:

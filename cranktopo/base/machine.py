@@ -28,13 +28,13 @@ class Machine:
 
 
 def usable_cores() -> int:
-    """Cores that this process may use."""
+    """Return the cores that this process may use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return usable or 1
 
 
 def this_machine() -> Machine:
-    """This machine, its speed measured now: the least time of five to sort a million numbers on one core."""
+    """Return this machine, its speed measured now: the least of five times to sort a million numbers."""
     import numpy as np
 
     numbers, times = np.random.default_rng(0).random(_NUMBERS), []
@@ -46,7 +46,7 @@ def this_machine() -> Machine:
 
 
 def peak_memory_MiB() -> float:
-    """Largest resident memory of this process so far, or since `forget_peak_memory`, MiB."""
+    """Return the largest resident memory of this process so far, or since `forget_peak_memory`, MiB."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return round(peak / (1024.0**2 if sys.platform == "darwin" else 1024.0), 1)
 

@@ -1,4 +1,4 @@
-"""Sections across the crank axis as lateral intervals at places along the throw, what remains of several, and polygons.
+"""Sections across the crank axis as lateral intervals, what remains of several, and polygons.
 
 Intervals are exact in x, so what is integrated over them is as exact as the quadrature along the throw.
 """
@@ -22,7 +22,7 @@ _REMOVED = -1000
 
 
 def material(added: Sequence[Span], removed: Sequence[Span] = ()) -> tuple[Array, Array]:
-    """Ends (intervals, ...) of what some interval of the first holds and none of the second."""
+    """Return the ends (intervals, ...) of what some interval of the first holds and none of the second."""
     shape = np.broadcast_shapes(*(end.shape for span in (*added, *removed) for end in span))
     ends, steps = [], []
     for weight, spans in ((1, added), (_REMOVED, removed)):
@@ -66,7 +66,7 @@ def common(one: Section, other: Section) -> Section:
 
 
 def disc_section(radius_mm: float, centre_mm: float = 0.0) -> Section:
-    """Disc around a place along the throw, at all heights."""
+    """Return a disc around a place along the throw, at all heights."""
 
     def spans(y_mm: Array, _: Array) -> Sequence[Span]:
         half = np.sqrt(np.maximum(radius_mm**2 - (y_mm - centre_mm) ** 2, 0.0))
@@ -86,7 +86,7 @@ _Indices = NDArray[np.intp]
 
 
 def polygon_section(contours: list[Coordinates]) -> Section:
-    """Inside of closed contours (n, 2) by the even-odd rule, at all heights."""
+    """Return the inside of closed contours (n, 2) by the even-odd rule, at all heights."""
     starts = np.concatenate([np.zeros((0, 2)), *contours])
     ends = np.concatenate([np.zeros((0, 2)), *(np.roll(contour, -1, axis=0) for contour in contours)])
 
@@ -117,7 +117,7 @@ def _crossings(start: Coordinates, end: Coordinates, places: Coordinates) -> tup
 
 
 def self_intersection(points: Coordinates) -> tuple[float, float] | None:
-    """Where a closed polygon (n, 2) crosses, touches or runs back along itself; None if it is simple."""
+    """Return where a closed polygon (n, 2) crosses, touches or runs back along itself; None where nowhere."""
     ends = np.roll(points, -1, axis=0)
     steps = ends - points
     if (np.abs(steps).max(axis=1) == 0).any():

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def designs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Names of built-in designs, and files, for an argument's `shell_complete`."""
+    """Return names of built-in designs, and files, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem
 
     from cranktopo.design.loading import builtin_designs
@@ -30,12 +30,12 @@ def designs(context: click.Context, parameter: click.Parameter, incomplete: str)
 def designs_and_runs(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Both, for an argument's `shell_complete`."""
+    """Return both, for an argument's `shell_complete`."""
     return [*runs(context, parameter, incomplete)[:-1], *designs(context, parameter, incomplete)]
 
 
 def runs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Names of runs under runs/, and folders, for an argument's `shell_complete`."""
+    """Return names of runs under runs/, and folders, for an argument's `shell_complete`."""
     from click.shell_completion import CompletionItem
 
     from cranktopo.runs.directories import list_runs
@@ -128,12 +128,7 @@ def goal_options(function: Any) -> Any:
 def with_goal_options(
     scene: Scene, minimise: str | None, maximise: str | None, limits: tuple[str, ...]
 ) -> Scene:
-    """Return the scene with the goal that the options ask for.
-
-    Raises:
-        click.UsageError: two goals, or a limit without a goal.
-        CranktopoError: a goal or limit that makes no sense.
-    """
+    """Return the scene with the goal that the options ask for."""
     from cranktopo.design.goal.changing import with_goal
 
     if minimise is not None and maximise is not None:
@@ -173,11 +168,7 @@ def with_bound_option(scene: Scene, no_bound: bool) -> Scene:
 
 
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    """Return the number of percent in `1%` or `1`, as an option's callback.
-
-    Raises:
-        click.BadParameter: not a number above 0 and below 100.
-    """
+    """Return the number of percent in `1%` or `1`, as an option's callback."""
     if value is None:
         return None
     try:
@@ -190,11 +181,7 @@ def percent(context: click.Context, parameter: click.Parameter, value: str | Non
 
 
 def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback.
-
-    Raises:
-        click.BadParameter: not a time above 0.
-    """
+    """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback."""
     if value is None:
         return None
     text = value.strip().lower()
@@ -267,14 +254,7 @@ def limit_options(function: Any) -> Any:
 
 
 def refuse_beside_resume(*allowed: str) -> None:
-    """Check that nothing is given beside --resume that the run itself keeps.
-
-    Args:
-        allowed: names of the running command's parameters that may go with --resume.
-
-    Raises:
-        click.UsageError: another one was typed.
-    """
+    """Check that nothing but the `allowed` parameters is given beside --resume, as the run keeps the rest."""
     context = click.get_current_context()
     for parameter in context.command.params:
         name = str(parameter.name)

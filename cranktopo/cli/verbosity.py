@@ -54,19 +54,19 @@ def level() -> int:
 
 
 def info(line: str) -> None:
-    """One line on stderr, unless the command is quiet."""
+    """Write one line on stderr, unless the command is quiet."""
     if level() > QUIET:
         click.echo(line, err=True)
 
 
 def detail(line: str) -> None:
-    """One line on stderr where the command is verbose."""
+    """Write one line on stderr where the command is verbose."""
     if level() >= VERBOSE:
         click.echo(line, err=True)
 
 
 def coloured(text: str, colour: str, err: bool = False) -> str:
-    """Text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org)."""
+    """Return text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org)."""
     stream = sys.stderr if err else sys.stdout
     return text if os.environ.get("NO_COLOR") or not stream.isatty() else click.style(text, fg=colour)
 

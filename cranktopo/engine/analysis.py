@@ -31,11 +31,9 @@ from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque, worst_s
 
 @dataclass(frozen=True)
 class Extreme:
-    """A value and the crank angle where it occurs.
+    """A value and its crank angle from firing top dead centre, deg; None when the scene gives only the value.
 
-    Attributes:
-        deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
-        place: throw or web, where they are not alike.
+    `place` is the throw or web, where they are not alike.
     """
 
     value: float
@@ -47,11 +45,11 @@ class Extreme:
 class Cycle:
     """Curves over one working cycle at one speed.
 
-    Angles of a throw count from firing of its cylinder, in a V of that in the first bank.
+    Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The forces on the
+    pins are all the same object where all are alike.
 
     Attributes:
-        pins: the rods on the pins, and the forces that they make; all the same object where all are alike.
-        indicated_work_J: work of the gas in one cylinder per cycle, J.
+        indicated_work_J: work of the gas in one cylinder per cycle.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
     """
@@ -89,18 +87,14 @@ class Cycle:
         return {name: self.extreme(name) for name in self.forces.curves()}
 
     def engine_torque(self) -> tuple[float, Extreme, Extreme]:
-        """Mean, largest and smallest torque of the engine, N m (no friction)."""
+        """Return the mean, largest and smallest torque of the engine, N m (no friction)."""
         torque = self.torque.engine_Nm
         return float(torque.mean()), *_extremes(self.torque.angle_deg, torque)
 
 
 @dataclass(frozen=True)
 class LoadAnalysis:
-    """Loads of a scene with an engine at the engine's speed.
-
-    Attributes:
-        cycle: curves over the cycle; None when the scene gives only peak loads.
-    """
+    """Loads of a scene at its engine's speed; `cycle` is None when the scene gives only peak loads."""
 
     engine: Engine
     radius_mm: float
@@ -116,24 +110,17 @@ def at_speed(scene: Scene, speed_rpm: float) -> Scene:
 
 
 def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
-    """Return the scene at the speed where the torque of its vibrating shaft swings most.
-
-    Raises:
-        CranktopoError: as `vibrating_torque`.
-    """
+    """Return the scene at the speed where the torque of its vibrating shaft swings most."""
     return at_speed(scene, worst_speed_rpm(scene, enabled))
 
 
 def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnalysis:
-    """Forces over the cycle at the engine's speed.
+    """Return the forces over the cycle at the engine's speed; raises CranktopoError for gas data of no use.
 
     Args:
         enabled: `reciprocating_inertia` and `rotating_rod_mass` among these names make the inertia of the
             piston and of the rod count; with `torsional_vibration` the torques are those of the vibrating
-            shaft at the engine's speed.
-
-    Raises:
-        CranktopoError: no engine, or gas data that cannot be used.
+            shaft.
     """
     engine, radius = engine_of(scene), scene.throw.radius_mm
     balance = throw_balance(scene)
@@ -178,13 +165,10 @@ def _cycle(
 
 
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
-    """Work of the gas in one cylinder per cycle, J: the closed integral of p dV.
+    """Return the work of the gas in one cylinder per cycle, J: the closed integral of p dV.
 
     It uses pressures and piston positions only, no forces, so that the torque can be checked against it.
-    Trapezoidal rule with every and with every other point, extrapolated (Romberg).
-
-    Args:
-        curve: cylinder pressure over one cycle, an even number of points.
+    Trapezoidal rule with every and with every other of an even number of points, extrapolated (Romberg).
     """
     motion = exact_motion(np.radians(curve.angle_deg), radius_mm, engine.rod_length_mm)
     volume = math.pi / 4 * engine.bore_mm**2 * motion.displacement_mm

@@ -20,8 +20,8 @@ class ShaftTorque:
     """Torque along the shaft over the cycle.
 
     Attributes:
-        angle_deg: crank angles from firing top dead centre of the cylinder that fires first, deg.
-        passed_on_Nm: torque behind each throw, from the free end to the takeoff, (throws, angles), N m.
+        angle_deg: crank angles from firing top dead centre of the cylinder that fires first.
+        passed_on_Nm: torque behind each throw, from the free end to the takeoff, (throws, angles).
         ahead_Nm: of a vibrating shaft, torque ahead of each throw; else what is passed on less its own.
     """
 
@@ -38,12 +38,11 @@ class ShaftTorque:
 def shaft_torque(
     angle_deg: Array, rod_torque_Nm: Array, firing_deg: tuple[float, ...], throws: int, cycle_deg: float
 ) -> ShaftTorque:
-    """Torque behind each throw of a shaft; where a pin has two rods, they are a bank apart.
+    """Return the torque behind each throw of a shaft; where a pin has two rods, they are a bank apart.
 
     Args:
-        angle_deg: evenly spaced crank angles over one cycle, deg.
-        rod_torque_Nm: torque of one rod at these angles after its own firing dead centre, N m.
-        firing_deg: crank angle at which each cylinder fires, deg; cylinder 1, at the free end, first.
+        rod_torque_Nm: torque of one rod at even angles after its own firing dead centre.
+        firing_deg: crank angle at which each cylinder fires; cylinder 1, at the free end, first.
     """
     single = np.array([phase_shift(rod_torque_Nm, angle_deg, fires, cycle_deg) for fires in firing_deg])
     by_throw = single.reshape(-1, throws, len(angle_deg)).sum(axis=0)
@@ -58,15 +57,15 @@ class ThrowForces:
     """Forces at each crank angle of the cycle; positive toward the crank axis (compression of the rod).
 
     Attributes:
-        inertia_force_N: inertia force of the piston group, N.
-        small_end_force_N: gas and inertia force on the piston pin, N.
-        side_force_N: force of the piston on the cylinder wall, N.
-        rod_force_N: force along the rod, with the reciprocating mass of the rod, N.
-        radial_force_N: part of the rod force on the crankpin toward the crank axis, N.
-        tangential_force_N: part of the rod force on the crankpin in the direction of rotation, N.
-        web_force_N: radial force less the centrifugal force of the rod's rotating mass, N.
-        crankpin_force_N: magnitude of the force that the rod's bearing passes to the pin, N.
-        main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone, N.
+        inertia_force_N: of the piston group.
+        small_end_force_N: gas and inertia force on the piston pin.
+        side_force_N: of the piston on the cylinder wall.
+        rod_force_N: along the rod, with the reciprocating mass of the rod.
+        radial_force_N: part of the rod force on the crankpin toward the crank axis.
+        tangential_force_N: part of the rod force on the crankpin in the direction of rotation.
+        web_force_N: radial force less the centrifugal force of the rod's rotating mass.
+        crankpin_force_N: magnitude of the force that the rod's bearing passes to the pin.
+        main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone.
     """
 
     angle_deg: Array
@@ -89,11 +88,7 @@ class ThrowForces:
 
 @dataclass(frozen=True)
 class RotatingForces:
-    """Centrifugal forces of what turns with the pin, and the factor of the reciprocating masses.
-
-    Attributes:
-        r_w2_m_s2: throw radius times angular speed squared, m/s2 (N per kg).
-    """
+    """Centrifugal forces of what turns with the pin, and r w^2 for the reciprocating masses, N per kg."""
 
     r_w2_m_s2: float
     rod_N: float
@@ -103,7 +98,7 @@ class RotatingForces:
 def rotating_forces(
     engine: Engine, balance: ThrowBalance, radius_mm: float, speed_rpm: float
 ) -> RotatingForces:
-    """Centrifugal forces at a speed."""
+    """Return the centrifugal forces at a speed."""
     w2 = angular_speed_rad_s(speed_rpm) ** 2
     r_w2 = radius_mm / MM_PER_M * w2
     throw = balance.throw_unbalance_kg_mm / MM_PER_M * w2
@@ -120,7 +115,7 @@ def throw_forces(
     reciprocating: bool = True,
     rotating_rod: bool = True,
 ) -> ThrowForces:
-    """Forces of one throw over the cycle.
+    """Return the forces of one throw over the cycle.
 
     The piston group loads the piston pin; the rod's reciprocating mass joins at the small end, its rotating
     mass at the crankpin (two-mass rod). The main journals share the pin's load and the throw's own
@@ -162,7 +157,6 @@ class RodsOnPin:
 
     Attributes:
         name: the throw, or the web of it where the two differ; from the free end.
-        throw: index of the throw, 0 at the free end.
         phase_shifts_deg: crank angles at which its rods' cylinders fire, after that of the first bank.
         shares: by how much of itself each rod's force counts.
     """
@@ -178,11 +172,7 @@ class RodsOnPin:
         return np.sum([share * phase_shift(curve, angle_deg, by, cycle_deg) for share, by in parts], axis=0)
 
     def forces(self, rod: ThrowForces, throw_N: float, cycle_deg: float) -> ThrowForces:
-        """Forces of the throw from those of one rod; what belongs to one piston or one rod stays as it is.
-
-        Args:
-            throw_N: centrifugal force of the throw itself.
-        """
+        """Return the forces of the throw from those of one rod; what belongs to one piston stays as it is."""
         if self.shares == (1.0,):
             return rod
         radial, tangential, web = (

@@ -36,9 +36,9 @@ class Combustion:
     """A combustion model fitted to the peak.
 
     Attributes:
-        cycle_deg: 720 (four-stroke) or 360 (two-stroke), deg.
-        start_deg: start of burning from firing top dead centre, deg (negative: before it).
-        heat_MPa: heat released per cycle over the clearance volume, N/mm2.
+        cycle_deg: 720 (four-stroke) or 360 (two-stroke).
+        start_deg: start of burning from firing top dead centre (negative: before it).
+        heat_MPa: heat released per cycle over the clearance volume.
     """
 
     gas: Gas
@@ -50,16 +50,10 @@ class Combustion:
 
 
 def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: float) -> Combustion:
-    """Start of burning and heat such that the pressure peaks where and as high as the scene says.
+    """Return start of burning and heat such that the pressure peaks where and as high as the scene says.
 
     At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
-    start from this one equation (Brent's method).
-
-    Args:
-        cycle_deg: length of the working cycle, 720 (four-stroke) or 360 (two-stroke).
-
-    Raises:
-        CranktopoError: the peak is not above the compression pressure, or no start of burning fits.
+    start from this one equation (Brent's method). Raises CranktopoError where none fits the peak.
     """
     from scipy.optimize import brentq
 
@@ -87,11 +81,7 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
 
 
 def combustion_pressure_MPa(model: Combustion, angle_deg: Array) -> Array:
-    """Absolute cylinder pressure over the cycle, MPa.
-
-    Args:
-        angle_deg: crank angles from firing top dead centre, 0 up to the cycle length, deg.
-    """
+    """Return the absolute cylinder pressure at crank angles from firing top dead centre, MPa."""
     gas = model.gas
     opening, closing = gas.exhaust_opening_deg, _intake_closing_deg(model)
     pressure = np.empty_like(angle_deg)
@@ -232,13 +222,7 @@ FileState = tuple[str, int, int]
 
 @dataclass(frozen=True)
 class PressureCurve:
-    """Cylinder pressure over one working cycle, on evenly spaced crank angles.
-
-    Attributes:
-        angle_deg: crank angles from firing top dead centre, 0 up to (not including) the cycle, deg.
-        pressure_MPa: absolute pressure at these angles, MPa.
-        source: where the curve comes from, one sentence.
-    """
+    """Absolute cylinder pressure over one working cycle from firing top dead centre, its end not included."""
 
     angle_deg: Array
     pressure_MPa: Array
@@ -258,10 +242,8 @@ def file_state(path: str | Path) -> FileState:
 def pressure_curve(scene: Scene) -> PressureCurve | None:
     """Return the cylinder pressure of a scene; None when the scene has no `[engine.gas]`.
 
-    The same curve serves every speed, and every stage that asks for it again.
-
-    Raises:
-        CranktopoError: an indicator file that cannot be used, a peak that no combustion reaches.
+    The same curve serves every speed and stage. Raises CranktopoError for an indicator file that cannot be
+    used and a peak that no combustion reaches.
     """
     engine = scene.engine
     if engine is None or engine.gas is None:
@@ -306,11 +288,7 @@ def _measured(gas: Gas, path: str, cycle_deg: float, angle: Array) -> Array:
 
 
 def gas_force_N(pressure_MPa: Array, engine: Engine) -> Array:
-    """Return the force of the gas on the piston toward the crank axis, N.
-
-    Raises:
-        CranktopoError: the engine has no gas table.
-    """
+    """Return the force of the gas on the piston toward the crank axis, N."""
     if engine.gas is None:
         raise invalid("engine.gas", None, "must be given for a gas force")
     return (pressure_MPa - engine.gas.ambient_pressure_MPa) * math.pi / 4 * engine.bore_mm**2

@@ -24,17 +24,12 @@ _LARGEST_STEP_DEG = 5.0
 
 
 def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: float) -> tuple[Array, Array]:
-    """Angles and pressures of a measured indicator diagram over one cycle.
+    """Return ascending angles (deg) and absolute pressures (MPa) of an indicator diagram over one cycle.
 
     The header names the columns and their units: an angle in deg and an absolute pressure in bar or MPa.
-    Angles ascend and cover one cycle from any start; they are counted from firing top dead centre.
-
-    Args:
-        path: the CSV file: comma, semicolon or tab between columns; lines with # are skipped. A decimal comma
-            is read where the columns are not separated by commas.
-
-    Returns:
-        Angles in 0 .. cycle_deg, ascending (deg), and absolute pressures (MPa).
+    Angles ascend and cover one cycle from any start; they are counted from firing top dead centre. Comma,
+    semicolon or tab stand between columns; lines with # are skipped. A decimal comma is read where the
+    columns are not separated by commas.
 
     Raises:
         CranktopoError: unreadable, no unit, missing, duplicate or descending angles, wrong period, a value

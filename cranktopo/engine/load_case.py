@@ -17,9 +17,7 @@ _LARGE = 1000
 
 @dataclass(frozen=True)
 class LoadType:
-    """Properties of all load cases of one kind.
-
-    Its weight in the objective is `optimise.weights` of its name, its switch `effects` of its name.
+    """Properties of all load cases of one kind; its name is that of its weight and of its switch.
 
     Attributes:
         state: extreme load state that it comes from.
@@ -27,8 +25,7 @@ class LoadType:
         label: its load in words, as in `radial force 32,377 N`.
         main: it always counts where sizes cannot be compared, and the others are compared with it.
         unit_load: load of a scene without an engine; 0 where there is no such case then.
-        odd_in_x, odd_in_z: the load is antisymmetric about the mirror plane of the webs, about the mid-pin
-            plane; else it is symmetric.
+        odd_in_x, odd_in_z: antisymmetric about the mirror plane of the webs, about the mid-pin plane.
     """
 
     name: LoadKind

@@ -28,8 +28,8 @@ class ExtremeState:
     Attributes:
         name: `max_radial`, `max_torque`, `min_torque`, `max_tangential` or `overspeed_inertia`.
         case: its loads, under the name of the load case that it would be.
-        deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
-        unit: whether the load is a unit load because the scene does not tell its size.
+        deg: crank angle from firing top dead centre; None when the scene gives only the value.
+        unit: the scene does not tell its size.
         redundant: why it needs no load case of its own; empty when it is one.
     """
 
@@ -47,9 +47,6 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
         enabled: names of the effects that are on; the inertia effects change the forces, without
             `centrifugal` the overspeed state acts on the pin alone, and with `torsional_vibration` the
             torques are those of the shaft at its worst speed.
-
-    Raises:
-        CranktopoError: gas data that cannot be used.
     """
     if scene.engine is None:
         why = "unit load: the scene has no engine"
@@ -217,16 +214,12 @@ DEFAULT_EFFECTS = INERTIA_EFFECTS | set(MAIN_KINDS)
 
 
 def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
-    """Return the load cases of a scene.
+    """Return the load cases of a scene, one per kind that is enabled, in the order of `LOAD_TYPES`.
 
     Args:
         scene: the scene; without an engine the cases carry unit loads (1000 N, 1 N m).
         enabled: names of the effects that are on; bending, torsion and the inertia of piston and rod when
             not given.
-
-    Returns:
-        One case per kind that is enabled, in the order of `LOAD_TYPES`, named
-        after its kind.
 
     Raises:
         CranktopoError: gas data that cannot be used.

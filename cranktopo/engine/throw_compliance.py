@@ -43,7 +43,7 @@ class EquivalentBeam:
 
 
 def throw_torsion_rad_per_Nmm(scene: Scene) -> float:
-    """Rotation between the mid-journal planes of a throw per torque, its ends free to move laterally.
+    """Return the rotation between the mid-journal planes of a throw per torque, ends free to move laterally.
 
     Halves that differ are in series, each half as soft as a throw of two such halves.
     """
@@ -127,13 +127,12 @@ _SHEAR_RECTANGLE = 5 / 6
 
 @dataclass(frozen=True)
 class ThrowCompliance:
-    """Compliance of the full throw between its two mid-journal planes.
+    """Displacement per load of the full throw between its two mid-journal planes.
 
     Attributes:
-        bending_mm_per_N: radial displacement of the pin per radial force, journals pinned.
-        tangential_mm_per_N: tangential displacement of the pin per tangential force, journals held
-            laterally and against rotation.
-        torsion_rad_per_Nmm: rotation between the mid-journal planes per torque.
+        bending_mm_per_N: radially of the pin per radial force, journals pinned.
+        tangential_mm_per_N: of the pin per tangential force, journals held laterally and against rotation.
+        torsion_rad_per_Nmm: between the mid-journal planes per torque.
     """
 
     bending_mm_per_N: float
@@ -142,7 +141,7 @@ class ThrowCompliance:
 
 
 def throw_compliance(scene: Scene) -> ThrowCompliance:
-    """Closed-form compliance of the scene's throw with its own web, bores and fillets.
+    """Return the closed-form compliance of the scene's throw with its own web, bores and fillets.
 
     Fillets shorten the journals by the integral of 1 - J / J(z), and the web, whose free length ends at
     their feet. Of halves that differ it is the mean of what throws of two such halves have.

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.plot import GREY, Picture
 from cranktopo.report.shading import ShadedMesh, draw, extent_mm, shaded, view_axes
 from cranktopo.report.viewer.scene3d import ShownBody
@@ -21,23 +20,10 @@ JOURNAL_SIDE: Direction = (0.75, 0.45, -0.8)
 PIN_SIDE: Direction = (0.75, 0.45, 0.8)
 
 
-def _gallery_figure(designs: Sequence[tuple[str, SurfaceMesh, tuple[float, float]]]) -> Figure:
-    """Return one oblique view of each design beside the other, all to the same scale, on no background.
-
-    Args:
-        designs: name, closed surface of the half throw (mm) and axial range of the web of each.
-    """
-    return gallery([(name, shaded(mesh, web_z_mm), PIN_SIDE) for name, mesh, web_z_mm in designs])[0]
-
-
 def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure, list[Axes]]:
-    """Return one view of each body beside the other, all to the same scale, on no background.
+    """Return a figure of bodies side by side, all to the same scale, on no background, and the axes of each.
 
-    Args:
-        bodies: title, what to draw, and the direction to the viewer.
-
-    Returns:
-        The figure and the axes of each body.
+    Each has a title and a direction to the viewer.
     """
     columns = min(len(bodies), _GALLERY_COLUMNS)
     rows = -(-len(bodies) // columns)
@@ -63,7 +49,7 @@ def gallery(bodies: Sequence[tuple[str, ShadedMesh, Direction]]) -> tuple[Figure
 
 
 def gallery_picture(bodies: Sequence[ShownBody]) -> Picture:
-    """Still picture of half throws, side by side."""
+    """Return a still picture of half throws, side by side."""
     alt = f"Half throws of {', '.join(body.name for body in bodies)}; journals grey, webs blue"
-    figure = _gallery_figure([(body.name, body.mesh, body.web_z_mm) for body in bodies])
+    figure, _ = gallery([(body.name, shaded(body.mesh, body.web_z_mm), PIN_SIDE) for body in bodies])
     return Picture("gallery", figure, alt)

@@ -18,13 +18,7 @@ FactStatus = Literal["good", "bad", "neutral", "unknown"]
 
 @dataclass(frozen=True)
 class Fact:
-    """One answer of the verdict.
-
-    Attributes:
-        value: the answer, with its unit.
-        note: what it is measured against, or what would answer it.
-        status: whether the answer is welcome.
-    """
+    """One answer of the verdict; the note tells what it is measured against, or what would answer it."""
 
     label: str
     value: str
@@ -34,13 +28,9 @@ class Fact:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report.
+    """A part of the report: one paragraph, tables by caption, pictures; `anchor` is its name for links.
 
-    Attributes:
-        anchor: its name for links.
-        text: one paragraph.
-        tables: by caption.
-        on_paper: whether it is printed; details that only help beside the files are not.
+    Details that only help beside the files are not printed on paper.
     """
 
     anchor: str
@@ -53,14 +43,10 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """A whole report.
+    """A whole report: title, verdict in one sentence, its answers, and the rest in order.
 
     Attributes:
-        title, subtitle: heading; run, design and date.
-        headline: the verdict in one sentence.
-        facts: the verdict, one answer each.
-        sections: the rest, in order.
-        scene3d: what the 3D view shows; None where there is no surface.
+        scene3d: contents of the 3D view; None where there is no surface.
         picture: still picture of it, for paper and for browsers without 3D.
     """
 
@@ -85,17 +71,13 @@ def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 
 def assumed_tables(entries: Sequence[Mapping[str, Any]]) -> list[tuple[str, ResultTable]]:
-    """Return what the design does not say, as one table with its caption; none where it says all.
-
-    Args:
-        entries: `assumed` of metrics.json.
-    """
+    """Return `assumed` of metrics.json as one table with its caption; none where the design says all."""
     rows = [(entry["key"], f"{entry['value']} {entry['meaning']}".strip()) for entry in entries]
     return [("Assumed, because the design does not say it", pairs(rows))] if rows else []
 
 
 def versions_section(versions: Mapping[str, str | None], files: Mapping[str, str] | None = None) -> Section:
-    """Versions of what took part, and the files beside the page; left out on paper."""
+    """Return the versions of what took part, and the files beside the page; left out on paper."""
     found = pairs([(name, text or "not installed") for name, text in versions.items()])
     tables = [("Versions", found)]
     if files:

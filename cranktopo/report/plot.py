@@ -15,7 +15,7 @@ GREY = "0.35"
 
 
 def plain(axes: Any) -> None:
-    """Small tick labels, and lines only at the left and below."""
+    """Give the axes small tick labels, and lines only at the left and below."""
     axes.tick_params(labelsize=8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
@@ -34,12 +34,7 @@ _PANEL_INCHES, _AXES, _POLAR_AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74), (0.0
 
 @dataclass(frozen=True)
 class Picture:
-    """A plot.
-
-    Attributes:
-        alt: what a reader who cannot see it needs to know.
-        raster: pixels where it would otherwise be vectors: thousands of faces.
-    """
+    """A plot and its text for a reader who cannot see it; as pixels where it has thousands of faces."""
 
     name: str
     figure: Figure
@@ -55,8 +50,7 @@ class Picture:
 def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
     """Return a plot with one pair of axes; `draw` is called with them and the arguments.
 
-    Args:
-        polar: axes of direction and size, with room for a legend beside them.
+    Polar axes leave room for a legend beside them.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

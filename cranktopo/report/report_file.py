@@ -86,14 +86,7 @@ _DPI = 150
 
 
 def write_markdown(page: Page, path: Path) -> None:
-    """Write the report, its plots in the folder `<name>-pictures` beside it.
-
-    Args:
-        path: the .md file; its folder exists.
-
-    Raises:
-        CranktopoError: a file cannot be written.
-    """
+    """Write the report to a .md file, its plots in the folder `<name>-pictures` beside it."""
     folder = path.with_name(f"{path.stem}-pictures")
     folder.mkdir(exist_ok=True)
     for picture in _pictures(page):
@@ -102,11 +95,7 @@ def write_markdown(page: Page, path: Path) -> None:
 
 
 def markdown_text(page: Page, folder: str) -> str:
-    """Return the report as Markdown.
-
-    Args:
-        folder: where the plots are, relative to the text.
-    """
+    """Return the report as Markdown, its plots in a folder relative to the text."""
     blocks = [f"# {escaped(page.title)}", escaped(page.subtitle), f"**{escaped(page.headline)}**"]
     blocks.append("\n".join(_fact(fact) for fact in page.facts))
     if page.picture:
@@ -140,20 +129,12 @@ _SUFFIXES = (".html", ".md")
 
 
 def check_report_path(path: Path) -> None:
-    """Check, before long work, that a report can go there.
-
-    Raises:
-        CranktopoError: another suffix than a report has, or no such folder.
-    """
+    """Check, before long work, that a report can go there; raises CranktopoError."""
     check_file(path, "report", _SUFFIXES)
 
 
 def write_report(page: Page, path: Path) -> None:
-    """Write a report as HTML or Markdown, by the ending of its name; replaced only when it is complete.
-
-    Raises:
-        CranktopoError: another ending, no such folder, or it cannot be written.
-    """
+    """Write a report as HTML or Markdown, by the ending of its name; replaced only when it is complete."""
     check_report_path(path)
     if path.suffix.lower() == ".md":
         write_markdown(page, path)

@@ -17,11 +17,10 @@ from cranktopo.base.units import stem_and_unit
 def text_table(
     align: str, header: Sequence[str], rows: Sequence[Sequence[str]], wrap: Mapping[int, int] | None = None
 ) -> str:
-    """Columns padded to their widest cell, two spaces apart.
+    """Return columns padded to their widest cell, two spaces apart.
 
     Args:
         align: one letter per column, `l` or `r`.
-        rows: cells, as many per row as the header has.
         wrap: greatest width of a column, by its index; longer cells continue on the next line.
     """
     limits = wrap or {}
@@ -57,7 +56,7 @@ Row = Mapping[str, Cell]
 
 @dataclass(frozen=True)
 class ResultTable:
-    """A table of text and numbers.
+    """A table of text and numbers; columns have names, never positions.
 
     Attributes:
         columns: decimals by machine name, in order; the name ends in the unit, e.g. `mass_kg`. Text ignores

@@ -24,16 +24,10 @@ _AGAIN = "Run `cranktopo optimise` again."
 
 
 def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: float) -> None:
-    """Save the design of one iteration, in half precision and compressed; the checkpoint keeps every bit.
+    """Save the design of one iteration, each variable in [0, 1], in half precision and compressed.
 
     The filter averages the rounding (2.4e-4 at most) over its neighbours, so that the surface moves by
-    less than a micrometre.
-
-    Args:
-        x: design variables, each in [0, 1].
-
-    Raises:
-        CranktopoError: the file cannot be written.
+    less than a micrometre; the checkpoint keeps every bit.
     """
     path = _path(run, iteration)
     try:
@@ -44,11 +38,7 @@ def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: floa
 
 
 def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], float]:
-    """Design variables and projection steepness of one iteration.
-
-    Raises:
-        CranktopoError: the run has no such iteration, or its file is damaged.
-    """
+    """Return the design variables and the projection steepness of one iteration; raises CranktopoError."""
     path, saved = _path(run, iteration), saved_iterations(run)
     if iteration not in saved:
         held = f"holds iterations {saved[0]} to {saved[-1]}" if saved else "holds no density of any iteration"
@@ -64,7 +54,7 @@ def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], floa
 
 
 def saved_iterations(run: Path) -> list[int]:
-    """Numbers of the iterations whose design a run keeps, ascending."""
+    """Return the numbers of the iterations whose design a run keeps, ascending."""
     names = (path.stem.removeprefix(_PREFIX) for path in (run / FOLDER).glob(f"{_PREFIX}*.npz"))
     return sorted(int(name) for name in names if name.isdecimal())
 
@@ -87,16 +77,7 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, arrays: Mapping[str, NDArray[Any]], state: Mapping[str, Any]) -> None:
-    """Save arrays and a plain state; the previous file stays until the new one is complete.
-
-    Args:
-        path: the .npz file; its folder is made when missing.
-        arrays: by name, any shape, numbers or booleans, kept bit for bit.
-        state: plain values with a JSON form, all finite.
-
-    Raises:
-        CranktopoError: a state value is not finite, or the file cannot be written.
-    """
+    """Save arrays, bit for bit, and a plain finite state; the previous file stays until this is complete."""
     text = json_text({"schema_version": SCHEMA_VERSION, "state": dict(state)}, path.name)
     content = {name: np.asarray(array, order="C") for name, array in arrays.items()}
     content[_STATE] = np.frombuffer(text.encode("utf-8"), dtype=np.uint8)
@@ -108,11 +89,7 @@ def save_checkpoint(path: Path, arrays: Mapping[str, NDArray[Any]], state: Mappi
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
-    """Load and verify a checkpoint.
-
-    Raises:
-        CranktopoError: missing, corrupted, of another version.
-    """
+    """Load and verify a checkpoint; raises CranktopoError for one missing, damaged or of another version."""
     if not path.exists():
         raise _bad(path, "missing: the run stopped before its first checkpoint")
     content = read_npz(path, f"checkpoint '{path}'", _HINT)

@@ -19,8 +19,7 @@ _NAME = ".lock"
 def locked(folder: Path) -> Iterator[None]:
     """Hold a run directory for the length of the block (POSIX `flock`; elsewhere no protection).
 
-    Raises:
-        CranktopoError: another process holds it, or the lock file cannot be written.
+    Raises CranktopoError where another process holds it or the lock file cannot be written.
     """
     try:
         import fcntl
@@ -51,11 +50,7 @@ _MANIFEST = "manifest.json"
 
 @contextmanager
 def unfinished_folder(parent: Path) -> Iterator[Path]:
-    """A hidden folder to work in until it is moved to its place: a kill before that leaves nothing half-made.
-
-    Raises:
-        CranktopoError: `parent` cannot be made or written.
-    """
+    """Give a hidden folder to work in until it is moved to its place: a kill leaves nothing half-made."""
     try:
         parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".unfinished-", suffix=TEMPORARY, dir=parent))
@@ -69,12 +64,9 @@ def unfinished_folder(parent: Path) -> Iterator[Path]:
 
 
 def moved(folder: Path, path: Path) -> Path:
-    """The folder renamed to a path; an empty folder there keeps its place and gets the files, manifest first.
+    """Return the folder renamed to a path; an empty folder there gets the files, manifest first.
 
     With the manifest it is a run that resumes, whatever else a kill keeps back.
-
-    Raises:
-        CranktopoError: the path is taken, or cannot be written.
     """
     try:
         if path.is_dir():
@@ -88,15 +80,12 @@ def moved(folder: Path, path: Path) -> Path:
 
 
 def check_file(path: Path, what: str, suffixes: Sequence[str] = (), replace: bool = True) -> None:
-    """Check that a file can be written.
+    """Check that a file can be written; raises CranktopoError.
 
     Args:
         what: the option that names it, or what it is, for the message.
         suffixes: endings that it may have; any when empty.
         replace: whether it may exist already.
-
-    Raises:
-        CranktopoError: another ending, no such folder, a folder itself, not writable, or it exists.
     """
     if suffixes and path.suffix.lower() not in suffixes:
         *most, last = suffixes
@@ -113,11 +102,7 @@ def check_file(path: Path, what: str, suffixes: Sequence[str] = (), replace: boo
 
 
 def check_folder(path: Path) -> None:
-    """Check that a folder is there or can be made, with files in it.
-
-    Raises:
-        CranktopoError: it or what it lies in is a file or not writable.
-    """
+    """Check that a folder is there or can be made, with files in it; raises CranktopoError."""
     existing = path
     while not existing.exists():
         existing = existing.parent

@@ -40,11 +40,7 @@ def read_result(run: RunStore) -> dict[str, Any] | None:
 
 @contextmanager
 def shown_results(run: RunStore) -> Iterator[None]:
-    """Context in which stored results are shown: what they lack is damage, no defect of the program.
-
-    Raises:
-        CranktopoError: a value is missing or of another type.
-    """
+    """Show stored results in the block: what they lack is damage, a CranktopoError, and no defect here."""
     try:
         yield
     except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
@@ -55,16 +51,12 @@ def shown_results(run: RunStore) -> Iterator[None]:
 
 
 def resume_command(run: RunStore) -> str:
-    """The command line that continues a run; raises CranktopoError when its manifest cannot be used."""
+    """Return the command line that continues a run; raises CranktopoError for an unusable manifest."""
     return shlex.join(["cranktopo", kind_of(run), "--resume", str(run.path)])
 
 
 def require_kind(run: RunStore, wanted: RunKind) -> None:
-    """Check that the `wanted` command made a run.
-
-    Raises:
-        CranktopoError: another command made it, or its manifest cannot be used.
-    """
+    """Check that the `wanted` command made a run; raises CranktopoError."""
     found = kind_of(run)
     if found != wanted:
         show = shlex.join(["cranktopo", "runs", "show", str(run.path)])

@@ -27,18 +27,16 @@ class ThrowBalance:
     """Mass properties of the throw between its two mid-journal planes, and its balance with the rod.
 
     Attributes:
-        mass_kg: mass of the throw, kg.
-        web_kg, second_web_kg: mass of each web with its counterweight, kg.
-        journal_kg: mass of the main journal (both halves), kg.
-        crankpin_kg: mass of the crankpin between the web faces, kg.
-        throw_unbalance_kg_mm: mass times y of the throw's centre of mass, kg mm.
-        lateral_unbalance_kg_mm: mass times x of the throw's centre of mass, kg mm.
-        rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin, kg mm.
-        inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
-        rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
-        web_kg_mm: unbalance of each web with its counterweight, first and second, kg mm.
-        own_counterweights_kg: mass that its counterweight adds to each web, kg.
-        own_counterweights_kg_mm: unbalance that its counterweight takes away from each web, kg mm.
+        web_kg, second_web_kg: each web with its counterweight.
+        journal_kg: both halves of the main journal.
+        crankpin_kg: between the web faces.
+        throw_unbalance_kg_mm, lateral_unbalance_kg_mm: mass times y and x of the throw's centre of mass.
+        rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin.
+        inertia_kg_mm2: of the throw about the crank axis.
+        rod_inertia_kg_mm2: what the rotating mass of the rod adds to it.
+        web_kg_mm: unbalance of each web with its counterweight, first and second.
+        own_counterweights_kg: mass that its counterweight adds to each web.
+        own_counterweights_kg_mm: unbalance that its counterweight takes away from each web.
     """
 
     mass_kg: float
@@ -70,7 +68,7 @@ class ThrowBalance:
 
 
 def throw_balance(scene: Scene) -> ThrowBalance:
-    """Mass properties of the scene's throw with its own web; the rod counts when the scene has an engine.
+    """Return the mass properties of the scene's throw; the rod counts when the scene has an engine.
 
     U = m_pin r + m_web,1 e_web,1 + m_web,2 e_web,2 + m_rod,rot r, with the fillets among them.
     """

@@ -1,4 +1,4 @@
-"""The balance of a scene's engine: free forces as it is, with counterweights and shafts, and bearing loads."""
+"""The balance of an engine: free forces as it is, with counterweights and shafts, and bearing loads."""
 
 from __future__ import annotations
 
@@ -64,13 +64,10 @@ class MainBearings:
 
 
 def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = False) -> MainBearings:
-    """Loads of the main bearings of a scene at its engine's speed.
+    """Return the loads of the main bearings of a scene at its engine's speed.
 
     A rod's force, gas and inertia, acts in the middle of its part of the pin and is shared by the bearings on
     both sides by the lever rule; so is what turns with the throw. Its couple is a pair of forces on them.
-
-    Raises:
-        CranktopoError: gas data that cannot be used.
     """
     layout, engine = masses.layout, engine_of(scene)
     angle, rod, gas = _rod_force(scene, engine)
@@ -131,7 +128,6 @@ class EngineBalance:
     Attributes:
         parts: rotating and oscillating masses apart, by order, as the engine is.
         free: by state and order, all masses together.
-        counterweights: what every web needs.
         inner_moments, bearings: as the engine is, and with its counterweights.
         shafts: balancer shafts of the scene, or those that the engine would need.
     """

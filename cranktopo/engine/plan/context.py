@@ -23,7 +23,7 @@ class PlanningContext:
 
     Attributes:
         asymmetry: what is not its own mirror image in x; empty when all is.
-        goal: what the optimisation is asked for; None for the weighted compliance.
+        goal: None for the weighted compliance.
         vibrating: whether the torques are those of the vibrating shaft.
     """
 

@@ -11,7 +11,7 @@ from cranktopo.engine.plan.cost import Cost
 
 @dataclass(frozen=True)
 class Estimate:
-    """The estimate of one effect.
+    """The estimate of one effect by its rule, before the scene's own choice is applied.
 
     Attributes:
         percent: size of the effect, percent of the quantity that matters; None when it is not known.

@@ -110,14 +110,7 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
 
 
 def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
-    """Return the scene as its own effects plan has it simulated.
-
-    Args:
-        kept: features that stay even where the plan leaves them out.
-
-    Raises:
-        CranktopoError: as `plan`.
-    """
+    """Return the scene as its own effects plan has it simulated, features that are `kept` left in anyway."""
     return simulated_scene(scene, plan(scene), kept)
 
 

@@ -74,11 +74,7 @@ def bound(context: PlanningContext) -> Estimate:
 
 
 def check_goal_cases(context: PlanningContext, goal: Goal, cases: Collection[str]) -> None:
-    """Check that a load case is on and that no limit is in percent of nothing.
-
-    Raises:
-        CranktopoError: no stiffness is asked for, or the original is balanced.
-    """
+    """Check that a load case is on and that no limit is in percent of nothing."""
     if not cases:
         raise invalid(
             f"goal.{goal.sense}",

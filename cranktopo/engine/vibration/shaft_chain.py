@@ -23,10 +23,8 @@ class ShaftChain:
     """The chain of a shaft, from the free end to the takeoff.
 
     Attributes:
-        names: of the disks.
         first: index of the disk of throw 1; those of the other throws follow.
-        modulus_mm3: least modulus of a journal in torsion; stress of the crankshaft's sections is torque over
-            it.
+        modulus_mm3: smallest modulus of a journal in torsion, for the stress of the crankshaft's sections.
     """
 
     chain: DiskChain
@@ -96,7 +94,7 @@ class _Row:
 
 
 def moving_inertia_kg_mm2(scene: Scene) -> float:
-    """What rod and piston add to a throw: rotating mass and half the reciprocating mass at the throw radius.
+    """Return what rod and piston add to a throw: rotating mass and half the reciprocating one at its radius.
 
     The mean of a slider crank (Ker Wilson, Practical Solution of Torsional Vibration Problems).
     """
@@ -108,7 +106,7 @@ def moving_inertia_kg_mm2(scene: Scene) -> float:
 
 
 def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
-    """Second harmonic of a throw's inertia over a turn, in percent of its mean.
+    """Return the second harmonic of a throw's inertia over a turn, in percent of its mean.
 
     Each reciprocating mass swings by half of itself at the throw radius, twice a turn.
     """

@@ -26,10 +26,9 @@ _FEWEST_CYCLES, _MOST_STEPS = 10, 2_000_000
 
 @dataclass(frozen=True)
 class RunUp:
-    """Torques while the speed changes evenly.
+    """Torques while the speed changes evenly over some seconds.
 
     Attributes:
-        seconds: from the first speed to the last.
         speeds_rpm: in the middle of each working cycle, shape (cycles,).
         torque_amplitude_Nm: half the range over each cycle, shape (cycles, sections).
     """
@@ -42,12 +41,9 @@ class RunUp:
 def run_up(
     shaft: ShaftChain, harmonics: TorqueHarmonics, range_rpm: tuple[float, float], seconds: float
 ) -> RunUp:
-    """Torque of every section from rest at the first speed to the last one.
+    """Return the torque of every section from rest at the first speed to the last one.
 
     Loss factors act as viscous damping that loses as much at the natural frequency that they matter for.
-
-    Raises:
-        CranktopoError: so short that there are no cycles, or so long that it does not fit into the memory.
     """
     from scipy.signal import lsim
 
@@ -129,10 +125,8 @@ class VibrationStudy:
     """Torsional vibration of a shaft over its range of speeds.
 
     Attributes:
-        stiffness_source: where the torsional stiffness of the throws comes from.
         critical: crossings of orders and natural frequencies in the range.
         varying_inertia_percent: second harmonic of a throw's inertia over its mean.
-        varying: whether the response has the varying part of the inertia.
         mean_response: the response with the mean inertia alone.
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.
@@ -181,7 +175,7 @@ def study_vibration(
     stiffness_source: str,
     run_up_s: float | None = None,
 ) -> VibrationStudy:
-    """Modes, critical speeds and steady vibration of a shaft over the scene's range of speeds.
+    """Return modes, critical speeds and steady vibration of a shaft over the scene's range of speeds.
 
     Args:
         run_up_s: time in which the speed rises through the range, for a passage through its resonances.

@@ -29,7 +29,6 @@ class TorqueHarmonics:
         gas_Nm: complex amplitudes of one cylinder, a from its own firing dead centre.
         inertia_Nm_s2: the same of its reciprocating mass, over the square of the angular speed in rad/s.
         firing_deg: crank angle at which each cylinder fires, cylinder 1 first.
-        throw_of: index of the throw that each cylinder drives.
     """
 
     orders: Array
@@ -59,11 +58,7 @@ class TorqueHarmonics:
 def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> TorqueHarmonics | None:
     """Return all orders of the torque that the scene's cycle resolves; None when the scene gives no cycle.
 
-    Args:
-        enabled: the inertia counts with `reciprocating_inertia` among these names.
-
-    Raises:
-        CranktopoError: gas data that cannot be used.
+    The inertia counts with `reciprocating_inertia` among the enabled effects.
     """
     engine, curve = scene.engine, pressure_curve(scene)
     if engine is None or curve is None:

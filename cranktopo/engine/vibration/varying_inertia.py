@@ -26,12 +26,11 @@ HARMONICS = 4
 
 @dataclass(frozen=True)
 class VaryingPart:
-    """Whether the varying part of the inertia of rod and piston counts.
+    """The varying part of the inertia of rod and piston, and whether the response has it.
 
     Attributes:
         harmonics_kg_m2: of every throw, shape (HARMONICS + 1, throws).
         share_percent: of the inertia that swings in a natural vibration; the estimate of what it changes.
-        included: whether the response has it.
     """
 
     harmonics_kg_m2: ComplexArray
@@ -55,10 +54,9 @@ class VaryingPart:
 def varying_part(
     scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics, modes: Sequence[Mode], met: Collection[int]
 ) -> VaryingPart:
-    """The varying part, included where its share reaches the scene's threshold and the scene has a [shaft].
+    """Return the varying part, included where its share reaches the threshold and the scene has a [shaft].
 
-    Args:
-        met: numbers of the modes with a critical speed in the range; all modes count where there is none.
+    Modes `met` by a critical speed in the range count, by their numbers; all modes where there is none.
     """
     varying = varying_inertia_kg_m2(scene, harmonics)
     swinging = [mode for number, mode in enumerate(modes, start=1) if number in met] or list(modes)
@@ -99,13 +97,9 @@ def varying_share_percent(shaft: ShaftChain, modes: Sequence[Mode], varying_kg_m
 def coupled_response_rad(
     shaft: ShaftChain, orders: Array, speed_rad_s: float, torque_Nm: ComplexArray, varying_kg_m2: ComplexArray
 ) -> ComplexArray:
-    """Complex amplitude of every disk with the varying inertia of the throws, shape (orders, disks).
+    """Return the complex amplitude of every disk with the varying inertia of the throws, (orders, disks).
 
-    Orders with and without a half do not act on each other.
-
-    Args:
-        orders: of the rotation, without 0.
-        torque_Nm: complex amplitudes on the disks, shape (orders, disks).
+    Orders with and without a half do not act on each other; order 0 is not among them.
     """
     frequency = orders * speed_rad_s
     driven = np.eye(len(shaft.names))[shaft.driven].astype(complex)

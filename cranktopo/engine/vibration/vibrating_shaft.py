@@ -28,13 +28,7 @@ from cranktopo.numerics.disk_chain import Mode
 
 @dataclass(frozen=True)
 class VibratingShaft:
-    """A shaft with the torques of its cylinders.
-
-    Attributes:
-        range_rpm: lowest and highest speed of the scene's range.
-        critical: crossings of orders and natural frequencies in the range.
-        varying: the varying part of the inertia, and whether the response has it.
-    """
+    """A shaft with the torques of its cylinders, and its critical speeds in the scene's range."""
 
     shaft: ShaftChain
     harmonics: TorqueHarmonics
@@ -65,11 +59,7 @@ def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics)
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
-    """Torque ahead of and behind every throw over the cycle at the engine's speed.
-
-    Raises:
-        CranktopoError: no torque over the cycle, or nothing at the takeoff.
-    """
+    """Return the torque ahead of and behind every throw over the cycle at the engine's speed."""
     model = _model(scene, enabled)
     shaft = model.shaft
     speed = scene.engine.speed_rpm if scene.engine else 0.0
@@ -82,11 +72,7 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
 
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
-    """Speed in the scene's range at which the torque of the crankshaft swings most, rpm.
-
-    Raises:
-        CranktopoError: as `vibrating_torque`.
-    """
+    """Return the speed in the scene's range at which the torque of the crankshaft swings most, rpm."""
     found = _model(scene, enabled).over_the_range()
     return float(found.speeds_rpm[found.worst.speed_index])
 

@@ -53,13 +53,7 @@ class StressedBody(Protocol):
 
 @dataclass(frozen=True)
 class StressScale:
-    """Colours of one load case.
-
-    Attributes:
-        case: name of the load case.
-        label: its name and load.
-        top_MPa: von Mises stress from which the colour stays the same.
-    """
+    """Colours of one load case, which stay the same from a von Mises stress on."""
 
     case: str
     label: str
@@ -67,11 +61,7 @@ class StressScale:
 
 
 def stress_scales(bodies: Sequence[tuple[SurfaceMesh, StressedBody]]) -> tuple[StressScale, ...]:
-    """Return one scale per load case for all bodies, so that a colour means the same on each.
-
-    Args:
-        bodies: surface and stresses of each body, all of the same load cases.
-    """
+    """Return one scale per load case for all bodies, so that a colour means the same on each."""
     if not bodies:
         return ()
     tops = np.max([quantiles_MPa(mesh, stress, SHARE)[0] for mesh, stress in bodies], axis=0)
@@ -80,11 +70,7 @@ def stress_scales(bodies: Sequence[tuple[SurfaceMesh, StressedBody]]) -> tuple[S
 
 
 def quantiles_MPa(mesh: SurfaceMesh, stress: StressedBody, *shares: float) -> NDArray[np.float64]:
-    """Von Mises stress that parts of the surface's area stay below, MPa, shape (shares, load cases).
-
-    Args:
-        shares: parts of the area.
-    """
+    """Return the von Mises stress that shares of the surface's area stay below, MPa, (shares, load cases)."""
     fine = mesh_of(solid_of(mesh).refine_to_length(mesh.extent_mm / FACES_ALONG))
     values = stress.at(fine.corners_mm.mean(axis=1))
     order = np.argsort(values, axis=1)
@@ -107,14 +93,12 @@ _ALIGNMENT = 4
 
 @dataclass(frozen=True)
 class ShownBody:
-    """A surface to look at.
+    """A surface to look at: a half throw, mm.
 
     Attributes:
-        mesh: half throw, mm.
         web_z_mm: axial range of the web; what lies outside is journal.
         half_pitch_mm: the mid-pin plane, beyond which is the mirror image of the partner.
         partner: how many bodies further its other half is: 0 where it is like this one.
-        stress: stresses of the load cases, where they were solved.
     """
 
     name: str
@@ -138,11 +122,9 @@ class Scene3D:
     """Everything that the 3D view shows.
 
     Attributes:
-        bodies: surfaces, one of them at a time.
-        steps: designs of the optimisation, on one grid.
-        notes: line shown with each step.
-        stress_scales: what the colours of each load case mean, where every body has stresses.
-        first: number of the body that is shown at the start.
+        bodies: surfaces, one of them at a time, `first` at the start.
+        steps: designs of the optimisation, on one grid, each with a line of notes.
+        stress_scales: meaning of the colours of each load case, where every body has stresses.
     """
 
     bodies: tuple[ShownBody, ...]
@@ -255,5 +237,5 @@ def _steps(arrays: Arrays, steps: Sequence[DesignSnapshot], notes: Sequence[str]
 
 
 def scaled(values: NDArray[np.float64], most: int, kind: type[np.integer[Any]]) -> NDArray[Any]:
-    """Shares of 1 as integers up to `most`."""
+    """Return shares of 1 as integers up to `most`."""
     return np.rint(values * most).astype(kind)
