@@ -200,9 +200,7 @@ def seconds(context: click.Context, parameter: click.Parameter, value: str | Non
 def body_options(function: Any) -> Any:
     """Add --design and --align, for targets that are bodies from CAD, to a command."""
     function = click.option(
-        "--align",
-        is_flag=True,
-        help="Move STL and STEP bodies that lie elsewhere to where the journals are.",
+        "--align", is_flag=True, help="Move STL and STEP bodies that lie elsewhere to where the journals are."
     )(function)
     return click.option(
         "--design", help="Design for the journals, loads and material of STL and STEP targets."
@@ -238,11 +236,7 @@ def limit_options(function: Any) -> Any:
             Number(0.01, 50),
             "Cells of the final fit: half the size is closer to the body and takes eight times as long.",
         ),
-        (
-            ("--draft-deg", "min_draft_deg"),
-            Number(0, 30),
-            "Least draft of a side pocket's walls.",
-        ),
+        (("--draft-deg", "min_draft_deg"), Number(0, 30), "Least draft of a side pocket's walls."),
         (("--min-radius-mm",), Number(0.05, 1000), "Least radius of curvature of the outline."),
         (("--min-wall-mm",), Number(0.05, 1000), "Least wall."),
     ):

@@ -140,11 +140,7 @@ def engine_of(scene: Scene) -> Engine:
 
 
 def _cycle(
-    scene: Scene,
-    engine: Engine,
-    curve: PressureCurve,
-    balance: ThrowBalance,
-    enabled: frozenset[str],
+    scene: Scene, engine: Engine, curve: PressureCurve, balance: ThrowBalance, enabled: frozenset[str]
 ) -> Cycle:
     radius = scene.throw.radius_mm
     rod = throw_forces(

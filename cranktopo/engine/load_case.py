@@ -53,12 +53,7 @@ LOAD_TYPES: dict[LoadKind, LoadType] = {
             odd_in_z=True,
         ),
         LoadType(
-            "tangential",
-            "max_tangential",
-            "tangential_N",
-            "tangential force",
-            unit_load=1e3,
-            odd_in_x=True,
+            "tangential", "max_tangential", "tangential_N", "tangential force", unit_load=1e3, odd_in_x=True
         ),
         LoadType("centrifugal", "overspeed_inertia", "speed_rpm", "centrifugal force"),
     )

@@ -121,9 +121,7 @@ def _size(
     pull = amount * newton
     arm = (distance or place) / MM_PER_M
     effect = FreeForce(
-        shaft.order,
-        _ellipse(0j if shaft.balances == "moment" else pull, shaft),
-        _ellipse(pull * arm, shaft),
+        shaft.order, _ellipse(0j if shaft.balances == "moment" else pull, shaft), _ellipse(pull * arm, shaft)
     )
     sized = SizedShaft(
         shaft.order,
