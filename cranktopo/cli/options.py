@@ -140,7 +140,6 @@ def with_goal_options(
 
 DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")
-_TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
 
 bearings_option = click.option(
@@ -169,32 +168,27 @@ def with_bound_option(scene: Scene, no_bound: bool) -> Scene:
 
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
     """Return the number of percent in `1%` or `1`, as an option's callback."""
-    if value is None:
-        return None
-    try:
-        number = float(value.strip().removesuffix("%"))
-    except ValueError:
-        raise click.BadParameter(f"{value!r} is not a percentage such as 1%.", context, parameter) from None
-    if not 0 < number < 100:
+    number = _number(value, {"%": 1.0}, "a percentage such as 1%")
+    if number is not None and not 0 < number < 100:
         raise click.BadParameter(f"{value!r} must be above 0% and below 100%.", context, parameter)
     return number
 
 
 def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
     """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback."""
-    if value is None:
-        return None
-    text = value.strip().lower()
-    unit = next((u for u in _TIME_UNITS if text.endswith(u)), "")
-    try:
-        number = float(text.removesuffix(unit)) * _TIME_UNITS.get(unit, 1.0)
-    except ValueError:
-        raise click.BadParameter(
-            f"{value!r} is not a time such as 30s or 2min.", context, parameter
-        ) from None
-    if not 0 < number < float("inf"):
+    number = _number(value, {"min": 60.0, "h": 3600.0, "s": 1.0}, "a time such as 30s or 2min")
+    if number is not None and not 0 < number < math.inf:
         raise click.BadParameter(f"{value!r} must be above 0 s.", context, parameter)
     return number
+
+
+def _number(value: str | None, units: dict[str, float], form: str) -> float | None:
+    text = (value or "").strip().lower()
+    unit = next((unit for unit in units if text.endswith(unit)), "")
+    try:
+        return None if value is None else float(text.removesuffix(unit)) * units.get(unit, 1.0)
+    except ValueError:
+        raise click.BadParameter(f"{value!r} is not {form}.") from None
 
 
 def body_options(function: Any) -> Any:

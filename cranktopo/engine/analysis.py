@@ -143,15 +143,7 @@ def _cycle(
     scene: Scene, engine: Engine, curve: PressureCurve, balance: ThrowBalance, enabled: frozenset[str]
 ) -> Cycle:
     radius = scene.throw.radius_mm
-    rod = throw_forces(
-        engine,
-        radius,
-        curve,
-        balance,
-        engine.speed_rpm,
-        reciprocating="reciprocating_inertia" in enabled,
-        rotating_rod="rotating_rod_mass" in enabled,
-    )
+    rod = throw_forces(engine, radius, curve, balance, engine.speed_rpm, enabled)
     throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
     pins = tuple((rods, rods.forces(rod, throw_N, engine.cycle_deg)) for rods in rods_on_pins(scene, engine))
     fires = engine.firing_angles_deg

@@ -111,9 +111,7 @@ def throw_forces(
     pressure: PressureCurve,
     balance: ThrowBalance,
     speed_rpm: float,
-    *,
-    reciprocating: bool = True,
-    rotating_rod: bool = True,
+    enabled: frozenset[str] = INERTIA_EFFECTS,
 ) -> ThrowForces:
     """Return the forces of one throw over the cycle.
 
@@ -124,13 +122,13 @@ def throw_forces(
     angle = np.radians(pressure.angle_deg)
     spinning = rotating_forces(engine, balance, radius_mm, speed_rpm)
     acceleration = exact_motion(angle, radius_mm, engine.rod_length_mm).acceleration_ratio
-    inertia_per_kg = -acceleration * spinning.r_w2_m_s2 * reciprocating
+    inertia_per_kg = -acceleration * spinning.r_w2_m_s2 * ("reciprocating_inertia" in enabled)
     gas = gas_force_N(pressure.pressure_MPa, engine)
     piston = engine.masses.piston_group_kg * inertia_per_kg
     axial = gas + piston + engine.rod_parts_kg[0] * inertia_per_kg
     ratios = force_ratios(angle, radius_mm, engine.rod_length_mm)
     radial, tangential = axial * ratios.radial, axial * ratios.tangential
-    web = radial - spinning.rod_N * rotating_rod
+    web = radial - spinning.rod_N * ("rotating_rod_mass" in enabled)
     return ThrowForces(
         angle_deg=pressure.angle_deg,
         gas_force_N=gas,

@@ -7,7 +7,7 @@ another's needs no case of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,23 +52,16 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
         why = "unit load: the scene has no engine"
         return tuple(_unit_state(kind.name, why) for kind in LOAD_TYPES.values() if kind.unit_load)
     analysis = analyse(scene, enabled)
-    twisting = _twisting(scene, analysis, enabled)
-    torques = _torques(twisting)
-    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", torques[0])]
-    states.append(_tangential(analysis))
-    if torques[1] is not None:
-        states.append(_torque_state(twisting, "min_torque", torques[1]))
+    vibrates = "torsional_vibration" in enabled
+    twisting = analyse(at_worst_speed(scene, enabled), enabled) if vibrates else analysis
+    high, low = _torques(twisting)
+    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", high), _tangential(analysis)]
+    if low is not None:
+        states.append(_torque_state(twisting, "min_torque", low))
     overspeed = _overspeed(scene, analysis, enabled)
     if _load(overspeed) or overspeed.case.speed_rpm:
         states.append(overspeed)
     return _mark_redundant(tuple(states), enabled)
-
-
-def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
-    """Return the analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
-    if "torsional_vibration" not in enabled:
-        return analysis
-    return analyse(at_worst_speed(scene, enabled), enabled)
 
 
 def _unit_state(name: LoadKind, why: str) -> ExtremeState:
@@ -85,21 +78,17 @@ def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
         case = LoadCase(name="bending", kind="bending", radial_N=given * share, source=source)
         return ExtremeState("max_radial", case)
     if cycle is None:
-        why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
-        return _unit_state("bending", why)
+        return _unit_state("bending", "unit load: neither engine.gas nor engine.max_gas_force_N is given")
     worst = cycle.largest("web_force_N")
     source = f"largest radial force on the web, at {_where(analysis, worst)}"
-    return ExtremeState(
-        "max_radial", LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source), worst.deg
-    )
+    case = LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source)
+    return ExtremeState("max_radial", case, worst.deg)
 
 
 def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
     """Largest and smallest torque that a throw passes on; None where the scene does not tell."""
     engine, cycle = analysis.engine, analysis.cycle
-    high = low = None
-    if cycle is not None:
-        high, low = _shaft_extremes(cycle)
+    high, low = (None, None) if cycle is None else _shaft_extremes(cycle)
     if engine.max_torque_Nm is not None:
         high = Extreme(engine.max_torque_Nm, None)
     if engine.min_torque_Nm is not None:
@@ -119,16 +108,13 @@ def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> 
     if torque is None:
         return _unit_state("torsion", "unit load: neither engine.gas nor engine.max_torque_Nm is given")
     which = "largest" if name == "max_torque" else "smallest"
-    shaft = " of the vibrating shaft" if _vibrates(analysis) else ""
+    vibrates = analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
+    shaft = " of the vibrating shaft" if vibrates else ""
     source = f"{which} torque behind a throw{shaft}, at {_where(analysis, torque)}"
     if torque.deg is None:
         source = f"engine.{name}_Nm"
     case = LoadCase(name="torsion", kind="torsion", torque_Nm=torque.value, source=source)
     return ExtremeState(name, case, torque.deg)
-
-
-def _vibrates(analysis: LoadAnalysis) -> bool:
-    return analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
 
 
 def _tangential(analysis: LoadAnalysis) -> ExtremeState:
@@ -179,15 +165,15 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
     """Keep the largest state of each kind as the load case; the others are multiples of it."""
     marked = []
     for state in states:
-        rival = max((s for s in states if s.case.kind == state.case.kind), key=_size)
-        why = ""
+        rival = max((s for s in states if s.case.kind == state.case.kind), key=lambda s: abs(_load(s)))
         if rival is not state:
             factor = _load(state) / _load(rival) if _load(rival) else 0.0
             why = (
                 f"{factor:+.3f} times {rival.name}: a linear structure has the same best shape, and "
                 f"{100 * factor**2:.1f} % of its compliance"
             )
-        marked.append(ExtremeState(state.name, state.case, state.deg, state.unit, why) if why else state)
+            state = replace(state, redundant=why)
+        marked.append(state)
     order = list(LOAD_TYPES)
     return tuple(sorted(marked, key=lambda s: (bool(s.redundant), order.index(s.case.kind))))
 
@@ -195,10 +181,6 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
 def _load(state: ExtremeState) -> float:
     case = state.case
     return case.radial_N or case.torque_Nm or case.tangential_N
-
-
-def _size(state: ExtremeState) -> float:
-    return abs(_load(state))
 
 
 def _where(analysis: LoadAnalysis, extreme: Extreme) -> str:

@@ -118,7 +118,9 @@ def terminal(table: ResultTable) -> str:
     body = [table.cells(row) for row in range(len(table.rows))]
     lines = [[head[part] for head in heads] for part in (0, 1)] + body
     widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
-    return "\n".join(_align(line, widths) for line in [*lines[:2], ["-" * w for w in widths], *lines[2:]])
+    align = "l" + "r" * (len(heads) - 1)
+    lines.insert(2, ["-" * width for width in widths])
+    return "\n".join(_padded(line, widths, align) for line in lines)
 
 
 def markdown(table: ResultTable) -> str:
@@ -158,8 +160,3 @@ def comma_separated(table: ResultTable) -> str:
 def records(table: ResultTable) -> list[dict[str, Any]]:
     """Return the rows as objects keyed by machine name, full precision."""
     return [dict(row) for row in table.rows]
-
-
-def _align(cells: Sequence[str], widths: Sequence[int]) -> str:
-    numbers = [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
-    return "  ".join([cells[0].ljust(widths[0]), *numbers]).rstrip()

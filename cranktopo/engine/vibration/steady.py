@@ -10,8 +10,12 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, curve_of
-from cranktopo.engine.vibration.varying_inertia import HARMONICS, coupled_response_rad
+from cranktopo.engine.vibration.torque_harmonics import (
+    HARMONICS,
+    TorqueHarmonics,
+    coupled_response_rad,
+    curve_of,
+)
 from cranktopo.numerics.disk_chain import ComplexArray, Mode
 
 ORDERS = 24

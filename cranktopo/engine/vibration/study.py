@@ -14,8 +14,7 @@ from cranktopo.design.checks.shaft import shaft_warnings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, torque_harmonics
-from cranktopo.engine.vibration.varying_inertia import VaryingPart
+from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
 from cranktopo.numerics.disk_chain import Mode
 
@@ -102,12 +101,9 @@ def _viscous(shaft: ShaftChain) -> Array:
     chain, inside = shaft.chain, np.array(shaft.in_crankshaft)
     stiffness = np.array(chain.stiffness_Nm_per_rad)
     modes = chain.modes()
-    frequency = np.array(
-        [
-            _held_by(modes, stiffness, inside if inside[i] else np.arange(len(stiffness)) == i)
-            for i in range(len(stiffness))
-        ]
-    )
+    alone = np.eye(len(stiffness), dtype=bool)
+    holders = [inside if inside[i] else alone[i] for i in range(len(stiffness))]
+    frequency = np.array([_held_by(modes, stiffness, sections) for sections in holders])
     viscous = np.array(chain.relative_damping_Nms_per_rad)
     return np.asarray(viscous + stiffness * np.array(chain.loss_factor) / frequency)
 
@@ -153,11 +149,9 @@ class VibrationStudy:
     @property
     def varying_change_percent(self) -> float | None:
         """What the varying part changes in the largest torque amplitude; None where it is left out."""
-        return (
-            100 * (self.response.worst_Nm / self.mean_response.worst_Nm - 1)
-            if self.varying.included
-            else None
-        )
+        if not self.varying.included:
+            return None
+        return 100 * (self.response.worst_Nm / self.mean_response.worst_Nm - 1)
 
     def run_up_worst(self) -> tuple[float, int, float] | None:
         """Speed (rpm), section and torque amplitude (N m) of the crankshaft's largest swing in the run-up."""

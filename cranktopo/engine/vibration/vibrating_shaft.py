@@ -21,8 +21,12 @@ from cranktopo.engine.vibration.steady import (
     speeds_to_solve,
     vibration,
 )
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, torque_harmonics
-from cranktopo.engine.vibration.varying_inertia import VaryingPart, varying_part
+from cranktopo.engine.vibration.torque_harmonics import (
+    TorqueHarmonics,
+    VaryingPart,
+    torque_harmonics,
+    varying_part,
+)
 from cranktopo.numerics.disk_chain import Mode
 
 
@@ -39,7 +43,8 @@ class VibratingShaft:
 
     def at(self, speeds_rpm: Array) -> Vibration:
         """Return the steady response, with the varying inertia where it counts."""
-        return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=self.varying.counting_kg_m2)
+        varying = self.varying.harmonics_kg_m2 if self.varying.included else None
+        return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=varying)
 
     def over_the_range(self) -> Vibration:
         """Return the steady response over the scene's range, dense around its critical speeds."""
@@ -68,7 +73,9 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
     curves = section_curves_Nm(shaft, excited, found.torque_Nm[0])
     cycle = 360.0 / float(model.harmonics.orders[1])
     angle = np.arange(curves.shape[1]) * cycle / curves.shape[1]
-    return ShaftTorque(angle, curves[shaft.behind], _ahead(shaft, curves))
+    free = np.zeros((0 if shaft.first else 1, curves.shape[1]))
+    ahead = curves[max(shaft.first - 1, 0) : shaft.first + shaft.throws - 1]
+    return ShaftTorque(angle, curves[shaft.behind], np.vstack([free, ahead]))
 
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
@@ -85,9 +92,3 @@ def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:
     if len(shaft.names) == shaft.first + shaft.throws:
         raise invalid("shaft.flywheel", None, "must be given, or another part at the takeoff")
     return vibrating_shaft(scene, shaft, harmonics)
-
-
-def _ahead(shaft: ShaftChain, curves: Array) -> Array:
-    free = np.zeros((0 if shaft.first else 1, curves.shape[1]))
-    start = max(shaft.first - 1, 0)
-    return np.vstack([free, curves[start : shaft.first + shaft.throws - 1]])

@@ -32,8 +32,7 @@ from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import require_kind
-from cranktopo.runs.status import working_in
+from cranktopo.runs.kind import require_kind, working_in
 from cranktopo.tasks.accuracy.cell_choice import choose_cells
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.coarse_start import first_state

@@ -23,8 +23,8 @@ from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.destination import moved, unfinished_folder
 from cranktopo.runs.directories import check_destination, open_run
+from cranktopo.runs.kind import interruptible
 from cranktopo.runs.manifest import timestamp, versions
-from cranktopo.runs.status import interruptible
 from cranktopo.tasks.drawing.sheet import write_drawing
 from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.fea.evaluation import Info, evaluate

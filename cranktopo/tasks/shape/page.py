@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.design.schema import Scene
-from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import limits_table
 from cranktopo.report.page import (
     Fact,
@@ -19,7 +18,7 @@ from cranktopo.report.page import (
     versions_section,
 )
 from cranktopo.report.plot import picture, plain
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
