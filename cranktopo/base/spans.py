@@ -81,16 +81,15 @@ def holds(spans: Sequence[Span], x_mm: Array) -> NDArray[np.bool_]:
     return np.asarray(np.logical_or.reduce(parts))
 
 
-Coordinates = NDArray[np.float64]
 _Indices = NDArray[np.intp]
 
 
-def polygon_section(contours: list[Coordinates]) -> Section:
+def polygon_section(contours: list[Array]) -> Section:
     """Return the inside of closed contours (n, 2) by the even-odd rule, at all heights."""
     starts = np.concatenate([np.zeros((0, 2)), *contours])
     ends = np.concatenate([np.zeros((0, 2)), *(np.roll(contour, -1, axis=0) for contour in contours)])
 
-    def spans(y_mm: Coordinates, _: Coordinates) -> Sequence[Span]:
+    def spans(y_mm: Array, _: Array) -> Sequence[Span]:
         edge, row = _crossings(starts[:, 1], ends[:, 1], y_mm.ravel())
         (x1, y1), (x2, y2) = starts[edge].T, ends[edge].T
         cuts = x1 + (y_mm.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
@@ -105,7 +104,7 @@ def polygon_section(contours: list[Coordinates]) -> Section:
     return spans
 
 
-def _crossings(start: Coordinates, end: Coordinates, places: Coordinates) -> tuple[_Indices, _Indices]:
+def _crossings(start: Array, end: Array, places: Array) -> tuple[_Indices, _Indices]:
     """Edges and places of all pairs in which an edge passes a place; a corner belongs to the edge above."""
     order = np.argsort(places, kind="stable")
     first = np.searchsorted(places, np.minimum(start, end), sorter=order)
@@ -116,7 +115,7 @@ def _crossings(start: Coordinates, end: Coordinates, places: Coordinates) -> tup
     return edge, order[first[edge] + within]
 
 
-def self_intersection(points: Coordinates) -> tuple[float, float] | None:
+def self_intersection(points: Array) -> tuple[float, float] | None:
     """Return where a closed polygon (n, 2) crosses, touches or runs back along itself; None where nowhere."""
     ends = np.roll(points, -1, axis=0)
     steps = ends - points
@@ -132,7 +131,7 @@ def self_intersection(points: Coordinates) -> tuple[float, float] | None:
     return _meeting(points, ends, first[apart], second[apart])
 
 
-def _meeting(starts: Coordinates, ends: Coordinates, i: _Indices, j: _Indices) -> tuple[float, float] | None:
+def _meeting(starts: Array, ends: Array, i: _Indices, j: _Indices) -> tuple[float, float] | None:
     """Return where the first pair of edges meets that has a point in common."""
     sides = [
         np.sign(_cross(ends[a] - starts[a], point - starts[a]))
@@ -153,5 +152,5 @@ def _meeting(starts: Coordinates, ends: Coordinates, i: _Indices, j: _Indices) -
     return float(x), float(y)
 
 
-def _cross(a: Coordinates, b: Coordinates) -> Coordinates:
+def _cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

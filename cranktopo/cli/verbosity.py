@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from functools import wraps
+from functools import partial, wraps
 from typing import Any
 
 import click
@@ -24,7 +24,7 @@ def verbosity_options(function: Any) -> Any:
     )
     for short, long, its_level, text in options:
         function = click.option(
-            short, long, is_flag=True, expose_value=False, callback=_setter(its_level), help=text
+            short, long, is_flag=True, expose_value=False, callback=partial(_set, its_level), help=text
         )(function)
 
     @wraps(function)
@@ -71,12 +71,8 @@ def coloured(text: str, colour: str, err: bool = False) -> str:
     return text if os.environ.get("NO_COLOR") or not stream.isatty() else click.style(text, fg=colour)
 
 
-def _setter(level: int) -> Any:
-    def callback(context: click.Context, parameter: click.Parameter, value: bool) -> None:
-        if not value:
-            return
-        if context.meta.get(_LEVEL, level) != level:
-            raise click.UsageError("--quiet and --verbose exclude each other.", context)
+def _set(level: int, context: click.Context, parameter: click.Parameter, value: bool) -> None:
+    if value and context.meta.get(_LEVEL, level) != level:
+        raise click.UsageError("--quiet and --verbose exclude each other.", context)
+    if value:
         context.meta[_LEVEL] = level
-
-    return callback

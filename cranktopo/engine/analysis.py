@@ -74,7 +74,7 @@ class Cycle:
 
     def extreme(self, name: str) -> tuple[Extreme, Extreme]:
         """Largest and smallest value of a curve of all throws."""
-        pairs = [_extremes(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
+        pairs = [extremes_of(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
         highs, lows = zip(*pairs, strict=True)
         return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
 
@@ -89,7 +89,7 @@ class Cycle:
     def engine_torque(self) -> tuple[float, Extreme, Extreme]:
         """Return the mean, largest and smallest torque of the engine, N m (no friction)."""
         torque = self.torque.engine_Nm
-        return float(torque.mean()), *_extremes(self.torque.angle_deg, torque)
+        return float(torque.mean()), *extremes_of(self.torque.angle_deg, torque)
 
 
 @dataclass(frozen=True)
@@ -189,8 +189,8 @@ def _size(value: float) -> float:
     return round(float(value), 6)
 
 
-def _extremes(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:
-    """Largest and smallest value of a curve with their angles."""
+def extremes_of(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:
+    """Return the largest and smallest value of a curve with their angles."""
     high, low = int(curve.argmax()), int(curve.argmin())
     return (
         Extreme(float(curve[high]), float(angle_deg[high]), place),

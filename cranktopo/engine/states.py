@@ -14,7 +14,7 @@ import numpy as np
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_worst_speed
+from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_worst_speed, extremes_of
 from cranktopo.engine.forces import INERTIA_EFFECTS, near_share, rods_on_pins, rotating_forces
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
@@ -88,20 +88,15 @@ def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
 def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
     """Largest and smallest torque that a throw passes on; None where the scene does not tell."""
     engine, cycle = analysis.engine, analysis.cycle
-    high, low = (None, None) if cycle is None else _shaft_extremes(cycle)
+    high = low = None
+    if cycle is not None:
+        angle, behind = cycle.torque.angle_deg, cycle.torque.passed_on_Nm
+        high, low = extremes_of(angle, behind.max(axis=0))[0], extremes_of(angle, behind.min(axis=0))[1]
     if engine.max_torque_Nm is not None:
         high = Extreme(engine.max_torque_Nm, None)
     if engine.min_torque_Nm is not None:
         low = Extreme(engine.min_torque_Nm, None)
     return high, low
-
-
-def _shaft_extremes(cycle: Cycle) -> tuple[Extreme, Extreme]:
-    """Extremes of the torque behind any throw of the shaft."""
-    highest, lowest = cycle.torque.passed_on_Nm.max(axis=0), cycle.torque.passed_on_Nm.min(axis=0)
-    angle = cycle.torque.angle_deg
-    high, low = int(highest.argmax()), int(lowest.argmin())
-    return Extreme(float(highest[high]), float(angle[high])), Extreme(float(lowest[low]), float(angle[low]))
 
 
 def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> ExtremeState:

@@ -10,7 +10,7 @@ off: for the web of the Walter Mikron III C they give 297 N/um in bending, 220 N
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
@@ -146,12 +146,8 @@ def throw_compliance(scene: Scene) -> ThrowCompliance:
     Fillets shorten the journals by the integral of 1 - J / J(z), and the web, whose free length ends at
     their feet. Of halves that differ it is the mean of what throws of two such halves have.
     """
-    one, other = of_halves(scene, _equal_halves)
-    return ThrowCompliance(
-        (one.bending_mm_per_N + other.bending_mm_per_N) / 2,
-        (one.tangential_mm_per_N + other.tangential_mm_per_N) / 2,
-        (one.torsion_rad_per_Nmm + other.torsion_rad_per_Nmm) / 2,
-    )
+    both = zip(*(astuple(half) for half in of_halves(scene, _equal_halves)), strict=True)
+    return ThrowCompliance(*((one + other) / 2 for one, other in both))
 
 
 def _equal_halves(scene: Scene) -> ThrowCompliance:

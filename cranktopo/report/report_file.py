@@ -44,13 +44,13 @@ def html(page: Page) -> str:
         script=Markup(SCRIPT.read_text(encoding="utf-8")),
         scene3d=Markup(packed(page.scene3d)) if page.scene3d else "",
         still=Markup(_inline_png(page.picture)) if page.picture else "",
-        drawings={p.name: Markup(_drawing(p)) for section in page.sections for p in section.pictures},
+        drawings={
+            p.name: Markup(_inline_png(p) if p.raster else _inline_svg(p))
+            for section in page.sections
+            for p in section.pictures
+        },
         version=metadata.version("cranktopo"),
     )
-
-
-def _drawing(picture: Picture) -> str:
-    return _inline_png(picture) if picture.raster else _inline_svg(picture)
 
 
 def _inline_png(picture: Picture) -> str:

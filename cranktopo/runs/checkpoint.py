@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import json_text, read_npz, unwritable, write_npz
 
-FOLDER = "density"
-_PREFIX = "iteration-"
-_AGAIN = "Run `cranktopo optimise` again."
+SCHEMA_VERSION = 1
+_HINT, _AGAIN = "Start a new run of the design.", "Run `cranktopo optimise` again."
+_STATE = "__state__"
+_FOLDER, _PREFIX = "density", "iteration-"
 
 
 def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: float) -> None:
@@ -55,17 +56,12 @@ def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], floa
 
 def saved_iterations(run: Path) -> list[int]:
     """Return the numbers of the iterations whose design a run keeps, ascending."""
-    names = (path.stem.removeprefix(_PREFIX) for path in (run / FOLDER).glob(f"{_PREFIX}*.npz"))
+    names = (path.stem.removeprefix(_PREFIX) for path in (run / _FOLDER).glob(f"{_PREFIX}*.npz"))
     return sorted(int(name) for name in names if name.isdecimal())
 
 
 def _path(run: Path, iteration: int) -> Path:
-    return run / FOLDER / f"{_PREFIX}{iteration:04d}.npz"
-
-
-SCHEMA_VERSION = 1
-_HINT = "Start a new run of the design."
-_STATE = "__state__"
+    return run / _FOLDER / f"{_PREFIX}{iteration:04d}.npz"
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,7 @@ def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:
-    """Return the mirror saves cells in the solve of every load case."""
+    """The mirror saves cells in the solve of every load case."""
     if effect.name != "lateral_symmetry":
         return effect
     cost = effect.cost.model_copy(update={"seconds": effect.cost.seconds * cases})
