@@ -16,7 +16,7 @@ from cranktopo.cli.group import LazyGroup, found_commands
 from cranktopo.cli.verbosity import coloured
 
 
-def prepare_streams() -> None:
+def _prepare_streams() -> None:
     """Make the standard streams of this process usable; call it once, when the program starts.
 
     What is closed leads nowhere (otherwise the next file that is opened would take its number and hold what
@@ -32,17 +32,17 @@ def prepare_streams() -> None:
     sys.stderr = _Notes(_usable(sys.stderr, 2))
 
 
-def finish_stdout() -> OSError | None:
+def _finish_stdout() -> OSError | None:
     """Write what stdout still holds; where that fails, what the system said, and stdout leads nowhere."""
     try:
         sys.stdout.flush()
     except OSError as error:
-        discard(1)
+        _discard(1)
         return error
     return None
 
 
-def discard(number: int) -> None:
+def _discard(number: int) -> None:
     """Let a standard stream lead nowhere from now on."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, number)
@@ -68,14 +68,14 @@ class _Notes(io.TextIOBase):
         try:
             return self._stream.write(text)
         except OSError:
-            discard(2)
+            _discard(2)
             return len(text)
 
     def flush(self) -> None:
         try:
             self._stream.flush()
         except OSError:
-            discard(2)
+            _discard(2)
 
     def isatty(self) -> bool:
         return self._stream.isatty()
@@ -143,9 +143,9 @@ def main(args: list[str] | None = None) -> int:
     """Run the command line, by default the process's own, and return its exit code (the console script)."""
     if args is not None:
         return _run(args)
-    prepare_streams()
+    _prepare_streams()
     code = _run(sys.argv[1:])
-    unwritten = finish_stdout()
+    unwritten = _finish_stdout()
     if unwritten is not None and not isinstance(unwritten, BrokenPipeError) and code == ExitCode.DONE:
         code = _report(_system_error(unwritten), [])
     sys.exit(code)
@@ -203,7 +203,7 @@ def _report(error: CranktopoError, arguments: list[str]) -> int:
         try:
             click.echo(json.dumps(error.as_json()))
         except OSError:
-            discard(1)
+            _discard(1)
     click.echo(f"{coloured('error:', 'red', err=True)} {error}", err=True)
     return int(error.code)
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 
-MIB = 1024**2
+_MIB = 1024**2
 _TEXT_LIMIT_MIB = 16
 """Designs, tables, manifests and metrics; the largest that the program writes has 2 MiB."""
 GEOMETRY_LIMIT_MIB = 1024
@@ -52,7 +52,7 @@ def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -
     if not stat.S_ISREG(found.st_mode):
         kind = _SPECIAL.get(stat.S_IFMT(found.st_mode), "is no regular file")
         raise _refused(name, f"{kind}, not a file", hint)
-    if found.st_size > limit_MiB * MIB:
+    if found.st_size > limit_MiB * _MIB:
         raise _too_large(name, limit_MiB)
     if not os.access(path, os.R_OK):
         raise _refused(name, "cannot be read: Permission denied", hint)
@@ -61,7 +61,7 @@ def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -
 def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") -> bytes:
     """Return the content of a file; raises CranktopoError as `check_input`."""
     check_input(path, name, limit_MiB, hint)
-    most = int(limit_MiB * MIB)
+    most = int(limit_MiB * _MIB)
     try:
         with open(path, "rb") as file:
             content = file.read(most + 1)  # a file of /proc has more than its size says
@@ -148,9 +148,8 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 def write_text(path: Path, content: str) -> None:
     """Write a text file atomically as UTF-8."""
-    write_bytes(
-        path, content.encode("utf-8", "backslashreplace")
-    )  # a file name that is not UTF-8 is no reason
+    # A file name that is not UTF-8 is no reason to fail.
+    write_bytes(path, content.encode("utf-8", "backslashreplace"))
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
@@ -198,7 +197,7 @@ def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
     content = io.BytesIO(read_bytes(path, name, ARRAYS_LIMIT_MIB, hint))
     try:
         with zipfile.ZipFile(content) as packed:
-            size_MiB = sum(part.file_size for part in packed.infolist()) / MIB
+            size_MiB = sum(part.file_size for part in packed.infolist()) / _MIB
         if size_MiB <= ARRAYS_LIMIT_MIB:
             with np.load(content, allow_pickle=False) as file:
                 return {key: file[key] for key in file.files}

@@ -31,14 +31,14 @@ class SuggestingGroup(click.Group):
 
 
 @dataclass(frozen=True)
-class Found:
+class _Found:
     """A command of a task: the folder that holds it, and its line in the help."""
 
     folder: str
     help: str
 
 
-def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, Found]:
+def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, _Found]:
     """Find the commands of the tasks, none of them imported, so that `--help` stays fast.
 
     A task with a command has a `command.py` that begins with its name and its line in the help. Names in
@@ -50,7 +50,7 @@ def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, Found]:
             named = _COMMAND.match("".join(islice(text, 4)))
         if named is None:
             raise ValueError(f"{file}: begins without the name of its command")
-        found[named["name"]] = Found(file.parent.name, named["help"])
+        found[named["name"]] = _Found(file.parent.name, named["help"])
     order = {name: place for place, name in enumerate(first)}
     return dict(sorted(found.items(), key=lambda item: (order.get(item[0], len(order)), item[0])))
 
@@ -61,7 +61,7 @@ class LazyGroup(SuggestingGroup):
     Entries are folders of a package by the name of their command; each `command.py` there holds a `command`.
     """
 
-    def __init__(self, *args: Any, entries: Mapping[str, Found], package: str, **kwargs: Any) -> None:
+    def __init__(self, *args: Any, entries: Mapping[str, _Found], package: str, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._entries, self._package = dict(entries), package
 

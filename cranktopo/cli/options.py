@@ -101,27 +101,17 @@ class Speeds(click.ParamType[list[float]]):
 
 def goal_options(function: Any) -> Any:
     """Add --minimise, --maximise and --limit to a command; `with_goal_options` takes what they give."""
-    for option in (
-        click.option(
-            "--limit",
-            "limits",
-            metavar="LIMIT",
-            multiple=True,
-            help='Such as "bending >= 100 %" or "unbalance <= 40 kg mm"; repeatable. It replaces what the '
-            'design, or the goal by default, says of that quantity; "bending none" takes that away.',
-        ),
-        click.option(
-            "--maximise",
-            metavar="QUANTITY",
-            help="Make it as high as the limits allow, in place of the design's goal and limits.",
-        ),
-        click.option(
-            "--minimise",
-            metavar="QUANTITY",
-            help="Make it as low as the limits allow, in place of the design's goal and limits.",
-        ),
-    ):
-        function = option(function)
+    function = click.option(
+        "--limit",
+        "limits",
+        metavar="LIMIT",
+        multiple=True,
+        help='Such as "bending >= 100 %" or "unbalance <= 40 kg mm"; repeatable. It replaces what the '
+        'design, or the goal by default, says of that quantity; "bending none" takes that away.',
+    )(function)
+    for name, end in (("--maximise", "high"), ("--minimise", "low")):
+        text = f"Make it as {end} as the limits allow, in place of the design's goal and limits."
+        function = click.option(name, metavar="QUANTITY", help=text)(function)
     return function
 
 

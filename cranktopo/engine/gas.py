@@ -32,7 +32,7 @@ _OVERLAP_DEG = 20.0  # width of the change from exhaust to intake pressure after
 
 
 @dataclass(frozen=True)
-class Combustion:
+class _Combustion:
     """A combustion model fitted to the peak.
 
     Attributes:
@@ -49,7 +49,7 @@ class Combustion:
     heat_MPa: float
 
 
-def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: float) -> Combustion:
+def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: float) -> _Combustion:
     """Return start of burning and heat such that the pressure peaks where and as high as the scene says.
 
     At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
@@ -59,9 +59,9 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
 
     peak = _given("engine.gas.peak_angle_deg", gas.peak_angle_deg)
 
-    def model(start: float) -> Combustion:
-        trial = Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, 1.0)
-        return Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, _heat_for_peak(trial))
+    def model(start: float) -> _Combustion:
+        trial = _Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, 1.0)
+        return _Combustion(gas, radius_mm, rod_length_mm, cycle_deg, start, _heat_for_peak(trial))
 
     def slope(start: float) -> float:
         return _peak_slope(model(start), peak)
@@ -80,7 +80,7 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
     return fitted
 
 
-def combustion_pressure_MPa(model: Combustion, angle_deg: Array) -> Array:
+def combustion_pressure_MPa(model: _Combustion, angle_deg: Array) -> Array:
     """Return the absolute cylinder pressure at crank angles from firing top dead centre, MPa."""
     gas = model.gas
     opening, closing = gas.exhaust_opening_deg, _intake_closing_deg(model)
@@ -101,7 +101,7 @@ def combustion_pressure_MPa(model: Combustion, angle_deg: Array) -> Array:
     return pressure
 
 
-def _gas_exchange(model: Combustion, angle_deg: Array) -> Array:
+def _gas_exchange(model: _Combustion, angle_deg: Array) -> Array:
     gas = model.gas
     if model.cycle_deg <= 360:
         return np.full_like(angle_deg, gas.intake_MPa)
@@ -109,7 +109,7 @@ def _gas_exchange(model: Combustion, angle_deg: Array) -> Array:
     return gas.exhaust_MPa + weight * (gas.intake_MPa - gas.exhaust_MPa)
 
 
-def _intake_closing_deg(model: Combustion) -> float:
+def _intake_closing_deg(model: _Combustion) -> float:
     """Start of compression: bottom dead centre, or where the two-stroke's ports close."""
     return 540.0 if model.cycle_deg > 360 else 360.0 - model.gas.exhaust_opening_deg
 
@@ -118,20 +118,20 @@ def _smooth_step(fraction: Array) -> Array:
     return (1.0 - np.cos(np.pi * np.clip(fraction, 0.0, 1.0))) / 2
 
 
-def _volume(model: Combustion, angle_deg: Array) -> tuple[Array, Array]:
+def _volume(model: _Combustion, angle_deg: Array) -> tuple[Array, Array]:
     """Volume over the clearance volume, and its derivative per rad."""
     motion = exact_motion(np.radians(angle_deg), model.radius_mm, model.rod_length_mm)
     swept = model.gas.compression_ratio - 1.0
     return 1.0 + swept * motion.displacement_mm / (2 * model.radius_mm), swept / 2 * motion.velocity_ratio
 
 
-def _compression(model: Combustion, angle_deg: Array) -> Array:
+def _compression(model: _Combustion, angle_deg: Array) -> Array:
     closing = np.array([_intake_closing_deg(model) - model.cycle_deg])
     ratio: Array = _volume(model, closing)[0] / _volume(model, angle_deg)[0]
     return model.gas.intake_MPa * ratio**model.gas.polytropic_compression
 
 
-def _burn_rate(model: Combustion, angle_deg: Array) -> Array:
+def _burn_rate(model: _Combustion, angle_deg: Array) -> Array:
     """Derivative of the burnt fraction per rad."""
     power = model.gas.wiebe_shape + 1.0
     phi = np.maximum(angle_deg - model.start_deg, 0.0) / model.gas.burn_duration_deg
@@ -139,7 +139,7 @@ def _burn_rate(model: Combustion, angle_deg: Array) -> Array:
     return rate / math.radians(model.gas.burn_duration_deg)
 
 
-def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
+def _burn_integral(model: _Combustion, angle_deg: Array) -> Array:
     """Integral of v^(n-1) dx from the start of burning to each angle (ascending, not before the start)."""
     nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.concatenate([[model.start_deg], angle_deg])
@@ -153,7 +153,7 @@ def _burn_integral(model: Combustion, angle_deg: Array) -> Array:
     return np.cumsum(steps)
 
 
-def _expansion(model: Combustion, angle_deg: Array) -> Array:
+def _expansion(model: _Combustion, angle_deg: Array) -> Array:
     n = model.gas.polytropic_expansion
     before = angle_deg < model.start_deg
     pressure = _compression(model, angle_deg)
@@ -165,7 +165,7 @@ def _expansion(model: Combustion, angle_deg: Array) -> Array:
     return pressure
 
 
-def _heat_for_peak(model: Combustion) -> float:
+def _heat_for_peak(model: _Combustion) -> float:
     """Heat that lifts the pressure to the peak at the peak angle, for the model's start of burning."""
     n = model.gas.polytropic_expansion
     peak_deg = _given("engine.gas.peak_angle_deg", model.gas.peak_angle_deg)
@@ -175,7 +175,7 @@ def _heat_for_peak(model: Combustion) -> float:
     return float((needed / ((n - 1.0) * _burn_integral(model, peak)))[0])
 
 
-def _peak_slope(model: Combustion, peak_deg: float) -> float:
+def _peak_slope(model: _Combustion, peak_deg: float) -> float:
     """Residual of (n - 1) q x' = n p v' at the peak angle."""
     n, peak = model.gas.polytropic_expansion, np.array([peak_deg])
     rise = (n - 1.0) * model.heat_MPa * _burn_rate(model, peak)
@@ -193,7 +193,7 @@ def _given(key: str, value: float | None) -> float:
     return value
 
 
-def _check_above_compression(gas: Gas, model: Combustion) -> None:
+def _check_above_compression(gas: Gas, model: _Combustion) -> None:
     compressed = float(_compression(model, np.array([0.0]))[0])
     if _peak_MPa(gas) <= compressed:
         raise invalid(
@@ -204,7 +204,7 @@ def _check_above_compression(gas: Gas, model: Combustion) -> None:
         )
 
 
-def _check_is_highest(model: Combustion) -> None:
+def _check_is_highest(model: _Combustion) -> None:
     pressure = _expansion(model, np.arange(-60.0, 90.0, 0.5))
     if pressure.max() > _peak_MPa(model.gas) * (1 + 1e-6):
         raise invalid(

@@ -27,7 +27,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class ForceRatios:
+class _ForceRatios:
     """Forces of the mechanism per unit of force along the cylinder axis; b is the angle of the rod to it.
 
     Attributes:
@@ -88,11 +88,11 @@ def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> M
     )
 
 
-def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
+def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> _ForceRatios:
     """Return how a force along the cylinder axis splits at the rod and the crankpin."""
     rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
     cos_b = np.cos(rod_angle)
-    return ForceRatios(
+    return _ForceRatios(
         side=np.tan(rod_angle),
         rod=1.0 / cos_b,
         radial=np.cos(angle_rad + rod_angle) / cos_b,

@@ -16,7 +16,7 @@ _LARGE = 1000
 
 
 @dataclass(frozen=True)
-class LoadType:
+class _LoadType:
     """Properties of all load cases of one kind; its name is that of its weight and of its switch.
 
     Attributes:
@@ -38,11 +38,11 @@ class LoadType:
     odd_in_z: bool = False
 
 
-LOAD_TYPES: dict[LoadKind, LoadType] = {
+LOAD_TYPES: dict[LoadKind, _LoadType] = {
     kind.name: kind
     for kind in (
-        LoadType("bending", "max_radial", "radial_N", "radial force", main=True, unit_load=1e3),
-        LoadType(
+        _LoadType("bending", "max_radial", "radial_N", "radial force", main=True, unit_load=1e3),
+        _LoadType(
             "torsion",
             "max_torque",
             "torque_Nm",
@@ -52,10 +52,10 @@ LOAD_TYPES: dict[LoadKind, LoadType] = {
             odd_in_x=True,
             odd_in_z=True,
         ),
-        LoadType(
+        _LoadType(
             "tangential", "max_tangential", "tangential_N", "tangential force", unit_load=1e3, odd_in_x=True
         ),
-        LoadType("centrifugal", "overspeed_inertia", "speed_rpm", "centrifugal force"),
+        _LoadType("centrifugal", "overspeed_inertia", "speed_rpm", "centrifugal force"),
     )
 }
 """The kinds of load cases in the order in which cases are listed."""

@@ -21,7 +21,7 @@ from cranktopo.throw.geometry import Journal
 
 
 @dataclass(frozen=True)
-class EquivalentBeam:
+class _EquivalentBeam:
     """Web as a bar of rectangular section between the journals."""
 
     width: float
@@ -57,9 +57,9 @@ def first_half_share(scene: Scene) -> float:
 
 
 def _half_torsion(scene: Scene) -> float:
-    main, pin = (effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
+    main, pin = (_effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
     g = scene.material.E_GPa * MPA_PER_GPA / (2 * (1 + scene.material.poisson))
-    return _torsion_sum(main, pin, equivalent_beam(scene)) * 32 / (math.pi * g)
+    return _torsion_sum(main, pin, _equivalent_beam(scene)) * 32 / (math.pi * g)
 
 
 def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
@@ -88,25 +88,25 @@ def journal_torsion_modulus_mm3(journal: Journal) -> float:
     return math.pi / 2 * (journal.radius_mm**4 - journal.bore_radius_mm**4) / journal.radius_mm
 
 
-def effective_length(journal: Journal) -> Journal:
+def _effective_length(journal: Journal) -> Journal:
     """Return the journal, shorter in torsion and bending by what its fillets take."""
     length = journal.length_mm - fillet_length_saving_mm(journal)
     return journal.model_copy(update={"length_mm": length})
 
 
-def equivalent_beam(scene: Scene) -> EquivalentBeam:
+def _equivalent_beam(scene: Scene) -> _EquivalentBeam:
     """Return the scene's web as a bar between its journals."""
     throw = scene.throw
     radius = throw.radius_mm
     width = 2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0])
     overlap = 0.2 * sum(q.outer_diameter_mm + 2 * q.fillet_mm for q in (throw.main_journal, throw.crankpin))
     # Ker Wilson's free length; journals that overlap leave at least a tenth of the throw.
-    return EquivalentBeam(
+    return _EquivalentBeam(
         width, scene.web.thickness_mm, max(radius - overlap, 0.1 * radius), radius, web_lever_mm(scene)
     )
 
 
-def _torsion_sum(main: Journal, pin: Journal, web: EquivalentBeam) -> float:
+def _torsion_sum(main: Journal, pin: Journal, web: _EquivalentBeam) -> float:
     """Mean compliance of Carter and Ker Wilson times pi G / 32, 1/mm3."""
     j, p = ((2 * q.radius_mm) ** 4 - (2 * q.bore_radius_mm) ** 4 for q in (main, pin))
     lj, lp = main.length_mm, pin.length_mm
@@ -151,8 +151,8 @@ def throw_compliance(scene: Scene) -> ThrowCompliance:
 
 
 def _equal_halves(scene: Scene) -> ThrowCompliance:
-    main, pin = (effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
-    web = equivalent_beam(scene)
+    main, pin = (_effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
+    web = _equivalent_beam(scene)
     e = scene.material.E_GPa * MPA_PER_GPA
     g = e / (2 * (1 + scene.material.poisson))
     bars = _journal_bending(main, e, g) + _pin_bending(pin, web, e, g)
@@ -167,7 +167,7 @@ def _equal_halves(scene: Scene) -> ThrowCompliance:
 
 def web_section_modulus_mm3(scene: Scene) -> float:
     """Modulus of the web's section half-way along the throw against bending out of its plane, mm3."""
-    web = equivalent_beam(scene)
+    web = _equivalent_beam(scene)
     return web.width * web.thickness**2 / 6
 
 
@@ -185,7 +185,7 @@ def _journal_bending(main: Journal, e: float, g: float) -> float:
     return length**3 / (12 * e * _second_moment(main)) + length / (4 * _SHEAR_RING * g * _area(main))
 
 
-def _pin_bending(pin: Journal, web: EquivalentBeam, e: float, g: float) -> float:
+def _pin_bending(pin: Journal, web: _EquivalentBeam, e: float, g: float) -> float:
     """Half pin under its part of a unit force spread over its length, and the moment from the bearing."""
     nodes, weights = np.polynomial.legendre.leggauss(5)
     s = pin.length_mm / 4 * (nodes + 1)

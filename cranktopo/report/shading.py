@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
-Colour = tuple[float, float, float]
+_Colour = tuple[float, float, float]
 WEB_COLOUR = (0.30, 0.52, 0.80)
 JOURNAL_COLOUR = (0.78, 0.79, 0.81)
 STRESS_COLOURS = (
@@ -130,7 +130,7 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
 
 
 def _coloured(
-    solid: Manifold, colour: Colour, largest_face_mm: float | None, whole: int, inset_mm: float
+    solid: Manifold, colour: _Colour, largest_face_mm: float | None, whole: int, inset_mm: float
 ) -> ShadedMesh:
     """Return those faces of a part that are faces of the whole, the original of this number, and its cap.
 

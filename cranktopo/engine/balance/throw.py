@@ -129,7 +129,7 @@ def _cylinder(journal: Journal, y: float) -> Moments:
     return Moments(area, 0.0, area * y, own_polar + area * y**2).times(journal.length_mm)
 
 
-def fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
+def _fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
     """Sections of a fillet ring for its integrals, mm: outer radius, height, distance from the web's face."""
     fillet = journal.fillet
     nodes, weights = np.polynomial.legendre.leggauss(32)
@@ -142,7 +142,7 @@ def fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
 
 def _fillets(journal: Journal, y: float) -> Moments:
     """Moments of the two fillet rings of a journal: a corner less a quarter ellipse, revolved."""
-    radius, (edge, dz, _) = journal.radius_mm, fillet_ring(journal)
+    radius, (edge, dz, _) = journal.radius_mm, _fillet_ring(journal)
     volume = 2 * float((math.pi * (edge**2 - radius**2) * dz).sum())
     own_polar = 2 * float((math.pi / 2 * (edge**4 - radius**4) * dz).sum())
     return Moments(volume, 0.0, volume * y, own_polar + volume * y**2)
@@ -175,7 +175,7 @@ def _crankpin_mm5(scene: Scene) -> float:
     """Volume times both distances of half of the crankpin with its fillet, drillings not taken out."""
     pin = scene.throw.crankpin
     half_mm, radius = pin.length_mm / 2, pin.radius_mm
-    edge, height, from_face = fillet_ring(pin)
+    edge, height, from_face = _fillet_ring(pin)
     cylinder = math.pi * (radius**2 - pin.bore_radius_mm**2) * half_mm**2 / 2
     fillet = float((math.pi * (edge**2 - radius**2) * height * (half_mm - from_face)).sum())
     return scene.throw.radius_mm * (cylinder + fillet)

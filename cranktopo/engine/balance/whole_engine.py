@@ -35,7 +35,7 @@ from cranktopo.engine.kinematics import phase_shift
 
 
 @dataclass(frozen=True)
-class MainBearings:
+class _MainBearings:
     """Forces of the shaft on its main bearings over the cycle, from the free end.
 
     Attributes:
@@ -63,7 +63,7 @@ class MainBearings:
         return int(np.argmax([round(self.largest(i)[0], 6) for i in range(len(self.load_N))]))
 
 
-def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = False) -> MainBearings:
+def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = False) -> _MainBearings:
     """Return the loads of the main bearings of a scene at its engine's speed.
 
     A rod's force, gas and inertia, acts in the middle of its part of the pin and is shared by the bearings on
@@ -81,7 +81,7 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     for throw, z in enumerate(layout.throw_z_mm):
         _share(load, layout.bearing_z_mm, throw, z, directions[throw] * spinning * masses.w2 / MM_PER_M)
         _pair(load, layout.bearing_z_mm, throw, directions[throw] * couple * masses.w2 / MM_PER_M)
-    return MainBearings(angle, load * unit_vectors(angle), gas)
+    return _MainBearings(angle, load * unit_vectors(angle), gas)
 
 
 def _rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
@@ -138,7 +138,7 @@ class EngineBalance:
     free: dict[str, tuple[FreeForce, ...]]
     counterweights: tuple[NeededCounterweight, ...]
     inner_moments: dict[str, InnerMoment]
-    bearings: dict[str, MainBearings]
+    bearings: dict[str, _MainBearings]
     shafts: tuple[SizedShaft, ...]
 
 

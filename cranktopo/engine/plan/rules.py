@@ -37,7 +37,7 @@ _NEGLIGIBLE = 1e-9
 """Unbalance over mass times throw radius that is nothing but rounding."""
 
 
-def as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
+def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
     """Return the estimate of a load case whose need a goal decides, not its size."""
     users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
     users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
@@ -48,7 +48,7 @@ def as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
     return replace(estimate, changes=changes, absent="", needed=needed, indispensable=needed)
 
 
-def wants_safety(goal: Goal | None) -> str:
+def _wants_safety(goal: Goal | None) -> str:
     """Why the goal needs the fatigue safety; empty when it does not."""
     if goal is None:
         return ""
@@ -169,22 +169,19 @@ def whole_throw(context: PlanningContext) -> tuple[Effect, ...]:
         return ()
     first_mm3, second_mm3 = of_halves(context.scene, half_throw_volume_mm3)
     volume = first_mm3 + second_mm3
-    share = 100 * second_mm3 / volume
     because = (
         f"{key} makes the halves differ, so that the mid-pin plane is no mirror; "
-        f"{share:.3g} % of the volume lies beyond it"
+        f"{100 * second_mm3 / volume:.3g} % of the volume lies beyond it"
     )
-    changes = "nothing would be right: half of the throw says nothing of the other"
-    return (
-        Effect(
-            name="whole_throw",
-            state="on",
-            reason=because,
-            estimate_percent=None,
-            cost=context.costing.whole_throw(volume),
-            changes=changes,
-        ),
+    effect = Effect(
+        name="whole_throw",
+        state="on",
+        reason=because,
+        estimate_percent=None,
+        cost=context.costing.whole_throw(volume),
+        changes="nothing would be right: half of the throw says nothing of the other",
     )
+    return (effect,)
 
 
 def manufacturing_constraint(context: PlanningContext) -> Estimate:
@@ -222,7 +219,7 @@ def fatigue(context: PlanningContext) -> Estimate:
     strength = context.scene.material.fatigue_bending_MPa or math.inf
     percent = 100 * stress / strength
     because = f"nominal amplitude {stress:.0f} MPa is {percent:.3g} % of the strength {strength:g} MPa"
-    needed = wants_safety(context.goal)
+    needed = _wants_safety(context.goal)
     return Estimate(percent, because, changes, context.costing.fatigue(), needed=needed)
 
 
@@ -279,7 +276,7 @@ def rotating_rod_mass(context: PlanningContext) -> Estimate:
 
 def _case(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
     found = _by_size(context, kind, load)
-    return found if context.goal is None else as_wanted(found, context.goal, kind)
+    return found if context.goal is None else _as_wanted(found, context.goal, kind)
 
 
 def _by_size(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:

@@ -32,11 +32,11 @@ from cranktopo.report.shading import (
 
 SHARE = 0.99
 """Part of a surface that the colours tell apart: the rest lies at sharp edges, where stress has no limit."""
-FACES_ALONG = 48
+_FACES_ALONG = 48
 """Longest extent of a body over the longest edge of a face that one colour or one value stands for."""
 
 
-class LoadedCase(Protocol):
+class _LoadedCase(Protocol):
     """A load case under which a surface is stressed."""
 
     @property
@@ -52,7 +52,7 @@ class StressedBody(Protocol):
     """Stresses of load cases that can be told at any point of a surface."""
 
     @property
-    def cases(self) -> Sequence[LoadedCase]:
+    def cases(self) -> Sequence[_LoadedCase]:
         """The load cases."""
 
     @property
@@ -83,7 +83,7 @@ def stress_scales(bodies: Sequence[tuple[SurfaceMesh, StressedBody]]) -> tuple[S
 
 def quantiles_MPa(mesh: SurfaceMesh, stress: StressedBody, *shares: float) -> NDArray[np.float64]:
     """Return the von Mises stress that shares of the surface's area stay below, MPa, (shares, load cases)."""
-    fine = mesh_of(solid_of(mesh).refine_to_length(mesh.extent_mm / FACES_ALONG))
+    fine = mesh_of(solid_of(mesh).refine_to_length(mesh.extent_mm / _FACES_ALONG))
     values = stress.at(fine.corners_mm.mean(axis=1))
     order = np.argsort(values, axis=1)
     below = np.cumsum(fine.areas_mm2[order], axis=1) / fine.areas_mm2.sum()
@@ -194,7 +194,7 @@ def _stress(scales: Sequence[StressScale]) -> dict[str, Any] | None:
 
 
 def _body(arrays: Arrays, body: ShownBody, most: int, scales: Sequence[StressScale]) -> dict[str, Any]:
-    shading = shaded(simplified(body.mesh, most), body.web_z_mm, FACES_ALONG if scales else None)
+    shading = shaded(simplified(body.mesh, most), body.web_z_mm, _FACES_ALONG if scales else None)
     low, high = shading.vertices_mm.min(axis=0), shading.vertices_mm.max(axis=0)
     journal = np.zeros(len(shading.vertices_mm), np.uint8)
     journal[shading.faces] = (shading.colours == JOURNAL_COLOUR).all(axis=1)[:, None]
