@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from cranktopo.design.loading import load_scene
     from cranktopo.design.schema import Scene
     from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
-    from cranktopo.engine.cases import load_cases
     from cranktopo.engine.load_case import LoadCase
     from cranktopo.engine.plan.effect import PhysicsPlan
     from cranktopo.engine.plan.planning import plan
+    from cranktopo.engine.states import load_cases
     from cranktopo.numerics.precision import double_precision
     from cranktopo.numerics.surfaces.files import write_stl
     from cranktopo.tasks.accuracy.stage import study_accuracy
@@ -76,7 +76,7 @@ _HOMES = {
     "PhysicsPlan": "engine.plan.effect",
     "plan": "engine.plan.planning",
     "LoadCase": "engine.load_case",
-    "load_cases": "engine.cases",
+    "load_cases": "engine.states",
     "EngineBalance": "engine.balance.whole_engine",
     "engine_balance": "engine.balance.whole_engine",
     "double_precision": "numerics.precision",

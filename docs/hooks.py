@@ -18,8 +18,8 @@ from results import result_tables, schema_files
 import cranktopo
 from cranktopo.app.main import COMMANDS, cli
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.reference import KeyReference, TableReference, scene_reference
 from cranktopo.design.material import material_library
+from cranktopo.design.reference import KeyReference, TableReference, scene_reference
 from cranktopo.design.shaft import bearing_library
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -1,18 +1,92 @@
-"""Entry point: commands loaded late, errors shown in one place, documented exit codes."""
+"""Entry point: commands loaded late, errors shown in one place, streams that never end in a traceback."""
 
 from __future__ import annotations
 
+import io
 import json
+import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 from cranktopo.cli.group import LazyGroup, found_commands
-from cranktopo.cli.streams import discard, finish_stdout, prepare_streams
 from cranktopo.cli.verbosity import coloured
+
+
+def _prepare_streams() -> None:
+    """Make the standard streams of this process usable; call it once, when the program starts.
+
+    What is closed leads nowhere (otherwise the next file that is opened would take its number and hold what
+    libraries print); notes that stderr cannot take are dropped; characters that a stream cannot show become
+    escapes.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the smallest free number: this one
+    sys.stdout = _usable(sys.stdout, 1)
+    sys.stderr = _Notes(_usable(sys.stderr, 2))
+
+
+def _finish_stdout() -> OSError | None:
+    """Write what stdout still holds; where that fails, what the system said, and stdout leads nowhere."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        _discard(1)
+        return error
+    return None
+
+
+def _discard(number: int) -> None:
+    """Let a standard stream lead nowhere from now on."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, number)
+    os.close(nowhere)
+
+
+def _usable(stream: Any, number: int) -> Any:
+    """Return the stream, or one that leads nowhere in place of a closed one."""
+    if stream is None:
+        stream = open(number, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="backslashreplace")
+    return stream
+
+
+class _Notes(io.TextIOBase):
+    """stderr: a full disk or a reader that has gone costs the notes, not the command."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        try:
+            return self._stream.write(text)
+        except OSError:
+            _discard(2)
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            self._stream.flush()
+        except OSError:
+            _discard(2)
+
+    def isatty(self) -> bool:
+        return self._stream.isatty()
+
+    def fileno(self) -> int:
+        return self._stream.fileno()
+
+    @property
+    def encoding(self) -> str:  # type: ignore[override]
+        return self._stream.encoding
+
 
 _SHOWN_FIRST = (
     "optimise",
@@ -66,16 +140,12 @@ def cli() -> None:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the command line and return its exit code (also the console script).
-
-    Args:
-        args: arguments without the program name; the process's own by default.
-    """
+    """Run the command line, by default the process's own, and return its exit code (the console script)."""
     if args is not None:
         return _run(args)
-    prepare_streams()
+    _prepare_streams()
     code = _run(sys.argv[1:])
-    unwritten = finish_stdout()
+    unwritten = _finish_stdout()
     if unwritten is not None and not isinstance(unwritten, BrokenPipeError) and code == ExitCode.DONE:
         code = _report(_system_error(unwritten), [])
     sys.exit(code)
@@ -133,7 +203,7 @@ def _report(error: CranktopoError, arguments: list[str]) -> int:
         try:
             click.echo(json.dumps(error.as_json()))
         except OSError:
-            discard(1)
+            _discard(1)
     click.echo(f"{coloured('error:', 'red', err=True)} {error}", err=True)
     return int(error.code)
 

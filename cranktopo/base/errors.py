@@ -1,7 +1,9 @@
-"""The one error type that a user sees: what is wrong, where, and what to do next."""
+"""The one error type that a user sees: what is wrong, where, what to do next; and missing packages."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from enum import IntEnum
 from typing import Any
@@ -50,18 +52,12 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
     Args:
         key: dotted path of the key, e.g. `throw.main_journal.bore_diameter_mm`.
         allowed: the allowed range, e.g. `must be > 0 and < 42 mm`.
-        hint: what to do next.
     """
     return CranktopoError(f"{key} = {quoted(value)}: {allowed}.", hint=hint)
 
 
 def quoted(value: object, most: int = 120) -> str:
-    """Return a value for a message: on one line, shortened in the middle when it is long.
-
-    Args:
-        value: what the user gave.
-        most: the largest number of characters.
-    """
+    """Return a value for a message: on one line, shortened in the middle to so many characters."""
     try:
         text = str(value).lower() if isinstance(value, bool) else repr(value)
     except ValueError:  # an integer of more digits than Python writes
@@ -71,11 +67,28 @@ def quoted(value: object, most: int = 120) -> str:
 
 
 def suggest(word: str, valid: list[str]) -> str:
-    """Return a did-you-mean sentence for a misspelt word, listing all choices when nothing is near.
-
-    Args:
-        word: what was written.
-        valid: the words that exist.
-    """
+    """Return a did-you-mean sentence for a misspelt word, listing all choices when nothing is near."""
     near = get_close_matches(word, valid, n=1, cutoff=0.6)
     return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."
+
+
+EXTRAS = {"sweep": "sweep", "fatigue": "fatigue by method 'fkm'"}
+"""What needs the packages of an extra, by its name in pyproject.toml."""
+
+
+def install_line(extra: str) -> str:
+    """Return the line that installs an extra."""
+    return f"pip install 'cranktopo[{extra}]'"
+
+
+@contextmanager
+def packages_of(extra: str) -> Iterator[None]:
+    """Tell a user which line installs the extra, where an import of the block fails, by a CranktopoError."""
+    try:
+        yield
+    except ImportError as error:
+        raise CranktopoError(
+            f"{EXTRAS[extra]}: a package cannot be loaded: {error}.",
+            hint=f"Install it: {install_line(extra)}",
+            code=ExitCode.MISSING_TOOL,
+        ) from None

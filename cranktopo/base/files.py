@@ -1,4 +1,4 @@
-"""Atomic files: a reader sees the old content or the new one, never half of it.
+"""Files read within sane limits and written atomically: a reader sees the old content or the new one.
 
 Every write goes to a temporary file in the same folder, is flushed to the disk, renamed over the
 target, and the folder entry is flushed as well (the rename is atomic by POSIX).
@@ -12,6 +12,7 @@ import json
 import math
 import os
 import shutil
+import stat
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -22,7 +23,80 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
-from cranktopo.base.reading import MIB, read_bytes, read_text_file
+
+_MIB = 1024**2
+_TEXT_LIMIT_MIB = 16
+"""Designs, tables, manifests and metrics; the largest that the program writes has 2 MiB."""
+GEOMETRY_LIMIT_MIB = 1024
+"""STL and STEP: 20 million triangles."""
+_SPECIAL = {
+    stat.S_IFDIR: "is a folder",
+    stat.S_IFIFO: "is a pipe",
+    stat.S_IFCHR: "is a device",
+    stat.S_IFBLK: "is a device",
+    stat.S_IFSOCK: "is a socket",
+}
+
+
+def check_input(path: str | Path, name: str, limit_MiB: float, hint: str = "") -> None:
+    """Check that a file can be read: it exists, is a regular file, and is neither empty nor too large.
+
+    Args:
+        name: of the file in the message, such as `design 'x.toml'`.
+        hint: next step, where the size is not what is wrong.
+    """
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        raise _refused(name, f"cannot be read: {_reason(error)}", hint) from None
+    if not stat.S_ISREG(found.st_mode):
+        kind = _SPECIAL.get(stat.S_IFMT(found.st_mode), "is no regular file")
+        raise _refused(name, f"{kind}, not a file", hint)
+    if found.st_size > limit_MiB * _MIB:
+        raise _too_large(name, limit_MiB)
+    if not os.access(path, os.R_OK):
+        raise _refused(name, "cannot be read: Permission denied", hint)
+
+
+def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") -> bytes:
+    """Return the content of a file; raises CranktopoError as `check_input`."""
+    check_input(path, name, limit_MiB, hint)
+    most = int(limit_MiB * _MIB)
+    try:
+        with open(path, "rb") as file:
+            content = file.read(most + 1)  # a file of /proc has more than its size says
+    except OSError as error:
+        raise _refused(name, f"cannot be read: {_reason(error)}", hint) from None
+    if len(content) > most:
+        raise _too_large(name, limit_MiB)
+    return content
+
+
+def read_text_file(path: str | Path, name: str, limit_MiB: float = _TEXT_LIMIT_MIB, hint: str = "") -> str:
+    """Return the text of a UTF-8 file, with or without a byte-order mark; raises CranktopoError."""
+    content = read_bytes(path, name, limit_MiB, hint)
+    if b"\0" in content:
+        raise _refused(name, "is not text in UTF-8: it holds NUL bytes", "Save it as UTF-8.")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise _refused(name, f"is not text in UTF-8: line {line}", "Save it as UTF-8.") from None
+
+
+def _reason(error: OSError | ValueError) -> str:
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return "no file name may hold a NUL character"
+
+
+def _too_large(name: str, limit_MiB: float) -> CranktopoError:
+    return _refused(name, f"is larger than {limit_MiB:g} MiB", "Give a smaller file.")
+
+
+def _refused(name: str, why: str, hint: str) -> CranktopoError:
+    return CranktopoError(f"{name}: {why}.", hint=hint)
+
 
 TEMPORARY = ".tmp"
 """In the names of files and folders that a process is still writing."""
@@ -37,15 +111,10 @@ class UnwritableError(CranktopoError):
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path beside `path`, suffix in small letters, that becomes `path` when the block ends well.
+    """Give a temporary path beside `path`, suffix in small letters, that becomes it when the block ends well.
 
     For libraries that insist on writing a file by name. When the block fails, `path` keeps what it held.
-
-    Args:
-        path: the file to replace or to make; its folder exists.
-
-    Raises:
-        CranktopoError: the file cannot be written.
+    Raises CranktopoError where the file cannot be written.
     """
     if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
         raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
@@ -72,55 +141,31 @@ def unwritable(path: Path, error: OSError) -> UnwritableError:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file atomically.
-
-    Raises:
-        CranktopoError: it cannot be written.
-    """
+    """Write a file atomically; raises CranktopoError where it cannot be written."""
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 
 
 def write_text(path: Path, content: str) -> None:
-    """Write a text file atomically as UTF-8.
-
-    Raises:
-        CranktopoError: it cannot be written.
-    """
-    write_bytes(
-        path, content.encode("utf-8", "backslashreplace")
-    )  # a file name that is not UTF-8 is no reason
+    """Write a text file atomically as UTF-8."""
+    # A file name that is not UTF-8 is no reason to fail.
+    write_bytes(path, content.encode("utf-8", "backslashreplace"))
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
-    """Write an object to `path` atomically as JSON.
-
-    Raises:
-        CranktopoError: a number is NaN or infinite, or the file cannot be written.
-    """
+    """Write an object atomically as JSON; raises CranktopoError where a number is not finite."""
     write_text(path, json_text(data, path.name, indent=2) + "\n")
 
 
 def write_npz(path: Path, arrays: Mapping[str, NDArray[Any]], compressed: bool = False) -> None:
-    """Write named arrays to `path` atomically as .npz, every bit kept.
-
-    Raises:
-        CranktopoError: the file cannot be written.
-    """
+    """Write named arrays atomically as .npz, every bit kept."""
     save = np.savez_compressed if compressed else np.savez
     with replacing(path) as temporary, temporary.open("wb") as file:
         save(file, allow_pickle=False, **dict(arrays))
 
 
 def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> str:
-    """JSON of an object, keys in the given order.
-
-    Args:
-        indent: spaces per level; compact without it.
-
-    Raises:
-        CranktopoError: a number is NaN or infinite (JSON has neither).
-    """
+    """Return an object as JSON, keys in the given order; raises CranktopoError for a number not finite."""
     key = _not_finite(data)
     if key is not None:
         raise CranktopoError(
@@ -132,11 +177,7 @@ def json_text(data: Mapping[str, Any], name: str, indent: int | None = None) -> 
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Return the object in a JSON file.
-
-    Raises:
-        CranktopoError: no such file, unreadable, or not a JSON object.
-    """
+    """Return the object in a JSON file; raises CranktopoError where there is none."""
     if not os.path.lexists(path):
         raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.")
     text = read_text_file(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
@@ -152,19 +193,11 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
-    """Named arrays of an .npz file.
-
-    Args:
-        name: of the file in the message.
-        hint: what to do when it cannot be used.
-
-    Raises:
-        CranktopoError: it cannot be read, is damaged, or unpacks to more than any run holds.
-    """
+    """Return the named arrays of an .npz file; raises CranktopoError, with the hint, for a damaged one."""
     content = io.BytesIO(read_bytes(path, name, ARRAYS_LIMIT_MIB, hint))
     try:
         with zipfile.ZipFile(content) as packed:
-            size_MiB = sum(part.file_size for part in packed.infolist()) / MIB
+            size_MiB = sum(part.file_size for part in packed.infolist()) / _MIB
         if size_MiB <= ARRAYS_LIMIT_MIB:
             with np.load(content, allow_pickle=False) as file:
                 return {key: file[key] for key in file.files}

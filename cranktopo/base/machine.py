@@ -1,15 +1,60 @@
-"""The machine: its cores, its speed, and the memory that a process takes."""
+"""The machine: its cores, its speed, the memory that a process takes, and the user's cache on it."""
 
 from __future__ import annotations
 
 import os
 import platform
 import resource
+import stat
 import sys
+import tempfile
 import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+_OURS_ALONE = 0o700
+
+
+def user_cache() -> Path:
+    """Return the folder of cranktopo in the user's cache, `$XDG_CACHE_HOME` or `~/.cache`; it may not exist.
+
+    A user without a home, as in a container, has it among the temporary files.
+    """
+    return _lasting_cache() or Path(tempfile.gettempdir()) / f"cranktopo-{os.getuid()}"
+
+
+def private_cache(name: str) -> Path | None:
+    """Return a folder in the user's cache that nobody else can read or write, made if it is not there.
+
+    What is run may come from nowhere else. None where it cannot be had: the folder is another user's, others
+    may use it, it is a link, or the cache would be among the temporary files, which all users share.
+    """
+    cache = _lasting_cache()
+    if cache is None:
+        return None
+    folder = cache / name
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError):
+            folder.mkdir(mode=_OURS_ALONE)
+        found = folder.lstat()
+    except OSError:
+        return None
+    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+    return folder if ours and found.st_mode & 0o777 == _OURS_ALONE else None
+
+
+def _lasting_cache() -> Path | None:
+    """Return the folder in `$XDG_CACHE_HOME` or the user's home, None where there is neither."""
+    given = os.environ.get("XDG_CACHE_HOME", "")
+    if os.path.isabs(given):  # a relative one is to be ignored (XDG Base Directory Specification)
+        return Path(given) / "cranktopo"
+    try:
+        return Path.home() / ".cache" / "cranktopo"
+    except RuntimeError:
+        return None
+
 
 _NUMBERS, _REPEATS = 1_000_000, 5
 
@@ -28,13 +73,13 @@ class Machine:
 
 
 def usable_cores() -> int:
-    """Cores that this process may use."""
+    """Return the cores that this process may use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return usable or 1
 
 
 def this_machine() -> Machine:
-    """This machine, its speed measured now: the least time of five to sort a million numbers on one core."""
+    """Return this machine, its speed measured now: the least of five times to sort a million numbers."""
     import numpy as np
 
     numbers, times = np.random.default_rng(0).random(_NUMBERS), []
@@ -46,7 +91,7 @@ def this_machine() -> Machine:
 
 
 def peak_memory_MiB() -> float:
-    """Largest resident memory of this process so far, or since `forget_peak_memory`, MiB."""
+    """Return the largest resident memory of this process so far, or since `forget_peak_memory`, MiB."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return round(peak / (1024.0**2 if sys.platform == "darwin" else 1024.0), 1)
 

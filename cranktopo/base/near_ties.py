@@ -27,11 +27,9 @@ def exceeds(value: float, limit: float) -> bool:
 
 
 def first_of_the_best(candidates: Sequence[T], score: Callable[[T], float], within: float | None = None) -> T:
-    """Return the first of the candidates whose score reaches the highest one, or nearly so.
+    """Return the first of the candidates, the simpler ones first, whose score nearly reaches the highest one.
 
-    Args:
-        candidates: at least one, the simpler ones first.
-        within: how much less than the highest score is enough; by default what `clearly_more` allows.
+    `within` tells how much less than the highest is enough; by default what `clearly_more` allows.
     """
     scores = [score(candidate) for candidate in candidates]
     most = max(scores)
@@ -40,7 +38,7 @@ def first_of_the_best(candidates: Sequence[T], score: Callable[[T], float], with
 
 
 def best_first(candidates: Sequence[T], score: Callable[[T], float]) -> list[T]:
-    """Candidates by falling score; of those as good as each other the earlier one first."""
+    """Return the candidates by falling score; of those as good as each other the earlier one first."""
     left, ordered = list(range(len(candidates))), []
     while left:
         chosen = first_of_the_best(left, lambda place: score(candidates[place]))

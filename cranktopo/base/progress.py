@@ -19,7 +19,6 @@ class Work:
     It stands beside the files of runs, so that whoever does the work need not know where it is kept.
 
     Attributes:
-        info: called with lines of progress.
         kept: results of finished parts by name, plain data; filled as the work goes on. With what an
             interrupted work kept, the same parts are not done again, and the result is the same.
         check: called between parts; raises KeyboardInterrupt where Ctrl-C was pressed.

@@ -48,14 +48,7 @@ class Result(BaseModel):
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], where: str) -> Self:
-        """Return the result that plain data hold.
-
-        Args:
-            where: what is read, for the message, as in `run 'runs/a'`.
-
-        Raises:
-            CranktopoError: a key is missing or holds something else.
-        """
+        """Return the result that plain data of a place such as `run 'runs/a'` hold; raises CranktopoError."""
         try:
             return cls.model_validate(data)
         except ValidationError as error:
@@ -68,9 +61,5 @@ class Result(BaseModel):
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Return the result that a JSON file holds.
-
-        Raises:
-            CranktopoError: the file cannot be read, or holds something else.
-        """
+        """Return the result that a JSON file holds; raises CranktopoError."""
         return cls.of_json(read_json(path), f"'{path}'")

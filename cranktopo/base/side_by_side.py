@@ -34,11 +34,7 @@ class Ahead(Generic[First]):
 
 
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
-    """Return the results of two functions without arguments, computed in two threads.
-
-    Raises:
-        Exception: what the first, or else the second, raises, when both have ended.
-    """
+    """Return the results of two functions, computed in two threads; raises what one of them raises."""
     with ThreadPoolExecutor(1) as pool:
         other = pool.submit(second)
         result = first()

@@ -1,4 +1,4 @@
-"""Sections across the crank axis as lateral intervals at places along the throw, and what remains of several.
+"""Sections across the crank axis as lateral intervals, what remains of several, and polygons.
 
 Intervals are exact in x, so what is integrated over them is as exact as the quadrature along the throw.
 """
@@ -22,7 +22,7 @@ _REMOVED = -1000
 
 
 def material(added: Sequence[Span], removed: Sequence[Span] = ()) -> tuple[Array, Array]:
-    """Ends (intervals, ...) of what some interval of the first holds and none of the second."""
+    """Return the ends (intervals, ...) of what some interval of the first holds and none of the second."""
     shape = np.broadcast_shapes(*(end.shape for span in (*added, *removed) for end in span))
     ends, steps = [], []
     for weight, spans in ((1, added), (_REMOVED, removed)):
@@ -66,7 +66,7 @@ def common(one: Section, other: Section) -> Section:
 
 
 def disc_section(radius_mm: float, centre_mm: float = 0.0) -> Section:
-    """Disc around a place along the throw, at all heights."""
+    """Return a disc around a place along the throw, at all heights."""
 
     def spans(y_mm: Array, _: Array) -> Sequence[Span]:
         half = np.sqrt(np.maximum(radius_mm**2 - (y_mm - centre_mm) ** 2, 0.0))
@@ -79,3 +79,78 @@ def holds(spans: Sequence[Span], x_mm: Array) -> NDArray[np.bool_]:
     """Tell whether points lie in intervals, their ends included; broadcastable."""
     parts = [(x_mm >= low) & (x_mm <= high) & (low < high) for low, high in spans]
     return np.asarray(np.logical_or.reduce(parts))
+
+
+_Indices = NDArray[np.intp]
+
+
+def polygon_section(contours: list[Array]) -> Section:
+    """Return the inside of closed contours (n, 2) by the even-odd rule, at all heights."""
+    starts = np.concatenate([np.zeros((0, 2)), *contours])
+    ends = np.concatenate([np.zeros((0, 2)), *(np.roll(contour, -1, axis=0) for contour in contours)])
+
+    def spans(y_mm: Array, _: Array) -> Sequence[Span]:
+        edge, row = _crossings(starts[:, 1], ends[:, 1], y_mm.ravel())
+        (x1, y1), (x2, y2) = starts[edge].T, ends[edge].T
+        cuts = x1 + (y_mm.ravel()[row] - y1) * (x2 - x1) / (y2 - y1)
+        order = np.lexsort((cuts, row))
+        count = np.bincount(row, minlength=y_mm.size)
+        rank = np.arange(row.size) - np.repeat(np.cumsum(count) - count, count)
+        table = np.zeros((max(2, int(count.max(initial=0))), y_mm.size))
+        table[rank, row[order]] = cuts[order]
+        table = table.reshape(len(table), *y_mm.shape)
+        return list(zip(table[::2], table[1::2], strict=True))
+
+    return spans
+
+
+def _crossings(start: Array, end: Array, places: Array) -> tuple[_Indices, _Indices]:
+    """Edges and places of all pairs in which an edge passes a place; a corner belongs to the edge above."""
+    order = np.argsort(places, kind="stable")
+    first = np.searchsorted(places, np.minimum(start, end), sorter=order)
+    last = np.searchsorted(places, np.maximum(start, end), sorter=order)
+    count = last - first
+    edge = np.repeat(np.arange(len(start)), count)
+    within = np.arange(edge.size) - np.repeat(np.cumsum(count) - count, count)
+    return edge, order[first[edge] + within]
+
+
+def self_intersection(points: Array) -> tuple[float, float] | None:
+    """Return where a closed polygon (n, 2) crosses, touches or runs back along itself; None where nowhere."""
+    ends = np.roll(points, -1, axis=0)
+    steps = ends - points
+    if (np.abs(steps).max(axis=1) == 0).any():
+        corner = points[np.abs(steps).max(axis=1) == 0][0]
+        return float(corner[0]), float(corner[1])
+    after = np.roll(steps, -1, axis=0)
+    back = (_cross(steps, after) == 0) & ((steps * after).sum(axis=1) < 0)
+    if back.any():
+        return float(ends[back][0, 0]), float(ends[back][0, 1])
+    first, second = np.triu_indices(len(points), 2)
+    apart = (second - first) % len(points) != len(points) - 1  # the last edge ends where the first one starts
+    return _meeting(points, ends, first[apart], second[apart])
+
+
+def _meeting(starts: Array, ends: Array, i: _Indices, j: _Indices) -> tuple[float, float] | None:
+    """Return where the first pair of edges meets that has a point in common."""
+    sides = [
+        np.sign(_cross(ends[a] - starts[a], point - starts[a]))
+        for a, point in ((i, starts[j]), (i, ends[j]), (j, starts[i]), (j, ends[i]))
+    ]
+    boxes = np.ones(len(i), bool)
+    for axis in (0, 1):
+        low, high = np.minimum(starts, ends)[:, axis], np.maximum(starts, ends)[:, axis]
+        boxes &= (low[i] <= high[j]) & (low[j] <= high[i])
+    meet = boxes & (sides[0] * sides[1] <= 0) & (sides[2] * sides[3] <= 0)
+    if not meet.any():
+        return None
+    a, b = i[meet][0], j[meet][0]
+    along, other = ends[a] - starts[a], ends[b] - starts[b]
+    turn = _cross(along, other)
+    share = _cross(starts[b] - starts[a], other) / turn if turn else 0.0
+    x, y = starts[a] + share * along
+    return float(x), float(y)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

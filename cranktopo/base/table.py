@@ -63,13 +63,7 @@ WholeNumber = BeforeValidator(_no_truth_value)
 def filled_in(data: Any, library: Mapping[str, dict[str, Any]], needed: frozenset[str]) -> Any:
     """Return a table with the library's values for the keys that it does not give.
 
-    Args:
-        data: what the user wrote.
-        library: tables by name.
-        needed: keys that a table of another name must give.
-
-    Raises:
-        PydanticCustomError: a name that is not in the library, and values missing.
+    Raises PydanticCustomError for a name that is not in the library where needed keys are missing.
     """
     if not isinstance(data, dict) or not isinstance(data.get("name"), str):
         return data

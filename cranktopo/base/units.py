@@ -16,17 +16,17 @@ W_PER_KW = 1000.0
 
 
 def density_tonne_per_mm3(density_kg_m3: float) -> float:
-    """Mass density in the internal system (tonne/mm3) from kg/m3."""
+    """Return the mass density in the internal system (tonne/mm3) from kg/m3."""
     return density_kg_m3 * 1e-12
 
 
 def density_kg_per_mm3(density_kg_m3: float) -> float:
-    """Mass density for reported masses (kg/mm3) from kg/m3."""
+    """Return the mass density for reported masses (kg/mm3) from kg/m3."""
     return density_tonne_per_mm3(density_kg_m3) * KG_PER_TONNE
 
 
 def angular_speed_rad_s(speed_rpm: float) -> float:
-    """Angular speed (rad/s) from revolutions per minute."""
+    """Return the angular speed (rad/s) from revolutions per minute."""
     return speed_rpm * 2.0 * math.pi / 60.0
 
 

@@ -10,8 +10,7 @@ from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.polygons import polygon_section
-from cranktopo.base.spans import Section
+from cranktopo.base.spans import Section, polygon_section
 from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, step_surface
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of

@@ -23,14 +23,7 @@ class SuggestingGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does, with a suggestion for a misspelt command.
-
-        Args:
-            args: the words of the command line from the command on.
-
-        Raises:
-            click.UsageError: no such command.
-        """
+        """Return what click finds; raises click.UsageError with a suggestion for a misspelt command."""
         name, valid = args[0], self.list_commands(ctx)
         if name not in valid and not name.startswith("-"):
             raise click.UsageError(f"No such command '{name}'. {suggest(name, valid)}", ctx)
@@ -38,21 +31,18 @@ class SuggestingGroup(click.Group):
 
 
 @dataclass(frozen=True)
-class Found:
+class _Found:
     """A command of a task: the folder that holds it, and its line in the help."""
 
     folder: str
     help: str
 
 
-def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, Found]:
+def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, _Found]:
     """Find the commands of the tasks, none of them imported, so that `--help` stays fast.
 
-    A task with a command has a `command.py` that begins with its name and its line in the help.
-
-    Args:
-        tasks: the folder of the tasks.
-        first: names in the order in which they are listed; others follow by name.
+    A task with a command has a `command.py` that begins with its name and its line in the help. Names in
+    `first` are listed first; others follow by name.
     """
     found = {}
     for file in tasks.glob("*/command.py"):
@@ -60,7 +50,7 @@ def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, Found]:
             named = _COMMAND.match("".join(islice(text, 4)))
         if named is None:
             raise ValueError(f"{file}: begins without the name of its command")
-        found[named["name"]] = Found(file.parent.name, named["help"])
+        found[named["name"]] = _Found(file.parent.name, named["help"])
     order = {name: place for place, name in enumerate(first)}
     return dict(sorted(found.items(), key=lambda item: (order.get(item[0], len(order)), item[0])))
 
@@ -68,17 +58,15 @@ def found_commands(tasks: Path, first: Sequence[str]) -> dict[str, Found]:
 class LazyGroup(SuggestingGroup):
     """A click group that imports a command's module when the command is used.
 
-    Args:
-        entries: where each command is, and its help line, by name.
-        package: where the folders of the entries are; each `command.py` there holds a click `command`.
+    Entries are folders of a package by the name of their command; each `command.py` there holds a `command`.
     """
 
-    def __init__(self, *args: Any, entries: Mapping[str, Found], package: str, **kwargs: Any) -> None:
+    def __init__(self, *args: Any, entries: Mapping[str, _Found], package: str, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._entries, self._package = dict(entries), package
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of the commands."""
+        """Return the names of the commands."""
         return list(self._entries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -90,6 +78,6 @@ class LazyGroup(SuggestingGroup):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The command list, from what was found and not from the modules."""
+        """Write the command list, from what was found and not from the modules."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, entry.help) for name, entry in self._entries.items()])

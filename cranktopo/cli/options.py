@@ -1,21 +1,135 @@
-"""What commands share: the default design, and options."""
+"""Options, their types, and the values that a shell offers, shared by the commands."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from cranktopo.cli.parameters import CELL_MM, Choice, Number
+from cranktopo.base.errors import quoted, suggest
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from cranktopo.design.schema import Scene
+
+
+def designs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return names of built-in designs, and files, for an argument's `shell_complete`."""
+    from click.shell_completion import CompletionItem
+
+    from cranktopo.design.loading import builtin_designs
+
+    names = [CompletionItem(name) for name in builtin_designs() if name.startswith(incomplete)]
+    return [*names, CompletionItem(incomplete, type="file")]
+
+
+def designs_and_runs(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Return both, for an argument's `shell_complete`."""
+    return [*runs(context, parameter, incomplete)[:-1], *designs(context, parameter, incomplete)]
+
+
+def runs(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return names of runs under runs/, and folders, for an argument's `shell_complete`."""
+    from click.shell_completion import CompletionItem
+
+    from cranktopo.runs.directories import list_runs
+
+    names = [CompletionItem(run.name) for run in list_runs() if run.name.startswith(incomplete)]
+    return [*names, CompletionItem(incomplete, type="dir")]
+
+
+class Number(click.FloatRange):
+    """A finite number in a closed range, which help shows."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the value as a float; fails with the allowed range."""
+        try:
+            number = float(str(value))
+        except ValueError:
+            number = math.nan
+        if not (self.min is not None and self.max is not None and self.min <= number <= self.max):
+            allowed = f"must be a number >= {self.min:g} and <= {self.max:g}"
+            self.fail(f"{quoted(str(value))}: {allowed}.", param, ctx)
+        return number
+
+
+CELL_MM = Number(1e-3, 1000)
+"""Cells of the optimiser, elements, and other small lengths; memory sets the true limit."""
+VOLUME_FRACTION = Number(0.01, 0.99)
+
+
+class Choice(click.Choice[str]):
+    """One of a few words; a misspelt one is answered by the nearest."""
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the word itself; fails with all words and the nearest."""
+        words = [str(choice) for choice in self.choices]
+        if value not in words:
+            allowed = f"{quoted(value)} is none of {', '.join(words)}."
+            near = suggest(str(value)[:100], words)
+            self.fail(f"{allowed} {near}" if near.startswith("Did") else allowed, param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Speeds(click.ParamType[list[float]]):
+    """Speeds (rpm): one, or both ends of a sweep and its step."""
+
+    name = "RPM|FROM:TO:STEP"
+    most = 1000
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """Return the speeds, both ends of a sweep included; fails with the allowed form."""
+        try:
+            numbers = [float(part) for part in str(value).split(":")]
+        except ValueError:
+            numbers = []
+        if len(numbers) == 1 and 0 <= numbers[0] < math.inf:
+            return numbers
+        if len(numbers) == 3:
+            start, stop, step = numbers
+            if 0 <= start <= stop < math.inf and step > 0 and (stop - start) / step < self.most:
+                return [start + index * step for index in range(int((stop - start) / step + 1e-9) + 1)]
+        form = f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {self.most} steps"
+        self.fail(f"{quoted(str(value))}: {form}.", param, ctx)
+
+
+def goal_options(function: Any) -> Any:
+    """Add --minimise, --maximise and --limit to a command; `with_goal_options` takes what they give."""
+    function = click.option(
+        "--limit",
+        "limits",
+        metavar="LIMIT",
+        multiple=True,
+        help='Such as "bending >= 100 %" or "unbalance <= 40 kg mm"; repeatable. It replaces what the '
+        'design, or the goal by default, says of that quantity; "bending none" takes that away.',
+    )(function)
+    for name, end in (("--maximise", "high"), ("--minimise", "low")):
+        text = f"Make it as {end} as the limits allow, in place of the design's goal and limits."
+        function = click.option(name, metavar="QUANTITY", help=text)(function)
+    return function
+
+
+def with_goal_options(
+    scene: Scene, minimise: str | None, maximise: str | None, limits: tuple[str, ...]
+) -> Scene:
+    """Return the scene with the goal that the options ask for."""
+    from cranktopo.design.goal.wanted import with_goal
+
+    if minimise is not None and maximise is not None:
+        raise click.UsageError("--minimise excludes --maximise: keep one of them, limit the other quantity")
+    if limits and minimise is None and maximise is None and scene.goal is None:
+        raise click.UsageError("--limit needs a goal: add --minimise or --maximise, or [goal] to the design")
+    return with_goal(scene, minimise=minimise, maximise=maximise, limits=limits)
+
 
 DEFAULT_DESIGN = "mikron-iiic"
 FATIGUE_METHODS = ("lsa", "fkm", "m53")
-_TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
 
 bearings_option = click.option(
@@ -43,49 +157,34 @@ def with_bound_option(scene: Scene, no_bound: bool) -> Scene:
 
 
 def percent(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    """Return the number of percent in `1%` or `1`, as an option's callback.
-
-    Raises:
-        click.BadParameter: not a number above 0 and below 100.
-    """
-    if value is None:
-        return None
-    try:
-        number = float(value.strip().removesuffix("%"))
-    except ValueError:
-        raise click.BadParameter(f"{value!r} is not a percentage such as 1%.", context, parameter) from None
-    if not 0 < number < 100:
+    """Return the number of percent in `1%` or `1`, as an option's callback."""
+    number = _number(value, {"%": 1.0}, "a percentage such as 1%")
+    if number is not None and not 0 < number < 100:
         raise click.BadParameter(f"{value!r} must be above 0% and below 100%.", context, parameter)
     return number
 
 
 def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback.
-
-    Raises:
-        click.BadParameter: not a time above 0.
-    """
-    if value is None:
-        return None
-    text = value.strip().lower()
-    unit = next((u for u in _TIME_UNITS if text.endswith(u)), "")
-    try:
-        number = float(text.removesuffix(unit)) * _TIME_UNITS.get(unit, 1.0)
-    except ValueError:
-        raise click.BadParameter(
-            f"{value!r} is not a time such as 30s or 2min.", context, parameter
-        ) from None
-    if not 0 < number < float("inf"):
+    """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback."""
+    number = _number(value, {"min": 60.0, "h": 3600.0, "s": 1.0}, "a time such as 30s or 2min")
+    if number is not None and not 0 < number < math.inf:
         raise click.BadParameter(f"{value!r} must be above 0 s.", context, parameter)
     return number
+
+
+def _number(value: str | None, units: dict[str, float], form: str) -> float | None:
+    text = (value or "").strip().lower()
+    unit = next((unit for unit in units if text.endswith(unit)), "")
+    try:
+        return None if value is None else float(text.removesuffix(unit)) * units.get(unit, 1.0)
+    except ValueError:
+        raise click.BadParameter(f"{value!r} is not {form}.") from None
 
 
 def body_options(function: Any) -> Any:
     """Add --design and --align, for targets that are bodies from CAD, to a command."""
     function = click.option(
-        "--align",
-        is_flag=True,
-        help="Move STL and STEP bodies that lie elsewhere to where the journals are.",
+        "--align", is_flag=True, help="Move STL and STEP bodies that lie elsewhere to where the journals are."
     )(function)
     return click.option(
         "--design", help="Design for the journals, loads and material of STL and STEP targets."
@@ -121,11 +220,7 @@ def limit_options(function: Any) -> Any:
             Number(0.01, 50),
             "Cells of the final fit: half the size is closer to the body and takes eight times as long.",
         ),
-        (
-            ("--draft-deg", "min_draft_deg"),
-            Number(0, 30),
-            "Least draft of a side pocket's walls.",
-        ),
+        (("--draft-deg", "min_draft_deg"), Number(0, 30), "Least draft of a side pocket's walls."),
         (("--min-radius-mm",), Number(0.05, 1000), "Least radius of curvature of the outline."),
         (("--min-wall-mm",), Number(0.05, 1000), "Least wall."),
     ):
@@ -137,14 +232,7 @@ def limit_options(function: Any) -> Any:
 
 
 def refuse_beside_resume(*allowed: str) -> None:
-    """Check that nothing is given beside --resume that the run itself keeps.
-
-    Args:
-        allowed: names of the running command's parameters that may go with --resume.
-
-    Raises:
-        click.UsageError: another one was typed.
-    """
+    """Check that nothing but the `allowed` parameters is given beside --resume, as the run keeps the rest."""
     context = click.get_current_context()
     for parameter in context.command.params:
         name = str(parameter.name)

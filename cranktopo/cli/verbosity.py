@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from functools import wraps
+from functools import partial, wraps
 from typing import Any
 
 import click
@@ -24,7 +24,7 @@ def verbosity_options(function: Any) -> Any:
     )
     for short, long, its_level, text in options:
         function = click.option(
-            short, long, is_flag=True, expose_value=False, callback=_setter(its_level), help=text
+            short, long, is_flag=True, expose_value=False, callback=partial(_set, its_level), help=text
         )(function)
 
     @wraps(function)
@@ -54,29 +54,25 @@ def level() -> int:
 
 
 def info(line: str) -> None:
-    """One line on stderr, unless the command is quiet."""
+    """Write one line on stderr, unless the command is quiet."""
     if level() > QUIET:
         click.echo(line, err=True)
 
 
 def detail(line: str) -> None:
-    """One line on stderr where the command is verbose."""
+    """Write one line on stderr where the command is verbose."""
     if level() >= VERBOSE:
         click.echo(line, err=True)
 
 
 def coloured(text: str, colour: str, err: bool = False) -> str:
-    """Text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org)."""
+    """Return text in a colour on a terminal; plain in a pipe and where NO_COLOR is set (no-color.org)."""
     stream = sys.stderr if err else sys.stdout
     return text if os.environ.get("NO_COLOR") or not stream.isatty() else click.style(text, fg=colour)
 
 
-def _setter(level: int) -> Any:
-    def callback(context: click.Context, parameter: click.Parameter, value: bool) -> None:
-        if not value:
-            return
-        if context.meta.get(_LEVEL, level) != level:
-            raise click.UsageError("--quiet and --verbose exclude each other.", context)
+def _set(level: int, context: click.Context, parameter: click.Parameter, value: bool) -> None:
+    if value and context.meta.get(_LEVEL, level) != level:
+        raise click.UsageError("--quiet and --verbose exclude each other.", context)
+    if value:
         context.meta[_LEVEL] = level
-
-    return callback

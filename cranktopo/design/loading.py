@@ -12,7 +12,7 @@ from typing import Any, Literal
 from pydantic import ValidationError
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
-from cranktopo.base.reading import read_text_file
+from cranktopo.base.files import read_text_file
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import difference, halves, of_second, require_equal_halves
 from cranktopo.design.messages import explain, explain_unknown

@@ -15,25 +15,25 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
+    RodsOnPin,
     RotatingForces,
+    ShaftTorque,
     ThrowForces,
+    rods_on_pins,
     rotating_forces,
+    shaft_torque,
     throw_forces,
 )
 from cranktopo.engine.gas import PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import exact_motion, series_motion
-from cranktopo.engine.rods_on_pin import RodsOnPin, rods_on_pins
-from cranktopo.engine.torque import ShaftTorque, shaft_torque
-from cranktopo.engine.vibration.vibrating_torque import vibrating_torque, worst_speed_rpm
+from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque, worst_speed_rpm
 
 
 @dataclass(frozen=True)
 class Extreme:
-    """A value and the crank angle where it occurs.
+    """A value and its crank angle from firing top dead centre, deg; None when the scene gives only the value.
 
-    Attributes:
-        deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
-        place: throw or web, where they are not alike.
+    `place` is the throw or web, where they are not alike.
     """
 
     value: float
@@ -45,11 +45,11 @@ class Extreme:
 class Cycle:
     """Curves over one working cycle at one speed.
 
-    Angles of a throw count from firing of its cylinder, in a V of that in the first bank.
+    Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The forces on the
+    pins are all the same object where all are alike.
 
     Attributes:
-        pins: the rods on the pins, and the forces that they make; all the same object where all are alike.
-        indicated_work_J: work of the gas in one cylinder per cycle, J.
+        indicated_work_J: work of the gas in one cylinder per cycle.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
     """
@@ -74,7 +74,7 @@ class Cycle:
 
     def extreme(self, name: str) -> tuple[Extreme, Extreme]:
         """Largest and smallest value of a curve of all throws."""
-        pairs = [_extremes(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
+        pairs = [extremes_of(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
         highs, lows = zip(*pairs, strict=True)
         return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
 
@@ -87,18 +87,14 @@ class Cycle:
         return {name: self.extreme(name) for name in self.forces.curves()}
 
     def engine_torque(self) -> tuple[float, Extreme, Extreme]:
-        """Mean, largest and smallest torque of the engine, N m (no friction)."""
+        """Return the mean, largest and smallest torque of the engine, N m (no friction)."""
         torque = self.torque.engine_Nm
-        return float(torque.mean()), *_extremes(self.torque.angle_deg, torque)
+        return float(torque.mean()), *extremes_of(self.torque.angle_deg, torque)
 
 
 @dataclass(frozen=True)
 class LoadAnalysis:
-    """Loads of a scene with an engine at the engine's speed.
-
-    Attributes:
-        cycle: curves over the cycle; None when the scene gives only peak loads.
-    """
+    """Loads of a scene at its engine's speed; `cycle` is None when the scene gives only peak loads."""
 
     engine: Engine
     radius_mm: float
@@ -114,24 +110,17 @@ def at_speed(scene: Scene, speed_rpm: float) -> Scene:
 
 
 def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
-    """Return the scene at the speed where the torque of its vibrating shaft swings most.
-
-    Raises:
-        CranktopoError: as `vibrating_torque`.
-    """
+    """Return the scene at the speed where the torque of its vibrating shaft swings most."""
     return at_speed(scene, worst_speed_rpm(scene, enabled))
 
 
 def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnalysis:
-    """Forces over the cycle at the engine's speed.
+    """Return the forces over the cycle at the engine's speed; raises CranktopoError for gas data of no use.
 
     Args:
         enabled: `reciprocating_inertia` and `rotating_rod_mass` among these names make the inertia of the
             piston and of the rod count; with `torsional_vibration` the torques are those of the vibrating
-            shaft at the engine's speed.
-
-    Raises:
-        CranktopoError: no engine, or gas data that cannot be used.
+            shaft.
     """
     engine, radius = engine_of(scene), scene.throw.radius_mm
     balance = throw_balance(scene)
@@ -151,22 +140,10 @@ def engine_of(scene: Scene) -> Engine:
 
 
 def _cycle(
-    scene: Scene,
-    engine: Engine,
-    curve: PressureCurve,
-    balance: ThrowBalance,
-    enabled: frozenset[str],
+    scene: Scene, engine: Engine, curve: PressureCurve, balance: ThrowBalance, enabled: frozenset[str]
 ) -> Cycle:
     radius = scene.throw.radius_mm
-    rod = throw_forces(
-        engine,
-        radius,
-        curve,
-        balance,
-        engine.speed_rpm,
-        reciprocating="reciprocating_inertia" in enabled,
-        rotating_rod="rotating_rod_mass" in enabled,
-    )
+    rod = throw_forces(engine, radius, curve, balance, engine.speed_rpm, enabled)
     throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
     pins = tuple((rods, rods.forces(rod, throw_N, engine.cycle_deg)) for rods in rods_on_pins(scene, engine))
     fires = engine.firing_angles_deg
@@ -176,13 +153,10 @@ def _cycle(
 
 
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:
-    """Work of the gas in one cylinder per cycle, J: the closed integral of p dV.
+    """Return the work of the gas in one cylinder per cycle, J: the closed integral of p dV.
 
     It uses pressures and piston positions only, no forces, so that the torque can be checked against it.
-    Trapezoidal rule with every and with every other point, extrapolated (Romberg).
-
-    Args:
-        curve: cylinder pressure over one cycle, an even number of points.
+    Trapezoidal rule with every and with every other of an even number of points, extrapolated (Romberg).
     """
     motion = exact_motion(np.radians(curve.angle_deg), radius_mm, engine.rod_length_mm)
     volume = math.pi / 4 * engine.bore_mm**2 * motion.displacement_mm
@@ -215,8 +189,8 @@ def _size(value: float) -> float:
     return round(float(value), 6)
 
 
-def _extremes(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:
-    """Largest and smallest value of a curve with their angles."""
+def extremes_of(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:
+    """Return the largest and smallest value of a curve with their angles."""
     high, low = int(curve.argmax()), int(curve.argmin())
     return (
         Extreme(float(curve[high]), float(angle_deg[high]), place),

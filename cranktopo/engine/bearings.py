@@ -18,7 +18,7 @@ _LIFE_EXPONENT = 10 / 3
 
 
 def bearing_spring_N_per_mm(scene: Scene) -> float | None:
-    """Radial stiffness of one main bearing of a scene, N/mm; None when the scene says nothing about it."""
+    """Return the radial stiffness of one main bearing, N/mm; None when the scene says nothing about it."""
     supports = scene.supports
     if supports.bearing_spring_N_per_mm is not None:
         return supports.bearing_spring_N_per_mm
@@ -30,11 +30,7 @@ def bearing_spring_N_per_mm(scene: Scene) -> float | None:
 
 
 def required_bearing_spring_N_per_mm(scene: Scene) -> float:
-    """Return the same for supports that are springs.
-
-    Raises:
-        CranktopoError: the scene says nothing about it.
-    """
+    """Return the same for supports that are springs; raises CranktopoError where there is none."""
     spring = bearing_spring_N_per_mm(scene)
     if spring is None:
         raise CranktopoError(
@@ -44,11 +40,7 @@ def required_bearing_spring_N_per_mm(scene: Scene) -> float:
 
 
 def max_gas_force_N(scene: Scene) -> float:
-    """Largest gas force on the piston, N: as given, else from the pressure curve.
-
-    Raises:
-        CranktopoError: the scene has no engine that tells it.
-    """
+    """Return the largest gas force on the piston, N; raises CranktopoError where nothing tells it."""
     engine, curve = scene.engine, pressure_curve(scene)
     if engine is not None and engine.max_gas_force_N is not None:
         return engine.max_gas_force_N
@@ -58,10 +50,7 @@ def max_gas_force_N(scene: Scene) -> float:
 
 
 def _clearance_spring_N_per_mm(max_piston_force_N: float, clearance_mm: float) -> float:
-    """Spring of a plain bearing: half the largest piston force moves the journal by 0.8 of the clearance.
-
-    Args:
-        max_piston_force_N: largest piston force of the cycle.
+    """Half the largest piston force moves the journal by 0.8 of the clearance.
 
     Source: J. Voparil, Shape optimisation of aircraft engine crankshaft, Brno University of Technology, 2011.
     """

@@ -1,17 +1,53 @@
-"""Forces of one throw over the working cycle: gas, inertia, rod, crankpin, main journal, torque."""
+"""Forces of one throw over the working cycle, of the rods on each pin, and torque along the shaft."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
+from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance
 from cranktopo.engine.gas import PressureCurve, gas_force_N
-from cranktopo.engine.kinematics import exact_motion, force_ratios
+from cranktopo.engine.kinematics import exact_motion, force_ratios, phase_shift
+
+
+@dataclass(frozen=True)
+class ShaftTorque:
+    """Torque along the shaft over the cycle.
+
+    Attributes:
+        angle_deg: crank angles from firing top dead centre of the cylinder that fires first.
+        passed_on_Nm: torque behind each throw, from the free end to the takeoff, (throws, angles).
+        ahead_Nm: of a vibrating shaft, torque ahead of each throw; else what is passed on less its own.
+    """
+
+    angle_deg: Array
+    passed_on_Nm: Array
+    ahead_Nm: Array | None = None
+
+    @property
+    def engine_Nm(self) -> Array:
+        """Torque at the takeoff, N m."""
+        return np.asarray(self.passed_on_Nm[-1])
+
+
+def shaft_torque(
+    angle_deg: Array, rod_torque_Nm: Array, firing_deg: tuple[float, ...], throws: int, cycle_deg: float
+) -> ShaftTorque:
+    """Return the torque behind each throw of a shaft; where a pin has two rods, they are a bank apart.
+
+    Args:
+        rod_torque_Nm: torque of one rod at even angles after its own firing dead centre.
+        firing_deg: crank angle at which each cylinder fires; cylinder 1, at the free end, first.
+    """
+    single = np.array([phase_shift(rod_torque_Nm, angle_deg, fires, cycle_deg) for fires in firing_deg])
+    by_throw = single.reshape(-1, throws, len(angle_deg)).sum(axis=0)
+    return ShaftTorque(angle_deg, np.cumsum(by_throw, axis=0))
+
 
 INERTIA_EFFECTS = frozenset({"reciprocating_inertia", "rotating_rod_mass"})
 
@@ -21,15 +57,15 @@ class ThrowForces:
     """Forces at each crank angle of the cycle; positive toward the crank axis (compression of the rod).
 
     Attributes:
-        inertia_force_N: inertia force of the piston group, N.
-        small_end_force_N: gas and inertia force on the piston pin, N.
-        side_force_N: force of the piston on the cylinder wall, N.
-        rod_force_N: force along the rod, with the reciprocating mass of the rod, N.
-        radial_force_N: part of the rod force on the crankpin toward the crank axis, N.
-        tangential_force_N: part of the rod force on the crankpin in the direction of rotation, N.
-        web_force_N: radial force less the centrifugal force of the rod's rotating mass, N.
-        crankpin_force_N: magnitude of the force that the rod's bearing passes to the pin, N.
-        main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone, N.
+        inertia_force_N: of the piston group.
+        small_end_force_N: gas and inertia force on the piston pin.
+        side_force_N: of the piston on the cylinder wall.
+        rod_force_N: along the rod, with the reciprocating mass of the rod.
+        radial_force_N: part of the rod force on the crankpin toward the crank axis.
+        tangential_force_N: part of the rod force on the crankpin in the direction of rotation.
+        web_force_N: radial force less the centrifugal force of the rod's rotating mass.
+        crankpin_force_N: magnitude of the force that the rod's bearing passes to the pin.
+        main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone.
     """
 
     angle_deg: Array
@@ -52,11 +88,7 @@ class ThrowForces:
 
 @dataclass(frozen=True)
 class RotatingForces:
-    """Centrifugal forces of what turns with the pin, and the factor of the reciprocating masses.
-
-    Attributes:
-        r_w2_m_s2: throw radius times angular speed squared, m/s2 (N per kg).
-    """
+    """Centrifugal forces of what turns with the pin, and r w^2 for the reciprocating masses, N per kg."""
 
     r_w2_m_s2: float
     rod_N: float
@@ -66,7 +98,7 @@ class RotatingForces:
 def rotating_forces(
     engine: Engine, balance: ThrowBalance, radius_mm: float, speed_rpm: float
 ) -> RotatingForces:
-    """Centrifugal forces at a speed."""
+    """Return the centrifugal forces at a speed."""
     w2 = angular_speed_rad_s(speed_rpm) ** 2
     r_w2 = radius_mm / MM_PER_M * w2
     throw = balance.throw_unbalance_kg_mm / MM_PER_M * w2
@@ -79,11 +111,9 @@ def throw_forces(
     pressure: PressureCurve,
     balance: ThrowBalance,
     speed_rpm: float,
-    *,
-    reciprocating: bool = True,
-    rotating_rod: bool = True,
+    enabled: frozenset[str] = INERTIA_EFFECTS,
 ) -> ThrowForces:
-    """Forces of one throw over the cycle.
+    """Return the forces of one throw over the cycle.
 
     The piston group loads the piston pin; the rod's reciprocating mass joins at the small end, its rotating
     mass at the crankpin (two-mass rod). The main journals share the pin's load and the throw's own
@@ -92,13 +122,13 @@ def throw_forces(
     angle = np.radians(pressure.angle_deg)
     spinning = rotating_forces(engine, balance, radius_mm, speed_rpm)
     acceleration = exact_motion(angle, radius_mm, engine.rod_length_mm).acceleration_ratio
-    inertia_per_kg = -acceleration * spinning.r_w2_m_s2 * reciprocating
+    inertia_per_kg = -acceleration * spinning.r_w2_m_s2 * ("reciprocating_inertia" in enabled)
     gas = gas_force_N(pressure.pressure_MPa, engine)
     piston = engine.masses.piston_group_kg * inertia_per_kg
     axial = gas + piston + engine.rod_parts_kg[0] * inertia_per_kg
     ratios = force_ratios(angle, radius_mm, engine.rod_length_mm)
     radial, tangential = axial * ratios.radial, axial * ratios.tangential
-    web = radial - spinning.rod_N * rotating_rod
+    web = radial - spinning.rod_N * ("rotating_rod_mass" in enabled)
     return ThrowForces(
         angle_deg=pressure.angle_deg,
         gas_force_N=gas,
@@ -113,3 +143,67 @@ def throw_forces(
         main_journal_force_N=np.hypot(web - spinning.throw_N, tangential) / 2,
         torque_Nm=tangential * radius_mm / NMM_PER_NM,
     )
+
+
+@dataclass(frozen=True)
+class RodsOnPin:
+    """The rods on a pin as one of its webs feels them.
+
+    A throw stands on its two main bearings, and what a web carries is the reaction of the bearing beside it.
+    A rod that is nearer to one web therefore counts there by more than its force, and by less at the other:
+    by twice the lever rule's share, which is 1 in the middle of the pin.
+
+    Attributes:
+        name: the throw, or the web of it where the two differ; from the free end.
+        phase_shifts_deg: crank angles at which its rods' cylinders fire, after that of the first bank.
+        shares: by how much of itself each rod's force counts.
+    """
+
+    name: str
+    throw: int
+    phase_shifts_deg: tuple[float, ...] = (0.0,)
+    shares: tuple[float, ...] = (1.0,)
+
+    def superpose(self, curve: Array, angle_deg: Array, cycle_deg: float) -> Array:
+        """Return a force on the pin, of all its rods, from that of one rod at angles after its own firing."""
+        parts = zip(self.shares, self.phase_shifts_deg, strict=True)
+        return np.sum([share * phase_shift(curve, angle_deg, by, cycle_deg) for share, by in parts], axis=0)
+
+    def forces(self, rod: ThrowForces, throw_N: float, cycle_deg: float) -> ThrowForces:
+        """Return the forces of the throw from those of one rod; what belongs to one piston stays as it is."""
+        if self.shares == (1.0,):
+            return rod
+        radial, tangential, web = (
+            self.superpose(curve, rod.angle_deg, cycle_deg)
+            for curve in (rod.radial_force_N, rod.tangential_force_N, rod.web_force_N)
+        )
+        return replace(
+            rod,
+            radial_force_N=radial,
+            tangential_force_N=tangential,
+            web_force_N=web,
+            main_journal_force_N=np.hypot(web - throw_N, tangential) / 2,
+            torque_Nm=replace(self, shares=(1.0, 1.0)).superpose(rod.torque_Nm, rod.angle_deg, cycle_deg),
+        )
+
+
+def near_share(scene: Scene) -> float:
+    """By how much of itself a rod's force counts at the web that is nearer to it; 1 in the pin's middle."""
+    return 1 + scene.rod_offset_mm / scene.pitch_mm
+
+
+def rods_on_pins(scene: Scene, engine: Engine) -> tuple[RodsOnPin, ...]:
+    """Return the rods on the pin of every throw, or of every web where the two of a throw differ."""
+    throws, fires = engine.throws, engine.firing_angles_deg
+    if engine.rods_per_pin == 1:
+        return tuple(RodsOnPin(f"throw {throw + 1}", throw) for throw in range(throws))
+    found, near = [], near_share(scene)
+    for throw in range(throws):
+        after = (0.0, (fires[throw + throws] - fires[throw]) % engine.cycle_deg)
+        if near == 1.0:
+            found.append(RodsOnPin(f"throw {throw + 1}", throw, after, (1.0, 1.0)))
+            continue
+        for side, shares in enumerate(((near, 2 - near), (2 - near, near))):
+            name = f"web {2 * throw + side + 1} of throw {throw + 1}"
+            found.append(RodsOnPin(name, throw, after, shares))
+    return tuple(found)

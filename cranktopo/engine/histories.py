@@ -39,18 +39,13 @@ class LoadHistory:
 
 
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
-    """Load states of a scene.
+    """Return the load states of a scene; raises CranktopoError where the scene does not tell the loads.
 
     "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
     not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle. With
-    `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed too.
-
-    Args:
-        enabled: names of the effects that are on; inertia changes the forces, a load that is off stays zero.
-
-    Raises:
-        CranktopoError: the scene does not tell the loads.
+    `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed too. A load whose
+    effect is not enabled stays zero.
     """
     if scene.engine is None:
         raise CranktopoError(

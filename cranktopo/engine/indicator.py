@@ -12,7 +12,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.reading import read_text_file
+from cranktopo.base.files import read_text_file
 from cranktopo.base.units import MPA_PER_BAR
 
 _HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pressure_MPa)."
@@ -24,159 +24,149 @@ _LARGEST_STEP_DEG = 5.0
 
 
 def read_indicator(path: str | Path, cycle_deg: float, ambient_pressure_MPa: float) -> tuple[Array, Array]:
-    """Angles and pressures of a measured indicator diagram over one cycle.
+    """Return ascending angles (deg) and absolute pressures (MPa) of an indicator diagram over one cycle.
 
     The header names the columns and their units: an angle in deg and an absolute pressure in bar or MPa.
-    Angles ascend and cover one cycle from any start; they are counted from firing top dead centre.
-
-    Args:
-        path: the CSV file: comma, semicolon or tab between columns; lines with # are skipped. A decimal comma
-            is read where the columns are not separated by commas.
-
-    Returns:
-        Angles in 0 .. cycle_deg, ascending (deg), and absolute pressures (MPa).
+    Angles ascend and cover one cycle from any start; they are counted from firing top dead centre. Comma,
+    semicolon or tab stand between columns; lines with # are skipped. A decimal comma is read where the
+    columns are not separated by commas.
 
     Raises:
         CranktopoError: unreadable, no unit, missing, duplicate or descending angles, wrong period, a value
             that is not a number, a pressure below vacuum or out of any engine's range.
     """
-    lines = _read_lines(path)
-    mark = _delimiter(lines[0][1])
-    rows = [_cells(path, number, line, mark) for number, line in lines]
-    angle_column, pressure_column, factor = _columns(path, rows[0])
-    numbers = [number for number, _ in lines[1:]]
-    _check_width(path, rows, numbers, mark)
-    angle = _column(path, rows[1:], numbers, angle_column, mark)
-    pressure = _column(path, rows[1:], numbers, pressure_column, mark) * factor
-    _check_ascending(path, angle, numbers)
-    _check_pressure(path, pressure, numbers, ambient_pressure_MPa)
-    return _one_cycle(path, angle, pressure, cycle_deg)
+    name = f"engine.gas.indicator_csv = {quoted(str(path), 400)}"
+    try:
+        lines = _read_lines(path, name)
+        mark = max(",;\t", key=lines[0][1].count)
+        rows = [_cells(number, line, mark) for number, line in lines]
+        angle_column, pressure_column, factor = _columns(rows[0])
+        numbers = [number for number, _ in lines[1:]]
+        _check_width(rows, numbers, mark)
+        angle = _column(rows[1:], numbers, angle_column, mark)
+        pressure = _column(rows[1:], numbers, pressure_column, mark) * factor
+        _check_ascending(angle, numbers)
+        _check_pressure(pressure, numbers, ambient_pressure_MPa)
+        return _one_cycle(angle, pressure, cycle_deg)
+    except _UnusableError as error:
+        raise CranktopoError(f"{name}: {error}.", hint=error.hint) from None
 
 
-def _read_lines(path: str | Path) -> list[tuple[int, str]]:
+class _UnusableError(ValueError):
+    def __init__(self, what: str, hint: str = "") -> None:
+        super().__init__(what)
+        self.hint = hint
+
+
+def _read_lines(path: str | Path, name: str) -> list[tuple[int, str]]:
     hint = "Names are relative to the folder of the design."
-    text = read_text_file(path, _name(path), hint=hint)
+    text = read_text_file(path, name, hint=hint)
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1)]
     lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 3:
-        raise _error(path, "has no rows of numbers", _HEADER_HINT)
+        raise _UnusableError("has no rows of numbers", _HEADER_HINT)
     return lines
 
 
-def _delimiter(header: str) -> str:
-    return max(",;\t", key=header.count)
-
-
-def _cells(path: str | Path, number: int, line: str, mark: str) -> list[str]:
+def _cells(number: int, line: str, mark: str) -> list[str]:
     """Cells of one line; a line break inside quotes is no part of a table of numbers."""
     try:
         (cells,) = csv.reader([line], delimiter=mark, strict=True)
     except csv.Error:
-        raise _error(path, f"line {number}: a quote is not closed", "Remove the quotes.") from None
+        raise _UnusableError(f"line {number}: a quote is not closed", "Remove the quotes.") from None
     return [cell.strip() for cell in cells]
 
 
-def _check_width(path: str | Path, rows: list[list[str]], numbers: list[int], mark: str) -> None:
+def _check_width(rows: list[list[str]], numbers: list[int], mark: str) -> None:
     """No row may hold more cells than the header: a decimal comma would become a column."""
     width = len(rows[0])
     for number, row in zip(numbers, rows[1:], strict=True):
         if any(row[width:]):
             hint = "With a decimal comma, put semicolons between the columns." if mark == "," else ""
-            raise _error(path, f"line {number}: {len(row)} cells under a header of {width}", hint)
+            raise _UnusableError(f"line {number}: {len(row)} cells under a header of {width}", hint)
 
 
-def _columns(path: str | Path, header: list[str]) -> tuple[int, int, float]:
+def _columns(header: list[str]) -> tuple[int, int, float]:
     """Index of the angle column, of the pressure column, and the factor from its unit to MPa."""
     words = [set(re.split(r"[^a-z]+", cell.lower())) for cell in header]
     angles = [i for i, cell in enumerate(words) if cell & {"angle", "deg", "crank", "degrees"}]
     pressures = [i for i, cell in enumerate(words) if cell & {"pressure", "p", *_PRESSURE_UNITS}]
     if not angles or not any(word.startswith("deg") for word in words[angles[0]]):
-        raise _error(path, f"header {quoted(header)}: no crank angle in deg", _HEADER_HINT)
+        raise _UnusableError(f"header {quoted(header)}: no crank angle in deg", _HEADER_HINT)
     units = [word for word in _PRESSURE_UNITS if pressures and word in words[pressures[0]]]
     if len(units) != 1:
-        raise _error(path, f"header {quoted(header)}: no pressure in bar or MPa", _HEADER_HINT)
+        raise _UnusableError(f"header {quoted(header)}: no pressure in bar or MPa", _HEADER_HINT)
     return angles[0], pressures[0], _PRESSURE_UNITS[units[0]]
 
 
-def _column(path: str | Path, rows: list[list[str]], numbers: list[int], column: int, mark: str) -> Array:
+def _column(rows: list[list[str]], numbers: list[int], column: int, mark: str) -> Array:
     cells = [row[column] if column < len(row) else "" for row in rows]
     decimal_comma = mark != "," and any("," in cell for cell in cells)
     values = []
     for number, cell in zip(numbers, cells, strict=True):
         text = cell.replace(",", ".") if decimal_comma and "." not in cell else cell
         if not _NUMBER.fullmatch(text):
-            raise _error(
-                path, f"line {number}: {quoted(cell)} is not a number", "Correct or remove that row."
+            raise _UnusableError(
+                f"line {number}: {quoted(cell)} is not a number", "Correct or remove that row."
             )
         if abs(float(text)) > _LARGEST:
-            raise _error(path, f"line {number}: {quoted(cell)} is out of any range", "Correct that row.")
+            raise _UnusableError(f"line {number}: {quoted(cell)} is out of any range", "Correct that row.")
         if decimal_comma and "." in cell:
-            raise _error(path, f"line {number}: {quoted(cell)} beside decimal commas", "Use one of the two.")
+            raise _UnusableError(
+                f"line {number}: {quoted(cell)} beside decimal commas", "Use one of the two."
+            )
         values.append(float(text))
     return np.array(values)
 
 
-def _check_ascending(path: str | Path, angle: Array, numbers: list[int]) -> None:
+def _check_ascending(angle: Array, numbers: list[int]) -> None:
     for number, (before, after) in zip(numbers[1:], pairwise(angle), strict=True):
         if after <= before:
             what = "repeats" if after == before else "falls below"
-            raise _error(
-                path,
+            raise _UnusableError(
                 f"line {number}: angle {after:g} deg {what} the one before ({before:g} deg)",
                 "Angles must ascend; sort the rows and remove duplicates.",
             )
 
 
-def _check_pressure(path: str | Path, pressure: Array, numbers: list[int], ambient_MPa: float) -> None:
+def _check_pressure(pressure: Array, numbers: list[int], ambient_MPa: float) -> None:
     lowest = int(pressure.argmin())
     if pressure[lowest] < 0:
-        raise _error(
-            path,
+        raise _UnusableError(
             f"line {numbers[lowest]}: pressure {pressure[lowest]:g} MPa is below vacuum",
             "Pressures must be absolute, not gauge.",
         )
     peak = float(pressure.max())
     if not 2 * ambient_MPa < peak < _HIGHEST_MPA:
-        raise _error(
-            path,
+        raise _UnusableError(
             f"peak pressure {peak:g} MPa is outside {2 * ambient_MPa:.3g} to {_HIGHEST_MPA:g} MPa",
             "Check the unit in the header: bar or MPa.",
         )
 
 
-def _one_cycle(path: str | Path, angle: Array, pressure: Array, cycle_deg: float) -> tuple[Array, Array]:
+def _one_cycle(angle: Array, pressure: Array, cycle_deg: float) -> tuple[Array, Array]:
     """Points wrapped to 0 .. cycle_deg, after a check that they cover it once and without gaps."""
     span = float(angle[-1] - angle[0])
     if not cycle_deg - _LARGEST_STEP_DEG <= span <= cycle_deg * (1 + 1e-9):
-        raise _error(
-            path,
+        raise _UnusableError(
             f"angles span {span:g} deg, not one cycle of {cycle_deg:g} deg",
             "Correct the file or engine.strokes.",
         )
     if math.isclose(span, cycle_deg):  # the last point is the first one of the next cycle
         angle, pressure = angle[:-1], pressure[:-1]
-    _check_gaps(path, angle, np.diff(np.append(angle, angle[0] + cycle_deg)))
+    _check_gaps(angle, np.diff(np.append(angle, angle[0] + cycle_deg)))
     wrapped = np.mod(angle, cycle_deg)
     order = np.argsort(wrapped)
     return wrapped[order], pressure[order]
 
 
-def _check_gaps(path: str | Path, angle: Array, gaps: Array) -> None:
+def _check_gaps(angle: Array, gaps: Array) -> None:
     """A step may change along the file, but none may stand out against both of its neighbours."""
     usual = np.maximum(np.roll(gaps, 1), np.roll(gaps, -1))
     worst = int((gaps / usual).argmax())
     if gaps[worst] > 1.5 * usual[worst] or gaps.max() > _LARGEST_STEP_DEG:
         worst = worst if gaps[worst] > 1.5 * usual[worst] else int(gaps.argmax())
-        raise _error(
-            path,
+        raise _UnusableError(
             f"angles are missing between {angle[worst]:g} and {angle[worst] + gaps[worst]:g} deg",
             f"Steps may not exceed {_LARGEST_STEP_DEG:g} deg nor 1.5 times the steps around them.",
         )
-
-
-def _error(path: str | Path, what: str, hint: str) -> CranktopoError:
-    return CranktopoError(f"{_name(path)}: {what}.", hint=hint)
-
-
-def _name(path: str | Path) -> str:
-    return f"engine.gas.indicator_csv = {quoted(str(path), 400)}"

@@ -19,13 +19,7 @@ _HARMONIC_POINTS = 4096
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of the piston, one value per crank angle.
-
-    Attributes:
-        displacement_mm: distance of the piston from its top dead centre, mm.
-        velocity_ratio: velocity over r w (r throw radius, w angular speed).
-        acceleration_ratio: acceleration toward the crank over r w^2.
-    """
+    """Motion of the piston: distance from top dead centre, velocity over r w, acceleration over r w^2."""
 
     displacement_mm: Array
     velocity_ratio: Array
@@ -33,10 +27,8 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class ForceRatios:
-    """Forces of the mechanism per unit of force along the cylinder axis, one value per crank angle.
-
-    The angle of the rod to that axis is b.
+class _ForceRatios:
+    """Forces of the mechanism per unit of force along the cylinder axis; b is the angle of the rod to it.
 
     Attributes:
         side: force of the piston on the cylinder wall, tan b.
@@ -52,17 +44,12 @@ class ForceRatios:
 
 
 def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
-    """Piston motion in closed form.
+    """Return the piston's motion in closed form at crank angles a from top dead centre.
 
     With lam = r/l and q = sqrt(1 - lam^2 sin^2 a):
     x = r + l - r cos a - l q, v = r w sin a (1 + lam cos a / q),
     acc = r w^2 (cos a + lam cos 2a / q + lam^3 sin^2 2a / (4 q^3)).
-
-    Args:
-        angle_rad: crank angle a from top dead centre, rad.
-
-    Raises:
-        CranktopoError: the rod is not longer than the throw.
+    Raises CranktopoError where the rod is not longer than the throw.
     """
     lam = _crank_ratio(radius_mm, rod_length_mm)
     sin, cos = np.sin(angle_rad), np.cos(angle_rad)
@@ -75,7 +62,7 @@ def exact_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Mo
 
 
 def acceleration_harmonics(radius_mm: float, rod_length_mm: float, orders: Sequence[int]) -> Array:
-    """Fourier coefficients of the exact acceleration over r w^2: acc = r w^2 sum of c_n cos(n a).
+    """Return Fourier coefficients of the exact acceleration over r w^2: acc = r w^2 sum of c_n cos(n a).
 
     The mean over evenly spaced angles is exact to rounding as soon as they resolve the last harmonic that
     counts: those of order n fall as exp(-n arcosh(l/r)).
@@ -91,7 +78,7 @@ def phase_shift(curve: Curve, angle_deg: Array, by_deg: float, cycle_deg: float)
 
 
 def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> Motion:
-    """Piston motion by the textbook series to the first order of r/l."""
+    """Return the piston's motion by the textbook series to the first order of r/l."""
     lam = _crank_ratio(radius_mm, rod_length_mm)
     sin, cos = np.sin(angle_rad), np.cos(angle_rad)
     return Motion(
@@ -101,11 +88,11 @@ def series_motion(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> M
     )
 
 
-def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> ForceRatios:
+def force_ratios(angle_rad: Array, radius_mm: float, rod_length_mm: float) -> _ForceRatios:
     """Return how a force along the cylinder axis splits at the rod and the crankpin."""
     rod_angle = np.arcsin(_crank_ratio(radius_mm, rod_length_mm) * np.sin(angle_rad))
     cos_b = np.cos(rod_angle)
-    return ForceRatios(
+    return _ForceRatios(
         side=np.tan(rod_angle),
         rod=1.0 / cos_b,
         radial=np.cos(angle_rad + rod_angle) / cos_b,

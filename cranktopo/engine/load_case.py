@@ -16,10 +16,8 @@ _LARGE = 1000
 
 
 @dataclass(frozen=True)
-class LoadType:
-    """Properties of all load cases of one kind.
-
-    Its weight in the objective is `optimise.weights` of its name, its switch `effects` of its name.
+class _LoadType:
+    """Properties of all load cases of one kind; its name is that of its weight and of its switch.
 
     Attributes:
         state: extreme load state that it comes from.
@@ -27,8 +25,7 @@ class LoadType:
         label: its load in words, as in `radial force 32,377 N`.
         main: it always counts where sizes cannot be compared, and the others are compared with it.
         unit_load: load of a scene without an engine; 0 where there is no such case then.
-        odd_in_x, odd_in_z: the load is antisymmetric about the mirror plane of the webs, about the mid-pin
-            plane; else it is symmetric.
+        odd_in_x, odd_in_z: antisymmetric about the mirror plane of the webs, about the mid-pin plane.
     """
 
     name: LoadKind
@@ -41,11 +38,11 @@ class LoadType:
     odd_in_z: bool = False
 
 
-LOAD_TYPES: dict[LoadKind, LoadType] = {
+LOAD_TYPES: dict[LoadKind, _LoadType] = {
     kind.name: kind
     for kind in (
-        LoadType("bending", "max_radial", "radial_N", "radial force", main=True, unit_load=1e3),
-        LoadType(
+        _LoadType("bending", "max_radial", "radial_N", "radial force", main=True, unit_load=1e3),
+        _LoadType(
             "torsion",
             "max_torque",
             "torque_Nm",
@@ -55,15 +52,10 @@ LOAD_TYPES: dict[LoadKind, LoadType] = {
             odd_in_x=True,
             odd_in_z=True,
         ),
-        LoadType(
-            "tangential",
-            "max_tangential",
-            "tangential_N",
-            "tangential force",
-            unit_load=1e3,
-            odd_in_x=True,
+        _LoadType(
+            "tangential", "max_tangential", "tangential_N", "tangential force", unit_load=1e3, odd_in_x=True
         ),
-        LoadType("centrifugal", "overspeed_inertia", "speed_rpm", "centrifugal force"),
+        _LoadType("centrifugal", "overspeed_inertia", "speed_rpm", "centrifugal force"),
     )
 }
 """The kinds of load cases in the order in which cases are listed."""

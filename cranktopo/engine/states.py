@@ -7,19 +7,18 @@ another's needs no case of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis, analyse, at_worst_speed
-from cranktopo.engine.forces import rotating_forces
+from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_worst_speed, extremes_of
+from cranktopo.engine.forces import INERTIA_EFFECTS, near_share, rods_on_pins, rotating_forces
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
-from cranktopo.engine.load_case import LOAD_TYPES, LoadCase, LoadKind
-from cranktopo.engine.rods_on_pin import near_share, rods_on_pins
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadCase, LoadKind
 
 
 @dataclass(frozen=True)
@@ -29,8 +28,8 @@ class ExtremeState:
     Attributes:
         name: `max_radial`, `max_torque`, `min_torque`, `max_tangential` or `overspeed_inertia`.
         case: its loads, under the name of the load case that it would be.
-        deg: crank angle from firing top dead centre, deg; None when the scene gives only the value.
-        unit: whether the load is a unit load because the scene does not tell its size.
+        deg: crank angle from firing top dead centre; None when the scene gives only the value.
+        unit: the scene does not tell its size.
         redundant: why it needs no load case of its own; empty when it is one.
     """
 
@@ -48,31 +47,21 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
         enabled: names of the effects that are on; the inertia effects change the forces, without
             `centrifugal` the overspeed state acts on the pin alone, and with `torsional_vibration` the
             torques are those of the shaft at its worst speed.
-
-    Raises:
-        CranktopoError: gas data that cannot be used.
     """
     if scene.engine is None:
         why = "unit load: the scene has no engine"
         return tuple(_unit_state(kind.name, why) for kind in LOAD_TYPES.values() if kind.unit_load)
     analysis = analyse(scene, enabled)
-    twisting = _twisting(scene, analysis, enabled)
-    torques = _torques(twisting)
-    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", torques[0])]
-    states.append(_tangential(analysis))
-    if torques[1] is not None:
-        states.append(_torque_state(twisting, "min_torque", torques[1]))
+    vibrates = "torsional_vibration" in enabled
+    twisting = analyse(at_worst_speed(scene, enabled), enabled) if vibrates else analysis
+    high, low = _torques(twisting)
+    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", high), _tangential(analysis)]
+    if low is not None:
+        states.append(_torque_state(twisting, "min_torque", low))
     overspeed = _overspeed(scene, analysis, enabled)
     if _load(overspeed) or overspeed.case.speed_rpm:
         states.append(overspeed)
     return _mark_redundant(tuple(states), enabled)
-
-
-def _twisting(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) -> LoadAnalysis:
-    """Return the analysis that the torques are taken from: of a vibrating shaft that at its worst speed."""
-    if "torsional_vibration" not in enabled:
-        return analysis
-    return analyse(at_worst_speed(scene, enabled), enabled)
 
 
 def _unit_state(name: LoadKind, why: str) -> ExtremeState:
@@ -89,13 +78,11 @@ def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
         case = LoadCase(name="bending", kind="bending", radial_N=given * share, source=source)
         return ExtremeState("max_radial", case)
     if cycle is None:
-        why = "unit load: neither engine.gas nor engine.max_gas_force_N is given"
-        return _unit_state("bending", why)
+        return _unit_state("bending", "unit load: neither engine.gas nor engine.max_gas_force_N is given")
     worst = cycle.largest("web_force_N")
     source = f"largest radial force on the web, at {_where(analysis, worst)}"
-    return ExtremeState(
-        "max_radial", LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source), worst.deg
-    )
+    case = LoadCase(name="bending", kind="bending", radial_N=worst.value, source=source)
+    return ExtremeState("max_radial", case, worst.deg)
 
 
 def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
@@ -103,7 +90,8 @@ def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
     engine, cycle = analysis.engine, analysis.cycle
     high = low = None
     if cycle is not None:
-        high, low = _shaft_extremes(cycle)
+        angle, behind = cycle.torque.angle_deg, cycle.torque.passed_on_Nm
+        high, low = extremes_of(angle, behind.max(axis=0))[0], extremes_of(angle, behind.min(axis=0))[1]
     if engine.max_torque_Nm is not None:
         high = Extreme(engine.max_torque_Nm, None)
     if engine.min_torque_Nm is not None:
@@ -111,28 +99,17 @@ def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
     return high, low
 
 
-def _shaft_extremes(cycle: Cycle) -> tuple[Extreme, Extreme]:
-    """Extremes of the torque behind any throw of the shaft."""
-    highest, lowest = cycle.torque.passed_on_Nm.max(axis=0), cycle.torque.passed_on_Nm.min(axis=0)
-    angle = cycle.torque.angle_deg
-    high, low = int(highest.argmax()), int(lowest.argmin())
-    return Extreme(float(highest[high]), float(angle[high])), Extreme(float(lowest[low]), float(angle[low]))
-
-
 def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> ExtremeState:
     if torque is None:
         return _unit_state("torsion", "unit load: neither engine.gas nor engine.max_torque_Nm is given")
     which = "largest" if name == "max_torque" else "smallest"
-    shaft = " of the vibrating shaft" if _vibrates(analysis) else ""
+    vibrates = analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
+    shaft = " of the vibrating shaft" if vibrates else ""
     source = f"{which} torque behind a throw{shaft}, at {_where(analysis, torque)}"
     if torque.deg is None:
         source = f"engine.{name}_Nm"
     case = LoadCase(name="torsion", kind="torsion", torque_Nm=torque.value, source=source)
     return ExtremeState(name, case, torque.deg)
-
-
-def _vibrates(analysis: LoadAnalysis) -> bool:
-    return analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
 
 
 def _tangential(analysis: LoadAnalysis) -> ExtremeState:
@@ -183,15 +160,15 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
     """Keep the largest state of each kind as the load case; the others are multiples of it."""
     marked = []
     for state in states:
-        rival = max((s for s in states if s.case.kind == state.case.kind), key=_size)
-        why = ""
+        rival = max((s for s in states if s.case.kind == state.case.kind), key=lambda s: abs(_load(s)))
         if rival is not state:
             factor = _load(state) / _load(rival) if _load(rival) else 0.0
             why = (
                 f"{factor:+.3f} times {rival.name}: a linear structure has the same best shape, and "
                 f"{100 * factor**2:.1f} % of its compliance"
             )
-        marked.append(ExtremeState(state.name, state.case, state.deg, state.unit, why) if why else state)
+            state = replace(state, redundant=why)
+        marked.append(state)
     order = list(LOAD_TYPES)
     return tuple(sorted(marked, key=lambda s: (bool(s.redundant), order.index(s.case.kind))))
 
@@ -201,12 +178,29 @@ def _load(state: ExtremeState) -> float:
     return case.radial_N or case.torque_Nm or case.tangential_N
 
 
-def _size(state: ExtremeState) -> float:
-    return abs(_load(state))
-
-
 def _where(analysis: LoadAnalysis, extreme: Extreme) -> str:
     if extreme.deg is None:
         return ""
     place = f", {extreme.place}" if extreme.place else ""
     return f"{extreme.deg:g} deg, {analysis.engine.speed_rpm:g} rpm{place}"
+
+
+__all__ = ["DEFAULT_EFFECTS", "LoadCase", "LoadKind", "load_cases"]
+
+DEFAULT_EFFECTS = INERTIA_EFFECTS | set(MAIN_KINDS)
+
+
+def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
+    """Return the load cases of a scene, one per kind that is enabled, in the order of `LOAD_TYPES`.
+
+    Args:
+        scene: the scene; without an engine the cases carry unit loads (1000 N, 1 N m).
+        enabled: names of the effects that are on; bending, torsion and the inertia of piston and rod when
+            not given.
+
+    Raises:
+        CranktopoError: gas data that cannot be used.
+    """
+    effects = DEFAULT_EFFECTS if enabled is None else enabled
+    states = extreme_states(scene, effects)
+    return tuple(state.case for state in states if not state.redundant and state.case.kind in effects)

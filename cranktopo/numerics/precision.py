@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Literal
 from weakref import WeakSet
 
-from cranktopo.base.cache import user_cache
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
+from cranktopo.base.machine import user_cache
 
 Precision = Literal["float32", "float64"]
 

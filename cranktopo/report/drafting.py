@@ -13,11 +13,9 @@ TEXT_SIZE = 7.5
 def dimension(
     axes: Any, start: tuple[float, float], end: tuple[float, float], shift: tuple[float, float], text: str
 ) -> None:
-    """A dimension line between two points, with extension lines and its number.
+    """Draw a dimension line between two points, with extension lines and its number.
 
-    Args:
-        start, end: the two points, mm.
-        shift: how far the line is moved off the points, mm; across it, one component being 0.
+    It is moved off the points across the line by `shift`, one component being 0; all in mm.
     """
     a, b = (np.array(point) + np.array(shift) for point in (start, end))
     if shift[0]:  # vertical dimension: both extension lines reach the same x
@@ -42,37 +40,28 @@ def dimension(
 def circle(
     axes: Any, radius: float, y: float, style: str, width: float, fill: str = "none", x: float = 0.0
 ) -> None:
-    """A circle."""
+    """Draw a circle."""
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((x, y), radius, fc=fill, ec=INK, lw=width, ls=style))
 
 
 def ghost(axes: Any, polygons: list[Any]) -> None:
-    """Outlines of another body, dashed.
-
-    Args:
-        polygons: the outlines, (n, 2) each, mm.
-    """
+    """Draw outlines of another body, (n, 2) each, dashed."""
     for polygon in polygons:
         closed = np.vstack([polygon, polygon[:1]])
         axes.plot(closed[:, 0], closed[:, 1], color=GHOST, lw=1.0, ls="--")
 
 
 def finish(axes: Any, title: str) -> None:
-    """Equal scales, a title, no frame."""
+    """Give the axes equal scales, a title and no frame."""
     axes.set_aspect("equal")
     axes.set_title(title, fontsize=10, loc="left", color=THIN)
     axes.axis("off")
 
 
 def hatched(axes: Any, polygons: list[Any], hatch: str = "////") -> None:
-    """A cut area: polygons with their holes by orientation.
-
-    Args:
-        polygons: outlines and holes, (n, 2) each, mm.
-        hatch: matplotlib's hatch pattern; empty for none.
-    """
+    """Draw a cut area: outlines and holes by orientation, (n, 2) each, with matplotlib's hatch or none."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -81,14 +70,14 @@ def hatched(axes: Any, polygons: list[Any], hatch: str = "////") -> None:
 
 
 def frame(axes: Any, x: float, y: float, width: float, height: float, line: float) -> None:
-    """A rectangle from its lower left corner."""
+    """Draw a rectangle from its lower left corner."""
     from matplotlib.patches import Rectangle
 
     axes.add_patch(Rectangle((x, y), width, height, fc="none", ec=INK, lw=line))
 
 
 def projection_symbol(axes: Any, x: float, y: float) -> None:
-    """The sign of first-angle projection (ISO 5456-2): a cone from its side and from its end; 14 x 6 mm."""
+    """Draw the sign of first-angle projection (ISO 5456-2), 14 x 6 mm: a cone from its side and its end."""
     axes.plot([x, x + 6, x + 6, x, x], [y - 1.5, y - 3, y + 3, y + 1.5, y - 1.5], color=INK, lw=0.8)
     for radius in (1.5, 3.0):
         circle(axes, radius, y, "-", 0.8, x=x + 11)

@@ -1,7 +1,8 @@
-"""A plot with its text for readers who cannot see it."""
+"""A plot with its text for readers who cannot see it, the look that all axes share, figures as PNG."""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -9,18 +10,31 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+
+GREY = "0.35"
+
+
+def plain(axes: Any) -> None:
+    """Give the axes small tick labels, and lines only at the left and below."""
+    axes.tick_params(labelsize=8)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:
+    """Return a figure as PNG."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi, facecolor=facecolor)
+    return stream.getvalue()
+
+
 _WIDE_INCHES = 9.0
 _PANEL_INCHES, _AXES, _POLAR_AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74), (0.07, 0.09, 0.5, 0.72)
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A plot.
-
-    Attributes:
-        alt: what a reader who cannot see it needs to know.
-        raster: pixels where it would otherwise be vectors: thousands of faces.
-    """
+    """A plot and its text for a reader who cannot see it; as pixels where it has thousands of faces."""
 
     name: str
     figure: Figure
@@ -36,8 +50,7 @@ class Picture:
 def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
     """Return a plot with one pair of axes; `draw` is called with them and the arguments.
 
-    Args:
-        polar: axes of direction and size, with room for a legend beside them.
+    Polar axes leave room for a legend beside them.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -1,34 +1,140 @@
-"""Writes a report in the form that its file name asks for."""
+"""A report as a file: HTML that loads nothing from elsewhere, or Markdown with PNGs beside it."""
 
 from __future__ import annotations
 
+import base64
+import io
+import re
+from importlib import metadata
 from pathlib import Path
+from urllib.parse import quote
 
-from cranktopo.base.files import write_text
-from cranktopo.report.html import html
-from cranktopo.report.markdown_page import write_markdown
-from cranktopo.report.page import Page
+from cranktopo.base.files import write_bytes, write_text
+from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.plot import Picture, png
+from cranktopo.report.result_table import escaped, markdown
+from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
+
+TEMPLATES = Path(__file__).parent / "template"
+# Greys of the plots that follow the theme of the page.
+_THEME = {
+    "#000000": "currentColor",
+    "#ffffff": "var(--panel)",
+    "#e6e6e6": "var(--line)",
+    "#cccccc": "var(--line)",
+    "#b0b0b0": "var(--muted)",
+    "#bfbfbf": "var(--muted)",
+    "#999999": "var(--muted)",
+    "#808080": "var(--muted)",
+    "#737373": "var(--muted)",
+    "#595959": "var(--muted)",
+}
+
+
+def html(page: Page) -> str:
+    """Return the report as the text of an HTML file."""
+    from jinja2 import Environment, FileSystemLoader
+    from markupsafe import Markup
+
+    environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
+    return environment.get_template("report.html.j2").render(
+        page=page,
+        style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
+        script=Markup(SCRIPT.read_text(encoding="utf-8")),
+        scene3d=Markup(packed(page.scene3d)) if page.scene3d else "",
+        still=Markup(_inline_png(page.picture)) if page.picture else "",
+        drawings={
+            p.name: Markup(_inline_png(p) if p.raster else _inline_svg(p))
+            for section in page.sections
+            for p in section.pictures
+        },
+        version=metadata.version("cranktopo"),
+    )
+
+
+def _inline_png(picture: Picture) -> str:
+    data = base64.b64encode(png(picture.figure)).decode("ascii")
+    return f'<img src="data:image/png;base64,{data}" alt="{_attribute(picture.alt)}">'
+
+
+def _inline_svg(picture: Picture) -> str:
+    """Return the plot as SVG for the body of a page: text as text, greys of the theme, no size of its own."""
+    import matplotlib as mpl
+
+    stream = io.StringIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": picture.name}):
+        picture.figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    text = stream.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r' width="[^"]*pt"| height="[^"]*pt"| xmlns[:a-z]*="[^"]*"', "", text, count=4)
+    text = re.sub(r'<g id="[^"]*"', "<g", text)
+    text = re.sub(r"font: (\d[\d.]*px) [^;\"]*", r"font-size: \1; font-family: inherit", text)
+    for grey, colour in _THEME.items():
+        text = text.replace(grey, colour)
+    return text.replace("<svg", f'<svg role="img" aria-label="{_attribute(picture.alt)}"', 1)
+
+
+def _attribute(text: str) -> str:
+    from markupsafe import escape
+
+    return str(escape(text))
+
+
+_DPI = 150
+
+
+def write_markdown(page: Page, path: Path) -> None:
+    """Write the report to a .md file, its plots in the folder `<name>-pictures` beside it."""
+    folder = path.with_name(f"{path.stem}-pictures")
+    folder.mkdir(exist_ok=True)
+    for picture in _pictures(page):
+        write_bytes(folder / f"{picture.name}.png", png(picture.figure, _DPI, "white"))
+    write_text(path, markdown_text(page, folder.name))
+
+
+def markdown_text(page: Page, folder: str) -> str:
+    """Return the report as Markdown, its plots in a folder relative to the text."""
+    blocks = [f"# {escaped(page.title)}", escaped(page.subtitle), f"**{escaped(page.headline)}**"]
+    blocks.append("\n".join(_fact(fact) for fact in page.facts))
+    if page.picture:
+        blocks.append(_image(page.picture, folder))
+    blocks += [block for section in page.sections for block in _section(section, folder)]
+    return "\n\n".join(blocks) + "\n"
+
+
+def _pictures(page: Page) -> list[Picture]:
+    stills = [page.picture] if page.picture else []
+    return stills + [picture for section in page.sections for picture in section.pictures]
+
+
+def _fact(fact: Fact) -> str:
+    return f"- {escaped(fact.label)}: **{escaped(fact.value)}** ({escaped(fact.note)})"
+
+
+def _section(section: Section, folder: str) -> list[str]:
+    blocks = [f"## {escaped(section.title)}", *([escaped(section.text)] if section.text else [])]
+    for caption, table in section.tables:
+        blocks += [f"{escaped(caption)}:", markdown(table)]
+    return blocks + [_image(picture, folder) for picture in section.pictures]
+
+
+def _image(picture: Picture, folder: str) -> str:
+    return f"![{escaped(picture.alt)}]({quote(folder)}/{quote(picture.name)}.png)"
+
 
 REPORT = "report.html"
 _SUFFIXES = (".html", ".md")
 
 
 def check_report_path(path: Path) -> None:
-    """Check, before long work, that a report can go there.
-
-    Raises:
-        CranktopoError: another suffix than a report has, or no such folder.
-    """
+    """Check, before long work, that a report can go there; raises CranktopoError."""
     check_file(path, "report", _SUFFIXES)
 
 
 def write_report(page: Page, path: Path) -> None:
-    """Write a report as HTML or Markdown, by the ending of its name; replaced only when it is complete.
-
-    Raises:
-        CranktopoError: another ending, no such folder, or it cannot be written.
-    """
+    """Write a report as HTML or Markdown, by the ending of its name; replaced only when it is complete."""
     check_report_path(path)
     if path.suffix.lower() == ".md":
         write_markdown(page, path)

@@ -1,15 +1,49 @@
-"""One table, four forms: terminal, Markdown, CSV, JSON rows. Columns have names, never positions."""
+"""One table, four forms: terminal, Markdown, CSV, JSON rows; and plain text tables that wrap."""
 
 from __future__ import annotations
 
 import csv
 import io
 import re
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any, Generic, TypeVar
 
 from cranktopo.base.units import stem_and_unit
+
+
+def text_table(
+    align: str, header: Sequence[str], rows: Sequence[Sequence[str]], wrap: Mapping[int, int] | None = None
+) -> str:
+    """Return columns padded to their widest cell, two spaces apart.
+
+    Args:
+        align: one letter per column, `l` or `r`.
+        wrap: greatest width of a column, by its index; longer cells continue on the next line.
+    """
+    limits = wrap or {}
+    lines = [line for row in (header, *rows) for line in _wrapped(row, limits)]
+    widths = [max(len(cell) for cell in column) for column in zip(*lines, strict=True)]
+    return "\n".join(_padded(line, widths, align) for line in lines)
+
+
+def _wrapped(row: Sequence[str], limits: Mapping[int, int]) -> list[tuple[str, ...]]:
+    cells = [
+        textwrap.wrap(cell, limits[index]) or [""] if index in limits else [cell]
+        for index, cell in enumerate(row)
+    ]
+    return list(zip_longest(*cells, fillvalue=""))
+
+
+def _padded(cells: Sequence[str], widths: Sequence[int], align: str) -> str:
+    padded = [
+        cell.ljust(width) if side == "l" else cell.rjust(width)
+        for cell, width, side in zip(cells, widths, align, strict=True)
+    ]
+    return "  ".join(padded).rstrip()
+
 
 _SPECIAL = re.compile(r"([\\`*_|\[\]<>~&$#])")
 """What Markdown and its tables read as a sign of their own anywhere in a line."""
@@ -22,7 +56,7 @@ Row = Mapping[str, Cell]
 
 @dataclass(frozen=True)
 class ResultTable:
-    """A table of text and numbers.
+    """A table of text and numbers; columns have names, never positions.
 
     Attributes:
         columns: decimals by machine name, in order; the name ends in the unit, e.g. `mass_kg`. Text ignores
@@ -84,7 +118,9 @@ def terminal(table: ResultTable) -> str:
     body = [table.cells(row) for row in range(len(table.rows))]
     lines = [[head[part] for head in heads] for part in (0, 1)] + body
     widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
-    return "\n".join(_align(line, widths) for line in [*lines[:2], ["-" * w for w in widths], *lines[2:]])
+    align = "l" + "r" * (len(heads) - 1)
+    lines.insert(2, ["-" * width for width in widths])
+    return "\n".join(_padded(line, widths, align) for line in lines)
 
 
 def markdown(table: ResultTable) -> str:
@@ -124,8 +160,3 @@ def comma_separated(table: ResultTable) -> str:
 def records(table: ResultTable) -> list[dict[str, Any]]:
     """Return the rows as objects keyed by machine name, full precision."""
     return [dict(row) for row in table.rows]
-
-
-def _align(cells: Sequence[str], widths: Sequence[int]) -> str:
-    numbers = [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
-    return "  ".join([cells[0].ljust(widths[0]), *numbers]).rstrip()

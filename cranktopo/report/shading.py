@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
-Colour = tuple[float, float, float]
+_Colour = tuple[float, float, float]
 WEB_COLOUR = (0.30, 0.52, 0.80)
 JOURNAL_COLOUR = (0.78, 0.79, 0.81)
 STRESS_COLOURS = (
@@ -48,9 +48,7 @@ class ShadedMesh:
     """A mesh made ready for drawing from any side.
 
     Attributes:
-        vertices_mm: (n, 3).
         normals: (n, 3) unit normals, one per vertex and smooth region.
-        faces: (m, 3).
         colours: (m, 3) red, green, blue of each face, 0 to 1.
     """
 
@@ -90,15 +88,14 @@ def shaded(
 
 
 def web_sides_mm(web_z_mm: tuple[float, float]) -> tuple[float, float]:
-    """Axial range that has the colour of the web, mm."""
+    """Return the axial range that has the colour of the web, mm."""
     return web_z_mm[0] - _BEYOND_MM, web_z_mm[1] + _BEYOND_MM
 
 
 def view_axes(towards_viewer: tuple[float, float, float], up: tuple[float, float, float]) -> Array:
-    """Axes of a picture (right, up, to the viewer) as rows, (3, 3), in the frame of the throw.
+    """Return the axes of a picture (right, up, to the viewer) as rows, (3, 3), in the frame of the throw.
 
-    Args:
-        up: direction that points up in the picture as far as it can.
+    `up` points up in the picture as far as it can.
     """
     out = np.array(towards_viewer) / np.linalg.norm(towards_viewer)
     right = np.cross(up, out)
@@ -107,21 +104,13 @@ def view_axes(towards_viewer: tuple[float, float, float], up: tuple[float, float
 
 
 def extent_mm(body: ShadedMesh, view: Array) -> Array:
-    """Lower and upper corner of a body as seen along a view, (2, 2): rows (right, up), mm.
-
-    Args:
-        view: axes of the picture as rows (3, 3), from `view_axes`.
-    """
+    """Return lower and upper corner of a body as seen along a view, (2, 2): rows (right, up), mm."""
     points = body.vertices_mm @ view[:2].T
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
-    """Draw a body in matplotlib axes as seen along a view, in mm to scale.
-
-    Args:
-        view: (3, 3) from `view_axes`.
-    """
+    """Draw a body in matplotlib axes as seen along a view from `view_axes`, in mm to scale."""
     points = body.vertices_mm @ view.T
     corners = points[body.faces]
     edges = corners[:, 1:, :2] - corners[:, :1, :2]
@@ -141,12 +130,11 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
 
 
 def _coloured(
-    solid: Manifold, colour: Colour, largest_face_mm: float | None, whole: int, inset_mm: float
+    solid: Manifold, colour: _Colour, largest_face_mm: float | None, whole: int, inset_mm: float
 ) -> ShadedMesh:
     """Return those faces of a part that are faces of the whole, the original of this number, and its cap.
 
-    Args:
-        inset_mm: way along z into the part by which the face of its cut is drawn; 0 leaves that out.
+    The face of its cut is drawn an inset along z into the part; 0 leaves that out.
     """
     with_normals = solid.calculate_normals(0, _SHARP_DEGREES)
     fine = (with_normals.refine_to_length(largest_face_mm) if largest_face_mm else with_normals).to_mesh64(0)

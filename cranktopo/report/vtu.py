@@ -25,16 +25,9 @@ def write_density_vtu(
 ) -> None:
     """Write the kept cells of a grid as hexahedra, compressed binary, atomically.
 
-    Args:
-        x_edges_mm: (nx + 1,) node coordinates in the frame of `cranktopo.base.frames`, increasing.
-        y_edges_mm: (ny + 1,) likewise.
-        z_edges_mm: (nz + 1,) likewise.
-        cell_data: by name, (nx, ny, nz) each.
-        keep: (nx, ny, nz) cells to write.
-
-    Raises:
-        CranktopoError: the file cannot be written.
-        ValueError: shapes do not fit together.
+    Edges are node coordinates in the frame of `cranktopo.base.frames`, increasing, one more than cells along
+    each axis; `cell_data` and `keep` have the shape of the cells. Raises CranktopoError where the file cannot
+    be written and ValueError where shapes do not fit together.
     """
     import meshio
 

@@ -1,4 +1,4 @@
-"""Checkpoint of a long computation: arrays and a small state in one file that is whole or absent.
+"""What a run keeps of a long computation: a checkpoint that is whole or absent, and every design.
 
 The new file replaces the old one by a rename, so a process killed at any moment leaves one of the two. The
 zip format's own checksums are verified on loading.
@@ -19,8 +19,49 @@ from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import json_text, read_npz, unwritable, write_npz
 
 SCHEMA_VERSION = 1
-_HINT = "Start a new run of the design."
+_HINT, _AGAIN = "Start a new run of the design.", "Run `cranktopo optimise` again."
 _STATE = "__state__"
+_FOLDER, _PREFIX = "density", "iteration-"
+
+
+def save_iteration(run: Path, iteration: int, x: NDArray[np.float64], beta: float) -> None:
+    """Save the design of one iteration, each variable in [0, 1], in half precision and compressed.
+
+    The filter averages the rounding (2.4e-4 at most) over its neighbours, so that the surface moves by
+    less than a micrometre; the checkpoint keeps every bit.
+    """
+    path = _path(run, iteration)
+    try:
+        path.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise unwritable(path, error) from None
+    write_npz(path, {"x": x.astype(np.float16), "beta": np.array(beta)}, compressed=True)
+
+
+def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], float]:
+    """Return the design variables and the projection steepness of one iteration; raises CranktopoError."""
+    path, saved = _path(run, iteration), saved_iterations(run)
+    if iteration not in saved:
+        held = f"holds iterations {saved[0]} to {saved[-1]}" if saved else "holds no density of any iteration"
+        raise CranktopoError(
+            f"run '{run}': no density of iteration {iteration}; it {held}.",
+            hint="Give one of these." if saved else _AGAIN,
+        )
+    content = read_npz(path, f"'{path}'", _AGAIN)
+    try:
+        return content["x"].astype(np.float64), float(content["beta"])
+    except (KeyError, ValueError, TypeError):
+        raise CranktopoError(f"'{path}': corrupted, holds no design.", hint=_AGAIN) from None
+
+
+def saved_iterations(run: Path) -> list[int]:
+    """Return the numbers of the iterations whose design a run keeps, ascending."""
+    names = (path.stem.removeprefix(_PREFIX) for path in (run / _FOLDER).glob(f"{_PREFIX}*.npz"))
+    return sorted(int(name) for name in names if name.isdecimal())
+
+
+def _path(run: Path, iteration: int) -> Path:
+    return run / _FOLDER / f"{_PREFIX}{iteration:04d}.npz"
 
 
 @dataclass(frozen=True)
@@ -32,16 +73,7 @@ class Checkpoint:
 
 
 def save_checkpoint(path: Path, arrays: Mapping[str, NDArray[Any]], state: Mapping[str, Any]) -> None:
-    """Save arrays and a plain state; the previous file stays until the new one is complete.
-
-    Args:
-        path: the .npz file; its folder is made when missing.
-        arrays: by name, any shape, numbers or booleans, kept bit for bit.
-        state: plain values with a JSON form, all finite.
-
-    Raises:
-        CranktopoError: a state value is not finite, or the file cannot be written.
-    """
+    """Save arrays, bit for bit, and a plain finite state; the previous file stays until this is complete."""
     text = json_text({"schema_version": SCHEMA_VERSION, "state": dict(state)}, path.name)
     content = {name: np.asarray(array, order="C") for name, array in arrays.items()}
     content[_STATE] = np.frombuffer(text.encode("utf-8"), dtype=np.uint8)
@@ -53,11 +85,7 @@ def save_checkpoint(path: Path, arrays: Mapping[str, NDArray[Any]], state: Mappi
 
 
 def load_checkpoint(path: Path) -> Checkpoint:
-    """Load and verify a checkpoint.
-
-    Raises:
-        CranktopoError: missing, corrupted, of another version.
-    """
+    """Load and verify a checkpoint; raises CranktopoError for one missing, damaged or of another version."""
     if not path.exists():
         raise _bad(path, "missing: the run stopped before its first checkpoint")
     content = read_npz(path, f"checkpoint '{path}'", _HINT)

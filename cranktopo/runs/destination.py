@@ -1,25 +1,91 @@
-"""Can an output go where the user wants it? Asked, writing nothing, before the long work."""
+"""Places for outputs: checked before long work, complete when they appear, held by one process."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import unwritable
+from cranktopo.base.files import TEMPORARY, unwritable
+
+_NAME = ".lock"
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Hold a run directory for the length of the block (POSIX `flock`; elsewhere no protection).
+
+    Raises CranktopoError where another process holds it or the lock file cannot be written.
+    """
+    try:
+        import fcntl
+    except ImportError:  # no flock on Windows
+        yield
+        return
+    try:
+        file = (folder / _NAME).open("a+", encoding="ascii")
+    except OSError as error:
+        raise unwritable(folder / _NAME, error) from None
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            file.seek(0)
+            raise CranktopoError(
+                f"run '{folder}': in use by process {file.read().strip() or 'unknown'}.",
+                hint="Wait for it to end, or stop it first.",
+            ) from None
+        file.truncate(0)
+        file.write(str(os.getpid()))
+        file.flush()
+        yield
+
+
+_MANIFEST = "manifest.json"
+
+
+@contextmanager
+def unfinished_folder(parent: Path) -> Iterator[Path]:
+    """Give a hidden folder to work in until it is moved to its place: a kill leaves nothing half-made."""
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=".unfinished-", suffix=TEMPORARY, dir=parent))
+        folder.chmod(0o755)
+    except OSError as error:
+        raise unwritable(parent, error) from None
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def moved(folder: Path, path: Path) -> Path:
+    """Return the folder renamed to a path; an empty folder there gets the files, manifest first.
+
+    With the manifest it is a run that resumes, whatever else a kill keeps back.
+    """
+    try:
+        if path.is_dir():
+            for name in sorted(os.listdir(folder), key=lambda name: name != _MANIFEST):
+                os.replace(folder / name, path / name)
+        else:
+            os.rename(folder, path)
+    except OSError as error:
+        raise unwritable(path, error) from None
+    return path
 
 
 def check_file(path: Path, what: str, suffixes: Sequence[str] = (), replace: bool = True) -> None:
-    """Check that a file can be written.
+    """Check that a file can be written; raises CranktopoError.
 
     Args:
         what: the option that names it, or what it is, for the message.
         suffixes: endings that it may have; any when empty.
         replace: whether it may exist already.
-
-    Raises:
-        CranktopoError: another ending, no such folder, a folder itself, not writable, or it exists.
     """
     if suffixes and path.suffix.lower() not in suffixes:
         *most, last = suffixes
@@ -36,11 +102,7 @@ def check_file(path: Path, what: str, suffixes: Sequence[str] = (), replace: boo
 
 
 def check_folder(path: Path) -> None:
-    """Check that a folder is there or can be made, with files in it.
-
-    Raises:
-        CranktopoError: it or what it lies in is a file or not writable.
-    """
+    """Check that a folder is there or can be made, with files in it; raises CranktopoError."""
     existing = path
     while not existing.exists():
         existing = existing.parent

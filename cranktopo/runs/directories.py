@@ -14,11 +14,15 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
-from cranktopo.base.files import read_json, sweep_temporaries, unwritable, write_json, write_text
-from cranktopo.base.reading import read_text_file
-from cranktopo.runs.destination import check_folder
-from cranktopo.runs.folders import moved, unfinished_folder
-from cranktopo.runs.lock import locked
+from cranktopo.base.files import (
+    read_json,
+    read_text_file,
+    sweep_temporaries,
+    unwritable,
+    write_json,
+    write_text,
+)
+from cranktopo.runs.destination import check_folder, locked, moved, unfinished_folder
 from cranktopo.runs.manifest import (
     RunStatus,
     check_manifest,
@@ -46,7 +50,7 @@ class RunStore:
 
     @property
     def checkpoint(self) -> Path:
-        """Where the checkpoint of the run is or will be."""
+        """Path of the checkpoint of the run."""
         return self.path / _CHECKPOINT
 
     def manifest(self) -> dict[str, Any]:
@@ -57,7 +61,7 @@ class RunStore:
         return manifest
 
     def started(self) -> datetime:
-        """When the run was started; raises CranktopoError when the manifest does not say."""
+        """Return when the run was started; raises CranktopoError when the manifest does not say."""
         text = self.manifest()["started"]
         try:
             return datetime.fromisoformat(text)
@@ -83,11 +87,7 @@ class RunStore:
         )
 
     def require_same_inputs(self) -> None:
-        """Check that the input files are those the run was started with.
-
-        Raises:
-            CranktopoError: one is missing or its content changed.
-        """
+        """Check that the input files are those the run was started with; raises CranktopoError."""
         for role, entry in self.manifest().get("inputs", {}).items():
             if file_hash(Path(entry["path"])) != entry["sha256"]:
                 raise CranktopoError(
@@ -96,11 +96,7 @@ class RunStore:
                 )
 
     def log(self, text: str) -> None:
-        """Append one line with the time to run.log.
-
-        Raises:
-            CranktopoError: it cannot be written.
-        """
+        """Append one line with the time to run.log."""
         try:
             with (self.path / _LOG).open("a", encoding="utf-8") as file:
                 file.write(f"{timestamp()} {text}\n")
@@ -117,7 +113,7 @@ class RunStore:
         write_text(self.path / _HISTORY, text.getvalue())
 
     def read_history(self) -> list[dict[str, Any]]:
-        """Rows of history.csv, numbers as numbers; empty before the first write."""
+        """Return the rows of history.csv, numbers as numbers; none before the first write."""
         path = self.path / _HISTORY
         if not path.is_file():
             return []
@@ -130,13 +126,9 @@ class RunStore:
 
 
 def check_destination(out: Path | None, root: Path = RUNS) -> None:
-    """Check, writing nothing, that a run can be made: call it before the long work.
+    """Check, writing nothing, that a run can be made in `out` or anew under `root`: call it before long work.
 
-    Args:
-        out: the run directory the user asked for, or None for a new one under `root`.
-
-    Raises:
-        CranktopoError: `out` is a file or a folder with files in it, or its parent is not writable.
+    Raises CranktopoError where `out` is a file or holds files, or its parent is not writable.
     """
     if out is not None and out.exists():
         _check_empty(out)
@@ -157,20 +149,16 @@ def create_run(
 ) -> RunStore:
     """Make a new run directory with its manifest and a copy of the design.
 
-    Call it after all validation: nothing exists on the disk before.
+    Call it after all validation: nothing exists on the disk before. Raises CranktopoError where the directory
+    is taken or cannot be written, or an input cannot be read.
 
     Args:
-        design: name of the design, part of the directory's name.
         design_toml: text of the design as the user wrote it.
-        scene: the resolved scene, plain values.
-        options: what the command line added to the scene, plain values.
+        scene, options: the resolved scene and what the command line added to it, plain values.
         inputs: other input files by role, hashed into the manifest.
         assumed: what the scene does not say and is assumed.
         out: directory to use; it must not exist or be empty. By default
             `root/<date-time>_<design>_<hash>`, hash over scene and options.
-
-    Raises:
-        CranktopoError: the directory is taken or cannot be written, an input cannot be read.
     """
     check_destination(out, root)
     stem = f"{datetime.now():%Y%m%d-%H%M%S}_{design}_{settings_hash(scene, options)[:8]}"
@@ -194,11 +182,7 @@ def create_run(
 def open_run(reference: str, root: Path = RUNS) -> RunStore:
     """Return an existing run by path, by name or by the beginning of its name.
 
-    Args:
-        reference: path of a run directory, or the (start of the) name of one under `root`.
-
-    Raises:
-        CranktopoError: no such run, several with that beginning, not a run, manifest unusable.
+    Raises CranktopoError: no such run, several with that beginning, not a run, manifest unusable.
     """
     path = Path(reference)
     if not path.exists():
@@ -214,7 +198,7 @@ def open_run(reference: str, root: Path = RUNS) -> RunStore:
 
 
 def runs_named(reference: str, root: Path = RUNS) -> list[str]:
-    """Names of the runs that begin so; none for an empty beginning."""
+    """Return the names of the runs that begin so; none for an empty beginning."""
     names = [run.path.name for run in list_runs(root)]
     return [name for name in names if name.startswith(reference)] if reference else []
 
@@ -226,11 +210,7 @@ def list_runs(root: Path = RUNS) -> list[RunStore]:
 
 
 def remove_run(run: RunStore) -> None:
-    """Delete a run directory that no process works in.
-
-    Raises:
-        CranktopoError: not a run directory, in use, or it cannot be deleted.
-    """
+    """Delete a run directory that no process works in; raises CranktopoError."""
     run.manifest()
     with locked(run.path):
         try:

@@ -1,14 +1,18 @@
-"""Which command made a run directory, and so what it holds and what can read or continue it."""
+"""Kinds of runs by the command that made them, and a run while a process works in it."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+import signal
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any, Literal
 
-from cranktopo.base.errors import CranktopoError, quoted
+from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 from cranktopo.base.files import read_json
+from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore
 
 RunKind = Literal["optimise", "iterate", "shape", "sweep"]
@@ -40,11 +44,7 @@ def read_result(run: RunStore) -> dict[str, Any] | None:
 
 @contextmanager
 def shown_results(run: RunStore) -> Iterator[None]:
-    """Context in which stored results are shown: what they lack is damage, no defect of the program.
-
-    Raises:
-        CranktopoError: a value is missing or of another type.
-    """
+    """Show stored results in the block: what they lack is damage, a CranktopoError, and no defect here."""
     try:
         yield
     except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
@@ -55,16 +55,12 @@ def shown_results(run: RunStore) -> Iterator[None]:
 
 
 def resume_command(run: RunStore) -> str:
-    """The command line that continues a run; raises CranktopoError when its manifest cannot be used."""
+    """Return the command line that continues a run; raises CranktopoError for an unusable manifest."""
     return shlex.join(["cranktopo", kind_of(run), "--resume", str(run.path)])
 
 
 def require_kind(run: RunStore, wanted: RunKind) -> None:
-    """Check that the `wanted` command made a run.
-
-    Raises:
-        CranktopoError: another command made it, or its manifest cannot be used.
-    """
+    """Check that the `wanted` command made a run; raises CranktopoError."""
     found = kind_of(run)
     if found != wanted:
         show = shlex.join(["cranktopo", "runs", "show", str(run.path)])
@@ -72,3 +68,75 @@ def require_kind(run: RunStore, wanted: RunKind) -> None:
             f"run '{run.path}': was made by `cranktopo {found}`; this needs one of `cranktopo {wanted}`.",
             hint=f"See what it holds: {show}; or continue it: {resume_command(run)}",
         )
+
+
+@contextmanager
+def interruptible() -> Iterator[Callable[[], None]]:
+    """A block in which Ctrl-C raises KeyboardInterrupt at once and again at each call of what it yields.
+
+    So does SIGTERM, where it raises KeyboardInterrupt outside the block: batch systems and containers end
+    programs with it.
+
+    Python drops a KeyboardInterrupt that is raised inside a callback of compiled code, a destructor or a
+    listener: it prints a warning at most, and the work goes on. Long work therefore calls the yielded
+    function between its steps. Blocks may be nested. Outside the main thread, and where the signal is
+    ignored, nothing is changed.
+    """
+    pressed = False
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    watched = {number: handler for number, handler in before.items() if callable(handler)}
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        nonlocal pressed
+        pressed = True
+        watched[signal.Signals(number)](number, frame)
+
+    def check() -> None:
+        if pressed:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    for number in watched:
+        signal.signal(number, remember)
+    try:
+        yield check
+        check()
+    finally:
+        for number, handler in watched.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
+    """Lock a run and record its end; yields what raises KeyboardInterrupt where Ctrl-C was pressed.
+
+    `kept` says what an interruption leaves, for the message.
+
+    Raises:
+        CranktopoError: what failed in the block, or interruption (exit code 130).
+    """
+    with locked(run.path):
+        try:
+            with interruptible() as check:
+                yield check
+            run.set_status("done")
+        except (KeyboardInterrupt, Exception) as error:
+            if not _is_interruption(error):
+                run.set_status("failed")
+                run.log(f"failed: {error}")
+                raise
+            run.set_status("interrupted")
+            run.log("interrupted")
+            raise CranktopoError(
+                f"interrupted; {kept} in {run.path}.",
+                hint=f"Continue with: {resume_command(run)}",
+                code=ExitCode.INTERRUPTED,
+            ) from None
+
+
+def _is_interruption(error: BaseException) -> bool:
+    if isinstance(error, CranktopoError):
+        return error.code == ExitCode.INTERRUPTED
+    return isinstance(error, KeyboardInterrupt)

@@ -52,16 +52,7 @@ def new_manifest(
     inputs: Mapping[str, Path],
     assumed: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
-    """Manifest of a run that starts now.
-
-    Args:
-        scene: the resolved scene, plain values.
-        options: what the command line added to the scene.
-        inputs: input files by role, hashed here.
-
-    Raises:
-        CranktopoError: an input file cannot be read.
-    """
+    """Return the manifest of a run that starts now; raises CranktopoError for an unreadable input."""
     return {
         "schema_version": SCHEMA_VERSION,
         "run": run,
@@ -82,17 +73,13 @@ def new_manifest(
 
 
 def settings_hash(scene: Mapping[str, Any], options: Mapping[str, Any]) -> str:
-    """SHA-256 (hex) over the resolved scene and the options, whatever the order of their keys."""
+    """Return SHA-256 (hex) over the resolved scene and the options, whatever the order of their keys."""
     text = json_text({"options": _ordered(options), "scene": _ordered(scene)}, "settings")
     return hashlib.sha256(text.encode("utf-8")).hexdigest()
 
 
 def file_hash(path: Path) -> str:
-    """SHA-256 (hex) of a file's content.
-
-    Raises:
-        CranktopoError: it cannot be read.
-    """
+    """Return SHA-256 (hex) of a file's content; raises CranktopoError where it cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -103,7 +90,7 @@ def file_hash(path: Path) -> str:
 
 
 def versions() -> dict[str, str | None]:
-    """Versions of python and of the packages that make the numbers; None for one that is not installed."""
+    """Return versions of python and of the packages that make the numbers; None for one not installed."""
     found: dict[str, str | None] = {"python": platform.python_version()}
     for package in _PACKAGES:
         try:
@@ -119,11 +106,7 @@ def timestamp() -> str:
 
 
 def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
-    """Check that a manifest is one this program can use.
-
-    Raises:
-        CranktopoError: another schema version, or keys missing.
-    """
+    """Check that a manifest is one this program can use; raises CranktopoError."""
     version = manifest.get("schema_version")
     if version != SCHEMA_VERSION:
         raise CranktopoError(

@@ -12,8 +12,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.polygons import Coordinates, polygon_section, self_intersection
-from cranktopo.base.spans import Span, disc_section
+from cranktopo.base.spans import Span, disc_section, polygon_section, self_intersection
 from cranktopo.base.table import Length, LengthOrZero, Place, SceneTable
 
 
@@ -49,7 +48,7 @@ class _EnvelopeBase(SceneTable):
         """Ranges that hold its section: (x_min, x_max, y_min, y_max)."""
         raise NotImplementedError
 
-    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
         """Lateral intervals of its section, the same at all heights, at places along the throw, mm."""
         raise NotImplementedError
 
@@ -87,7 +86,7 @@ class BoxEnvelope(_EnvelopeBase):
         return -self.half_width_mm, self.half_width_mm, self.y_min_mm, self.y_max_mm
 
     @override
-    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
         half = np.where((y_mm >= self.y_min_mm) & (y_mm <= self.y_max_mm), self.half_width_mm, 0.0)
         return [(-half, half)]
 
@@ -118,7 +117,7 @@ class CylinderEnvelope(_EnvelopeBase):
         return -self.radius_mm, self.radius_mm, -self.radius_mm, self.radius_mm
 
     @override
-    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
         return disc_section(self.radius_mm)(y_mm, z_mm)
 
     @override
@@ -143,7 +142,7 @@ class OutlineEnvelope(_EnvelopeBase):
         return min(x), max(x), min(y), max(y)
 
     @override
-    def spans(self, y_mm: Coordinates, z_mm: Coordinates) -> Sequence[Span]:
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
         return polygon_section([np.array(self.points_mm)])(y_mm, z_mm)
 
     @override

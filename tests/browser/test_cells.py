@@ -11,9 +11,9 @@ import trimesh
 
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.html import html
 from cranktopo.report.page import Page
 from cranktopo.report.plot import picture
+from cranktopo.report.report_file import html
 from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody
 from tests.browser.conftest import NEXT_FRAMES
 

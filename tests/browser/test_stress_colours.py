@@ -15,11 +15,10 @@ from cranktopo.app.main import main
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.html import html
 from cranktopo.report.page import Page
 from cranktopo.report.plot import picture
-from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody
-from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.report.report_file import html
+from cranktopo.report.viewer.scene3d import DesignSnapshot, Scene3D, ShownBody, stress_scales
 from cranktopo.tasks.fea.case_stress import CaseStress
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, create_run
-from cranktopo.runs.lock import locked
 from cranktopo.tasks.doctor import stage as checks
 from tests.run_metrics import run_metrics
 

@@ -12,8 +12,7 @@ import pytest
 import trimesh
 
 from cranktopo.app.main import main
-from cranktopo.runs.checkpoint import load_checkpoint
-from cranktopo.runs.iterations import load_iteration
+from cranktopo.runs.checkpoint import load_checkpoint, load_iteration
 from tests.plain_runs import plain_runs
 
 Capture = pytest.CaptureFixture[str]

@@ -11,7 +11,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene, resolve_design
-from cranktopo.engine.cases import load_cases
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.fea import stage as evaluating
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 

@@ -24,7 +24,7 @@ from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.plan.beam import throw_compliance
+from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.runs.directories import create_run
 from cranktopo.runs.manifest import settings_hash

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.base.cache import user_cache
+from cranktopo.base.machine import user_cache
 from cranktopo.design.loading import designs_folder
 
 PROGRAM = f"{sys.executable} -c 'from cranktopo.app.main import main; main()'"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.engine.torsional_stiffness import web_lever_mm
+from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.tasks.fatigue.m53 import concentration_factors, nominal_stresses
 from cranktopo.tasks.fatigue.rule_check import dimensions, element_factors
 from cranktopo.tasks.fatigue.stress_model import solve_stresses

@@ -9,9 +9,9 @@ from scipy.integrate import quad
 
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.analysis import analyse, at_speed
-from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
+from cranktopo.engine.forces import shaft_torque
+from cranktopo.engine.gas import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.kinematics import exact_motion
-from cranktopo.engine.torque import shaft_torque
 
 MIKRON = load_scene("mikron-iiic")
 

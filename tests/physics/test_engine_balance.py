@@ -22,8 +22,8 @@ from cranktopo.engine.balance.free_forces import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.engine.balance.main_bearings import main_bearings
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
 from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import pressure_curve

@@ -7,7 +7,7 @@ import pytest
 
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.free_forces import turning_masses
-from cranktopo.engine.balance.main_bearings import main_bearings
+from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.states import extreme_states

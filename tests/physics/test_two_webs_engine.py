@@ -13,7 +13,6 @@ from cranktopo.bodies.solid.throw import add_full_throw
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.couple import product_of_inertia_kg_mm2
 from cranktopo.engine.balance.free_forces import (
     TurningMasses,
     counterweights,
@@ -22,8 +21,9 @@ from cranktopo.engine.balance.free_forces import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.engine.balance.main_bearings import main_bearings
-from cranktopo.engine.torsional_stiffness import first_half_share, throw_torsion_rad_per_Nmm
+from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2
+from cranktopo.engine.balance.whole_engine import main_bearings
+from cranktopo.engine.throw_compliance import first_half_share, throw_torsion_rad_per_Nmm
 from cranktopo.engine.vibration.shaft_chain import shaft_chain
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.fea.evaluation import evaluate
@@ -159,7 +159,7 @@ def test_inner_moment_against_cuts() -> None:
 def test_equal_halves_have_no_couple_and_half_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bit for bit: a second web like the first changes nothing, and no couple is integrated."""
     plain, named = engine(4), engine(4, second_web=WEB)
-    monkeypatch.setattr("cranktopo.engine.balance.couple.body_moments", None)
+    monkeypatch.setattr("cranktopo.engine.balance.throw.body_moments", None)
     for one, other in zip(*(counterweights(turning_masses(scene)) for scene in (plain, named)), strict=True):
         assert one == other
     masses = turning_masses(named)

@@ -14,9 +14,10 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.steady import on_disks, vibration
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, torque_harmonics
-from cranktopo.engine.vibration.varying_inertia import (
+from cranktopo.engine.vibration.torque_harmonics import (
+    TorqueHarmonics,
     coupled_response_rad,
+    torque_harmonics,
     varying_inertia_kg_m2,
     varying_part,
     varying_share_percent,

@@ -16,10 +16,10 @@ import jax.numpy as jnp
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import DEFAULT_EFFECTS, load_cases
-from cranktopo.engine.plan.beam import throw_compliance
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.states import DEFAULT_EFFECTS, load_cases
+from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.tasks.density.model import build_model, case_forces
 from cranktopo.tasks.density.response import compliances, solve, stiffness
 from cranktopo.tasks.fea.evaluation import evaluate

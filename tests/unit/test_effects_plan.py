@@ -14,13 +14,11 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Weights
 from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.cases import load_cases
-from cranktopo.engine.plan.beam import throw_compliance
 from cranktopo.engine.plan.cost import Costing, CostRates
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene, without
-from cranktopo.engine.states import extreme_states
-from cranktopo.engine.torsional_stiffness import fillet_length_saving_mm
+from cranktopo.engine.states import extreme_states, load_cases
+from cranktopo.engine.throw_compliance import fillet_length_saving_mm, throw_compliance
 from cranktopo.throw.envelope import OutlineEnvelope
 from cranktopo.throw.face_pocket import CylinderPocket
 from cranktopo.throw.journal import Journal

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.reading import check_input, read_bytes, read_text_file
+from cranktopo.base.files import check_input, read_bytes, read_text_file
 
 
 @pytest.mark.parametrize("content", [b"a = 1", b"\xef\xbb\xbfa = 1"], ids=["plain", "byte-order mark"])

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from cranktopo.runs.interruption import interruptible
+from cranktopo.runs.kind import interruptible
 
 
 @pytest.fixture(autouse=True)

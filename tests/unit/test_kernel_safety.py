@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from cranktopo.base.cache import private_cache
+from cranktopo.base.machine import private_cache
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.numerics.grid import operator, slab_product
 from cranktopo.numerics.grid.transfer import restrict

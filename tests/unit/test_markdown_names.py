@@ -8,8 +8,8 @@ import pytest
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
-from cranktopo.report.markdown_page import markdown_text
 from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.report_file import markdown_text
 from cranktopo.report.result_table import ResultTable, markdown
 
 NAMES = [

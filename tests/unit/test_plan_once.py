@@ -11,9 +11,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine import gas
 from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.whole_engine import engine_balance
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.plan import planning
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.loads.stage import loads_at_speeds
 
 

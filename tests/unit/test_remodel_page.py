@@ -8,8 +8,7 @@ import pytest
 
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import mesh_of
-from cranktopo.report.html import html
-from cranktopo.report.markdown_page import markdown_text
+from cranktopo.report.report_file import html, markdown_text
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.tasks.refit.page import refit_page, refit_section
 from cranktopo.tasks.refit.result import RefitResult

@@ -12,9 +12,9 @@ import trimesh
 
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.markdown_page import write_markdown
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import picture
+from cranktopo.report.report_file import write_markdown
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
 from cranktopo.tasks.extraction.result import WallMeasures

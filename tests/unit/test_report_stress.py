@@ -14,8 +14,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Section
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
-from cranktopo.report.viewer.stress_scale import quantiles_MPa, stress_scales
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, quantiles_MPa, stress_scales
 from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.fea.case_stress import CaseStress
 from cranktopo.tasks.fea.stress_section import stress_section

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.polygons import self_intersection
+from cranktopo.base.spans import self_intersection
 from cranktopo.bodies.cells.domain import throw_ranges_mm
 from cranktopo.bodies.envelope_file import envelope_from_file
 from cranktopo.bodies.solid.step_surface import step_surface

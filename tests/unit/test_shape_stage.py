@@ -16,7 +16,7 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs

@@ -15,9 +15,8 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, write_text
-from cranktopo.runs.checkpoint import load_checkpoint
+from cranktopo.runs.checkpoint import load_checkpoint, load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore, create_run
-from cranktopo.runs.iterations import load_iteration, saved_iterations
 from cranktopo.runs.kind import resume_command
 
 

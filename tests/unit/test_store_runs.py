@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, check_destination, create_run, list_runs, open_run
 from cranktopo.runs.kind import read_result
-from cranktopo.runs.lock import locked
 from cranktopo.runs.manifest import settings_hash
 
 SCENE = {"name": "demo", "throw": {"radius_mm": 48.0}, "optimise": {"volume_fraction": 0.3}}

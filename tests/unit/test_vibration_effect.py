@@ -12,15 +12,14 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import load_history
 from cranktopo.engine.plan import planning
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.states import extreme_states
-from cranktopo.engine.torsional_stiffness import web_lever_mm
-from cranktopo.engine.vibration.vibrating_torque import worst_speed_rpm
+from cranktopo.engine.states import extreme_states, load_cases
+from cranktopo.engine.throw_compliance import web_lever_mm
+from cranktopo.engine.vibration.vibrating_shaft import worst_speed_rpm
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,

@@ -12,8 +12,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.polygons import polygon_section
-from cranktopo.base.spans import Section, common, disc_section, section_difference
+from cranktopo.base.spans import Section, common, disc_section, polygon_section, section_difference
 from cranktopo.bodies.envelope_file import (
     SECTIONS,
     envelope_bounds_mm,

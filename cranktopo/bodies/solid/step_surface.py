@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.reading import GEOMETRY_LIMIT_MIB, check_input
+from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
 
 if TYPE_CHECKING:

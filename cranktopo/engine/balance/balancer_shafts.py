@@ -32,7 +32,7 @@ class GearForces:
 
 @dataclass(frozen=True)
 class SizedShaft:
-    """A balancer shaft with all that the scene leaves open.
+    """A balancer shaft with all that the scene leaves open; not `in_scene` where the engine would need it.
 
     Attributes:
         unbalance_kg_mm: mass times radius of each of its masses.
@@ -42,7 +42,6 @@ class SizedShaft:
         distance_mm: of the two masses of a shaft that balances a moment.
         force_N: centrifugal force of each mass.
         gear: forces of the gear that drives it; None where the scene tells none.
-        in_scene: whether the scene has it; else the engine would need it.
     """
 
     order: int
@@ -63,11 +62,7 @@ def size_shafts(
     """Return the shafts of a scene with all that they leave open, and what remains free by order.
 
     Shafts whose unbalance and phase are given count first, then those against forces, then those against
-    moments: each of the latter two takes what the ones before leave.
-
-    Args:
-        free: free forces and moments by order, without the shafts.
-        w2: angular speed of the crank squared, 1/s2.
+    moments: each of the latter two takes what the ones before leave. `w2` is the crank's speed squared, 1/s2.
     """
     left = {force.order: force for force in free}
     sized: dict[int, SizedShaft] = {}
@@ -79,11 +74,7 @@ def size_shafts(
 
 
 def needed_shafts(free: Sequence[FreeForce], w2: float, length_mm: float) -> tuple[SizedShaft, ...]:
-    """Return the shafts that leave nothing free in the first two orders; none where nothing is.
-
-    Args:
-        length_mm: distance of the two masses of a shaft against a moment.
-    """
+    """Return the shafts that leave nothing free in the first two orders, masses of a couple so far apart."""
     found = []
     for order in _ORDERS:
         left = next(force for force in free if force.order == order)
@@ -99,7 +90,7 @@ def needed_shafts(free: Sequence[FreeForce], w2: float, length_mm: float) -> tup
 
 
 def gear_forces(gear: Gear, speed_rad_s: float) -> GearForces:
-    """Forces of a helical gear whose shaft turns at a speed.
+    """Return the forces of a helical gear whose shaft turns at a speed.
 
     T / r around the shaft, times tan(helix) along it, times tan(pressure) / cos(helix) toward its axis.
     """
@@ -130,9 +121,7 @@ def _size(
     pull = amount * newton
     arm = (distance or place) / MM_PER_M
     effect = FreeForce(
-        shaft.order,
-        _ellipse(0j if shaft.balances == "moment" else pull, shaft),
-        _ellipse(pull * arm, shaft),
+        shaft.order, _ellipse(0j if shaft.balances == "moment" else pull, shaft), _ellipse(pull * arm, shaft)
     )
     sized = SizedShaft(
         shaft.order,

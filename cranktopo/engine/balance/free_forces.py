@@ -18,9 +18,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.couple import product_of_inertia_kg_mm2
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
-from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
 
 Complex = NDArray[np.complex128]
@@ -84,10 +83,9 @@ class FreeForce:
 
 @dataclass(frozen=True)
 class NeededCounterweight:
-    """What a web needs beyond what it has, kg mm and deg from the first throw, fixed in the shaft.
+    """Unbalance that a web needs beyond what it has, kg mm and deg from the first throw, fixed in the shaft.
 
     Attributes:
-        throw: number of its throw.
         web_kg_mm: unbalance of the web alone as it is, along its throw.
         own_kg_mm: what its counterweight in the scene takes already.
         unbalance_kg_mm, deg: so that each throw is balanced on its own, its couple included.
@@ -107,14 +105,14 @@ class NeededCounterweight:
 
 @dataclass(frozen=True)
 class TurningMasses:
-    """What turns with the shaft and what moves with the pistons.
+    """Masses that turn with the shaft and that move with the pistons.
 
     Attributes:
-        throw_kg_mm: rotating unbalance of each throw with its rods, kg mm, real along the throw.
+        throw_kg_mm: rotating unbalance of each throw with its rods, real along the throw.
         couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
-        web_kg_mm: unbalance of either web of a throw alone, kg mm.
-        own_kg_mm: unbalance that the counterweight of either web takes already, kg mm.
-        piston_kg_mm: oscillating mass of one cylinder times the throw radius, kg mm.
+        web_kg_mm: unbalance of either web of a throw alone.
+        own_kg_mm: unbalance that the counterweight of either web takes already.
+        piston_kg_mm: oscillating mass of one cylinder times the throw radius.
         share: of the oscillating masses that counterweights balance.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
         w2: angular speed squared, 1/s2.
@@ -229,14 +227,11 @@ class InnerMoment:
 
 
 def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] = ()) -> InnerMoment:
-    """Largest inner bending moment of the shaft as a beam on its two outer main bearings.
+    """Return the largest inner bending moment of the shaft as a beam on its two outer main bearings.
 
     Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Forces
     act in the planes of the cylinders and the middle of the webs, these with the couple of their throw, so
-    that the moment is largest at one of them.
-
-    Args:
-        weights: what is added to the webs' own counterweights; what each throw needs is taken.
+    that the moment is largest at one of them. `weights` come on top of the webs' own counterweights.
     """
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
     z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])

@@ -24,10 +24,8 @@ class EngineLayout:
     Attributes:
         throw_of: index of each cylinder's throw.
         throw_angle_deg: angle of each throw from the first one: fixed in the shaft.
-        throw_deg: direction of each throw.
         throw_z_mm: plane of each throw's cylinder, between its two rods where it has two.
         axis_deg: direction of each cylinder's axis, from the crank axis to the piston.
-        firing_deg: crank angle at which each cylinder fires.
         web_places_mm: middle of either web of a throw from the plane of its cylinder.
         bearing_z_mm: each main bearing, one more than throws, where neighbouring throws meet.
     """

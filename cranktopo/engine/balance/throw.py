@@ -1,4 +1,4 @@
-"""Mass, unbalance and inertia of a throw in closed form, and what counterweight it still needs.
+"""Mass, unbalance, inertia and couple of a throw in closed form, and what counterweight it still needs.
 
 Journals, bores and fillets are exact, the web and oil drillings to 1e-9. A fillet that reaches beyond the
 web's edge is counted whole.
@@ -14,11 +14,12 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.web_moments import bolted_mass, counterweight_mass, web_moments
-from cranktopo.design.halves import of_halves
+from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.journal import Journal
-from cranktopo.throw.moments import Moments
+from cranktopo.throw.moments import Moments, body_moments
+from cranktopo.throw.web import web_bodies
 
 
 @dataclass(frozen=True)
@@ -26,18 +27,16 @@ class ThrowBalance:
     """Mass properties of the throw between its two mid-journal planes, and its balance with the rod.
 
     Attributes:
-        mass_kg: mass of the throw, kg.
-        web_kg, second_web_kg: mass of each web with its counterweight, kg.
-        journal_kg: mass of the main journal (both halves), kg.
-        crankpin_kg: mass of the crankpin between the web faces, kg.
-        throw_unbalance_kg_mm: mass times y of the throw's centre of mass, kg mm.
-        lateral_unbalance_kg_mm: mass times x of the throw's centre of mass, kg mm.
-        rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin, kg mm.
-        inertia_kg_mm2: inertia of the throw about the crank axis, kg mm2.
-        rod_inertia_kg_mm2: what the rotating mass of the rod adds to it, kg mm2.
-        web_kg_mm: unbalance of each web with its counterweight, first and second, kg mm.
-        own_counterweights_kg: mass that its counterweight adds to each web, kg.
-        own_counterweights_kg_mm: unbalance that its counterweight takes away from each web, kg mm.
+        web_kg, second_web_kg: each web with its counterweight.
+        journal_kg: both halves of the main journal.
+        crankpin_kg: between the web faces.
+        throw_unbalance_kg_mm, lateral_unbalance_kg_mm: mass times y and x of the throw's centre of mass.
+        rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin.
+        inertia_kg_mm2: of the throw about the crank axis.
+        rod_inertia_kg_mm2: what the rotating mass of the rod adds to it.
+        web_kg_mm: unbalance of each web with its counterweight, first and second.
+        own_counterweights_kg: mass that its counterweight adds to each web.
+        own_counterweights_kg_mm: unbalance that its counterweight takes away from each web.
     """
 
     mass_kg: float
@@ -69,7 +68,7 @@ class ThrowBalance:
 
 
 def throw_balance(scene: Scene) -> ThrowBalance:
-    """Mass properties of the scene's throw with its own web; the rod counts when the scene has an engine.
+    """Return the mass properties of the scene's throw; the rod counts when the scene has an engine.
 
     U = m_pin r + m_web,1 e_web,1 + m_web,2 e_web,2 + m_rod,rot r, with the fillets among them.
     """
@@ -130,7 +129,7 @@ def _cylinder(journal: Journal, y: float) -> Moments:
     return Moments(area, 0.0, area * y, own_polar + area * y**2).times(journal.length_mm)
 
 
-def fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
+def _fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
     """Sections of a fillet ring for its integrals, mm: outer radius, height, distance from the web's face."""
     fillet = journal.fillet
     nodes, weights = np.polynomial.legendre.leggauss(32)
@@ -143,7 +142,40 @@ def fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
 
 def _fillets(journal: Journal, y: float) -> Moments:
     """Moments of the two fillet rings of a journal: a corner less a quarter ellipse, revolved."""
-    radius, (edge, dz, _) = journal.radius_mm, fillet_ring(journal)
+    radius, (edge, dz, _) = journal.radius_mm, _fillet_ring(journal)
     volume = 2 * float((math.pi * (edge**2 - radius**2) * dz).sum())
     own_polar = 2 * float((math.pi / 2 * (edge**4 - radius**4) * dz).sum())
     return Moments(volume, 0.0, volume * y, own_polar + volume * y**2)
+
+
+def product_of_inertia_kg_mm2(scene: Scene) -> complex:
+    """Sum of mass times place along the shaft times place across it, about the plane of the cylinder.
+
+    Real along the throw, imaginary toward +x; places count toward the second web. Rods have none. Where the
+    halves are alike it is 0, and nothing is computed.
+    """
+    if not difference(scene):
+        return 0j
+    first, second = of_halves(scene, _half_product)
+    return second - first
+
+
+def _half_product(scene: Scene) -> complex:
+    """Return what a half throw adds, its places counted from the mid-pin plane.
+
+    Main journals are about the axis and add nothing but what is drilled out of them.
+    """
+    plane_mm, density = scene.pitch_mm / 2, density_kg_per_mm3(scene.material.density_kg_m3)
+    web = (body_moments(web_bodies(scene), plane_mm) - drilled(scene, None, plane_mm)).times(density)
+    web = web + bolted_mass(scene, plane_mm)
+    return complex(web.first_y + density * _crankpin_mm5(scene), web.first_x)
+
+
+def _crankpin_mm5(scene: Scene) -> float:
+    """Volume times both distances of half of the crankpin with its fillet, drillings not taken out."""
+    pin = scene.throw.crankpin
+    half_mm, radius = pin.length_mm / 2, pin.radius_mm
+    edge, height, from_face = _fillet_ring(pin)
+    cylinder = math.pi * (radius**2 - pin.bore_radius_mm**2) * half_mm**2 / 2
+    fillet = float((math.pi * (edge**2 - radius**2) * height * (half_mm - from_face)).sum())
+    return scene.throw.radius_mm * (cylinder + fillet)

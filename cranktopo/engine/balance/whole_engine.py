@@ -1,15 +1,21 @@
-"""The balance of a scene's engine: what is free as it is, with counterweights, and with balancer shafts."""
+"""The balance of an engine: free forces as it is, with counterweights and shafts, and bearing loads."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
+from cranktopo.base.units import MM_PER_M
+from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft, needed_shafts, size_shafts
 from cranktopo.engine.balance.free_forces import (
     ORDERS,
+    Complex,
     FreeForce,
     InnerMoment,
     NeededCounterweight,
@@ -21,7 +27,95 @@ from cranktopo.engine.balance.free_forces import (
     rotating_force,
     turning_masses,
 )
-from cranktopo.engine.balance.main_bearings import MainBearings, main_bearings
+from cranktopo.engine.balance.layout import unit_vectors
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.forces import throw_forces
+from cranktopo.engine.gas import STEP_DEG, PressureCurve, pressure_curve
+from cranktopo.engine.kinematics import phase_shift
+
+
+@dataclass(frozen=True)
+class _MainBearings:
+    """Forces of the shaft on its main bearings over the cycle, from the free end.
+
+    Attributes:
+        angle_deg: crank angles from firing top dead centre of the cylinder that fires first.
+        load_N: (bearings, angles), real along the engine's plane of symmetry, imaginary ahead of it.
+        gas: whether the pressure of the gas is among them; else the scene does not tell it.
+    """
+
+    angle_deg: Array
+    load_N: Complex
+    gas: bool
+
+    def largest(self, bearing: int) -> tuple[float, float]:
+        """Largest load of a bearing, N, and the crank angle of it, deg."""
+        size = np.abs(self.load_N[bearing])
+        return float(size.max()), float(self.angle_deg[int(size.argmax())])
+
+    def mean_N(self, bearing: int) -> float:
+        """Mean magnitude of a bearing's load."""
+        return float(np.abs(self.load_N[bearing]).mean())
+
+    @property
+    def most_loaded(self) -> int:
+        """Index of the bearing with the largest load; of equal ones the first."""
+        return int(np.argmax([round(self.largest(i)[0], 6) for i in range(len(self.load_N))]))
+
+
+def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = False) -> _MainBearings:
+    """Return the loads of the main bearings of a scene at its engine's speed.
+
+    A rod's force, gas and inertia, acts in the middle of its part of the pin and is shared by the bearings on
+    both sides by the lever rule; so is what turns with the throw. Its couple is a pair of forces on them.
+    """
+    layout, engine = masses.layout, engine_of(scene)
+    angle, rod, gas = _rod_force(scene, engine)
+    load = np.zeros((len(layout.bearing_z_mm), len(angle)), dtype=np.complex128)
+    directions = unit_vectors(layout.throw_deg)
+    for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
+        fired = phase_shift(rod, angle, fires, engine.cycle_deg)
+        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * fired)
+    spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
+    couple = 0j if counterweighted else masses.couple_kg_mm2
+    for throw, z in enumerate(layout.throw_z_mm):
+        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * spinning * masses.w2 / MM_PER_M)
+        _pair(load, layout.bearing_z_mm, throw, directions[throw] * couple * masses.w2 / MM_PER_M)
+    return _MainBearings(angle, load * unit_vectors(angle), gas)
+
+
+def _rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
+    """Crank angles after a cylinder's firing, the force of its rod on the pin, and whether gas is in it.
+
+    Gas, and the inertia of all that oscillates; real along the throw, imaginary ahead of it.
+    """
+    curve = pressure_curve(scene)
+    if curve is None:
+        still = Gas()
+        angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)
+        pressure = np.full_like(angle, still.ambient_pressure_MPa)
+        engine = engine.model_copy(update={"gas": still})
+        known = PressureCurve(angle, pressure, engine.cycle_deg, "no gas")
+    else:
+        known = curve
+    forces = throw_forces(engine, scene.throw.radius_mm, known, throw_balance(scene), engine.speed_rpm)
+    return known.angle_deg, -forces.radial_force_N + 1j * forces.tangential_force_N, curve is not None
+
+
+def _share(load: Complex, bearing_z_mm: Array, throw: int, z_mm: float, force: Complex | complex) -> None:
+    """Add a force on a throw to the bearings on both sides of it."""
+    before, behind = bearing_z_mm[throw], bearing_z_mm[throw + 1]
+    part = (z_mm - before) / (behind - before)
+    load[throw] += (1 - part) * force
+    load[throw + 1] += part * force
+
+
+def _pair(load: Complex, bearing_z_mm: Array, throw: int, couple_N_mm: complex) -> None:
+    """Add a couple of a throw, the sum of place times force, to the bearings on both sides of it."""
+    force = couple_N_mm / (bearing_z_mm[throw + 1] - bearing_z_mm[throw])
+    load[throw] -= force
+    load[throw + 1] += force
+
 
 AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS = "as it is", "with counterweights", "with balancer shafts"
 """States of the engine."""
@@ -34,7 +128,6 @@ class EngineBalance:
     Attributes:
         parts: rotating and oscillating masses apart, by order, as the engine is.
         free: by state and order, all masses together.
-        counterweights: what every web needs.
         inner_moments, bearings: as the engine is, and with its counterweights.
         shafts: balancer shafts of the scene, or those that the engine would need.
     """
@@ -45,7 +138,7 @@ class EngineBalance:
     free: dict[str, tuple[FreeForce, ...]]
     counterweights: tuple[NeededCounterweight, ...]
     inner_moments: dict[str, InnerMoment]
-    bearings: dict[str, MainBearings]
+    bearings: dict[str, _MainBearings]
     shafts: tuple[SizedShaft, ...]
 
 

@@ -11,10 +11,10 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, RotatingForces, rotating_forces
 from cranktopo.engine.load_case import LoadKind
-from cranktopo.engine.plan.beam import ThrowCompliance, throw_compliance
 from cranktopo.engine.plan.cost import Costing
 from cranktopo.engine.plan.simulated import without
 from cranktopo.engine.states import ExtremeState, extreme_states
+from cranktopo.engine.throw_compliance import ThrowCompliance, throw_compliance
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class PlanningContext:
 
     Attributes:
         asymmetry: what is not its own mirror image in x; empty when all is.
-        goal: what the optimisation is asked for; None for the weighted compliance.
+        goal: None for the weighted compliance.
         vibrating: whether the torques are those of the vibrating shaft.
     """
 

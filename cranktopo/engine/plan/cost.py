@@ -37,7 +37,7 @@ class Cost(Result):
 
 
 def bound_cell_mm(scene: Scene) -> float:
-    """Cells on which the bound beside a result is proven: those of the run, but not below 4 mm.
+    """Return the cells on which the bound beside a result is proven: those of the run, but not below 4 mm.
 
     Smaller ones move it by less than what a result lacks (docs/pages/bound.md). A throw of unusual size has
     them in proportion.
@@ -55,12 +55,10 @@ class CostRates:
         seconds_per_cell_solve: the same per cell; from default cells to those of 0.4 mm ("Fine cells",
             docs/pages/benchmarks.md) both together are what two cores take, within a quarter.
         seconds_per_element: one solve per quadratic tetrahedron; an order of magnitude.
-        moves: how often limits are moved until they hold by the evaluation; one to three on the built-in
-            engines.
+        moves: how often limits are moved until they hold by the evaluation; 1 to 3 on the built-in engines.
         iterations_per_move: designs until an optimisation has converged again.
         bound_steps: designs until the searches of a bound beside a result have settled.
-        seconds_per_evaluation: a body-fitted evaluation of a surface, default size and coarser mesh, on two
-            cores (`cranktopo evaluate RUN`).
+        seconds_per_evaluation: body-fitted, of a surface, default size and coarser mesh, on two cores.
     """
 
     iterations: int = 35
@@ -79,14 +77,14 @@ class CostRates:
 
 @dataclass(frozen=True)
 class ExpectedWork:
-    """What a density optimisation does whatever its cells and load cases.
+    """Work of a density optimisation whatever its cells and load cases.
 
     Attributes:
         designs: solved in each iteration: the eroded one, too, where members or gaps have a least size.
         iterations: designs until it has converged in the cells.
         more_iterations: those after its limits were moved.
-        evaluations: body-fitted evaluations, of the original, the first surface and one after each move.
-        evaluation_seconds: what they take in all, at rates that were not measured on this machine.
+        evaluations: body-fitted, of the original, the first surface and one after each move.
+        evaluation_seconds: of them all, at rates that were not measured on this machine.
     """
 
     designs: int

@@ -12,26 +12,39 @@ from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetr
 from cranktopo.design.schema import Effects, Scene
 from cranktopo.engine.gas import FileState, file_state
 from cranktopo.engine.load_case import LOAD_TYPES
-from cranktopo.engine.plan import load_rules, structure_rules, vibration_rule
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Costing, CostRates
-from cranktopo.engine.plan.effect import Effect, PhysicsPlan, Switch
-from cranktopo.engine.plan.estimate import Estimate
-from cranktopo.engine.plan.goal_rules import bound, check_goal_cases
+from cranktopo.engine.plan.effect import Effect, Estimate, PhysicsPlan, Switch
+from cranktopo.engine.plan.rules import (
+    bearing_compliance,
+    bores,
+    bound,
+    centrifugal,
+    check_goal_cases,
+    fatigue,
+    fillets,
+    lateral_symmetry,
+    manufacturing_constraint,
+    quasi_static,
+    reciprocating_inertia,
+    rotating_rod_mass,
+    whole_throw,
+)
 from cranktopo.engine.plan.simulated import Feature, simulated_scene
+from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
 _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
-    **{name: partial(load_rules.quasi_static, name) for name, kind in LOAD_TYPES.items() if kind.unit_load},
-    "reciprocating_inertia": load_rules.reciprocating_inertia,
-    "rotating_rod_mass": load_rules.rotating_rod_mass,
-    "centrifugal": load_rules.centrifugal,
-    "torsional_vibration": vibration_rule.torsional_vibration,
-    "bearing_compliance": structure_rules.bearing_compliance,
-    "fillets": structure_rules.fillets,
-    "bores": structure_rules.bores,
-    "lateral_symmetry": structure_rules.lateral_symmetry,
-    "manufacturing_constraint": structure_rules.manufacturing_constraint,
-    "fatigue": structure_rules.fatigue,
+    **{name: partial(quasi_static, name) for name, kind in LOAD_TYPES.items() if kind.unit_load},
+    "reciprocating_inertia": reciprocating_inertia,
+    "rotating_rod_mass": rotating_rod_mass,
+    "centrifugal": centrifugal,
+    "torsional_vibration": torsional_vibration,
+    "bearing_compliance": bearing_compliance,
+    "fillets": fillets,
+    "bores": bores,
+    "lateral_symmetry": lateral_symmetry,
+    "manufacturing_constraint": manufacturing_constraint,
+    "fatigue": fatigue,
     "bound": bound,
 }
 _VIBRATION = "torsional_vibration"
@@ -70,7 +83,7 @@ def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileS
         vibration if name == _VIBRATION else _decide(scene.effects, name, rule(context))
         for name, rule in _RULES.items()
     )
-    decided += structure_rules.whole_throw(context)
+    decided += whole_throw(context)
     cases = [effect.name for effect in decided if effect.state == "on" and effect.name in LOAD_TYPES]
     if goal is None:
         _check_cases(scene, cases)
@@ -97,19 +110,12 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
 
 
 def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
-    """Return the scene as its own effects plan has it simulated.
-
-    Args:
-        kept: features that stay even where the plan leaves them out.
-
-    Raises:
-        CranktopoError: as `plan`.
-    """
+    """Return the scene as its own effects plan has it simulated, features that are `kept` left in anyway."""
     return simulated_scene(scene, plan(scene), kept)
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:
-    """Return the mirror saves cells in the solve of every load case."""
+    """The mirror saves cells in the solve of every load case."""
     if effect.name != "lateral_symmetry":
         return effect
     cost = effect.cost.model_copy(update={"seconds": effect.cost.seconds * cases})

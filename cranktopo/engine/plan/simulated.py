@@ -17,14 +17,10 @@ _WITHOUT: dict[Feature, dict[str, float | None]] = {
 
 
 def simulated_scene(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] = ()) -> Scene:
-    """The scene without the bores and fillets that are off, its mirror off where the plan has none, and the
-    manufacturing constraint on where the plan has it on.
+    """Return the scene that is meshed: effects that are off taken out, but for features that are `kept`.
 
-    Args:
-        kept: features that stay even where the plan leaves them out.
-
-    Returns:
-        The scene that is meshed; the same object when nothing is left out.
+    These are bores, fillets and the mirror; the manufacturing constraint is on where the plan has it on. It
+    is the same object when nothing is left out.
     """
     for feature in _WITHOUT:
         if feature not in plan.enabled and feature not in kept:

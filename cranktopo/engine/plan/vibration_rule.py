@@ -14,7 +14,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.plan.context import PlanningContext
-from cranktopo.engine.plan.estimate import Estimate
+from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
@@ -47,7 +47,6 @@ class _FirstMode:
     Attributes:
         disks: of the chain that take part.
         driven: those of the throws among them.
-        stiffness, inertia: of the mode, N m/rad and kg m2.
         torque_per_Nm: static torque of the worst section behind a throw over the torque on the mode.
     """
 
@@ -177,8 +176,7 @@ def _crankshaft(shaft: ShaftChain) -> tuple[int, int]:
 def _first_shape(inertia: Array, stiffness: Array, engine: int) -> Array:
     """First mode of a free chain: its static twist by its own inertia, improved twice (Stodola).
 
-    Args:
-        engine: number of disks up to the last throw; those behind it turn against them.
+    The first `engine` disks, up to the last throw, turn against those behind them.
     """
     shape = np.where(np.arange(len(inertia)) < engine, 1.0, 0.0)
     for _ in range(3):

@@ -10,7 +10,7 @@ from cranktopo.base.units import MM2_PER_M2, NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Coupling, Damper, Propeller, Rotor, ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.torsional_stiffness import (
+from cranktopo.engine.throw_compliance import (
     first_half_share,
     journal_torsion_modulus_mm3,
     throw_stiffness_Nm_per_rad,
@@ -23,10 +23,8 @@ class ShaftChain:
     """The chain of a shaft, from the free end to the takeoff.
 
     Attributes:
-        names: of the disks.
         first: index of the disk of throw 1; those of the other throws follow.
-        modulus_mm3: least modulus of a journal in torsion; stress of the crankshaft's sections is torque over
-            it.
+        modulus_mm3: smallest modulus of a journal in torsion, for the stress of the crankshaft's sections.
     """
 
     chain: DiskChain
@@ -96,7 +94,7 @@ class _Row:
 
 
 def moving_inertia_kg_mm2(scene: Scene) -> float:
-    """What rod and piston add to a throw: rotating mass and half the reciprocating mass at the throw radius.
+    """Return what rod and piston add to a throw: rotating mass and half the reciprocating one at its radius.
 
     The mean of a slider crank (Ker Wilson, Practical Solution of Torsional Vibration Problems).
     """
@@ -108,7 +106,7 @@ def moving_inertia_kg_mm2(scene: Scene) -> float:
 
 
 def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
-    """Second harmonic of a throw's inertia over a turn, in percent of its mean.
+    """Return the second harmonic of a throw's inertia over a turn, in percent of its mean.
 
     Each reciprocating mass swings by half of itself at the throw radius, twice a turn.
     """

@@ -10,8 +10,12 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, curve_of
-from cranktopo.engine.vibration.varying_inertia import HARMONICS, coupled_response_rad
+from cranktopo.engine.vibration.torque_harmonics import (
+    HARMONICS,
+    TorqueHarmonics,
+    coupled_response_rad,
+    curve_of,
+)
 from cranktopo.numerics.disk_chain import ComplexArray, Mode
 
 ORDERS = 24
@@ -40,12 +44,7 @@ class CriticalSpeed:
 
 @dataclass(frozen=True)
 class Worst:
-    """Where the torque of the crankshaft swings most.
-
-    Attributes:
-        section: index of the section between two disks.
-        order: that with the largest share in it.
-    """
+    """Place where the torque of the crankshaft swings most, and the order with the largest share in it."""
 
     speed_index: int
     section: int
@@ -128,11 +127,7 @@ def critical_speeds(
 def speeds_to_solve(
     range_rpm: tuple[float, float], critical: Sequence[CriticalSpeed], count: int = _SPEEDS, rise: float = 0.0
 ) -> Array:
-    """Even steps over a range, and every critical speed in it.
-
-    Args:
-        rise: how much higher than a critical speed its peak may lie, of that speed; steps up to it are added.
-    """
+    """Return even steps over a range and its critical speeds, with steps up to `rise` of each above it."""
     steps = 1 + rise * np.linspace(0, 1, _STEPS_OF_RISE if rise else 1)
     peaks = np.outer([c.speed_rpm for c in critical], steps).ravel()
     return np.unique(np.concatenate([np.linspace(*range_rpm, count), peaks[peaks <= range_rpm[1]]]))
@@ -145,12 +140,10 @@ def vibration(
     orders: int = ORDERS,
     varying_kg_m2: ComplexArray | None = None,
 ) -> Vibration:
-    """Steady vibration of a shaft at each speed.
+    """Return the steady vibration of a shaft at each speed.
 
-    Orders above the solved ones are taken as if the shaft were rigid.
-
-    Args:
-        varying_kg_m2: harmonics of the throws' inertia; None for their mean inertia alone.
+    Orders above the solved ones are taken as if the shaft were rigid. Without harmonics of the throws'
+    inertia it is their mean alone.
     """
     solved = harmonics.orders[1 : orders + 1]
     frequency = angular_speed_rad_s(1.0) * speeds_rpm[:, None] * solved
@@ -185,7 +178,7 @@ def on_disks(shaft: ShaftChain, throws_Nm: ComplexArray) -> ComplexArray:
 
 
 def section_curves_Nm(shaft: ShaftChain, excited: ComplexArray, solved: ComplexArray) -> Array:
-    """Torque of every section over the cycle, its mean included, shape (sections, angles).
+    """Return the torque of every section over the cycle, its mean included, shape (sections, angles).
 
     Args:
         excited: torques on the disks, all orders.

@@ -1,21 +1,119 @@
-"""Torsional vibration of a scene's shaft: modes, critical speeds, response, what to look out for."""
+"""Torsional vibration of a scene's shaft: modes, critical speeds, response, passage through resonances."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.schema import Scene
-from cranktopo.engine.vibration.run_up import RunUp, run_up
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
-from cranktopo.engine.vibration.steady import CriticalSpeed, Vibration
-from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
-from cranktopo.engine.vibration.varying_inertia import VaryingPart
+from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration
+from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
 from cranktopo.numerics.disk_chain import Mode
+
+_STEPS_PER_PERIOD = 24
+"""Of the highest order at the highest speed; the integration itself is exact between the steps."""
+_FEWEST_CYCLES, _MOST_STEPS = 10, 2_000_000
+
+
+@dataclass(frozen=True)
+class RunUp:
+    """Torques while the speed changes evenly over some seconds.
+
+    Attributes:
+        speeds_rpm: in the middle of each working cycle, shape (cycles,).
+        torque_amplitude_Nm: half the range over each cycle, shape (cycles, sections).
+    """
+
+    seconds: float
+    speeds_rpm: Array
+    torque_amplitude_Nm: Array
+
+
+def run_up(
+    shaft: ShaftChain, harmonics: TorqueHarmonics, range_rpm: tuple[float, float], seconds: float
+) -> RunUp:
+    """Return the torque of every section from rest at the first speed to the last one.
+
+    Loss factors act as viscous damping that loses as much at the natural frequency that they matter for.
+    """
+    from scipy.signal import lsim
+
+    first, last = (angular_speed_rad_s(rpm) for rpm in range_rpm)
+    highest = float(harmonics.orders[ORDERS]) * max(first, last) / (2 * math.pi)
+    steps = math.ceil(seconds * highest * _STEPS_PER_PERIOD)
+    cycles = seconds * (first + last) / 2 * float(harmonics.orders[1]) / (2 * math.pi)
+    if cycles < _FEWEST_CYCLES or steps > _MOST_STEPS:
+        shortest, longest = seconds * _FEWEST_CYCLES / cycles, seconds * _MOST_STEPS / steps
+        raise CranktopoError(
+            f"--run-up {seconds:g} s: must be >= {shortest:.3g} and <= {longest:.3g} s from "
+            f"{range_rpm[0]:g} to {range_rpm[1]:g} rpm.",
+            hint="Take another time, or shaft.speed_min_rpm and speed_max_rpm.",
+            code=ExitCode.USAGE,
+        )
+    time = np.linspace(0.0, seconds, steps + 1)
+    speed = first + (last - first) * time / seconds
+    angle = first * time + (last - first) * time**2 / (2 * seconds)
+    stiffness, damping = np.array(shaft.chain.stiffness_Nm_per_rad), _viscous(shaft)
+    _, _, state = lsim(_system(shaft, damping), _torques(shaft, harmonics, speed, angle), time)
+    twist, velocity = np.split(state, 2, axis=1)
+    torque = -stiffness * np.diff(twist, axis=1) - damping * np.diff(velocity, axis=1)
+    cycle = np.floor(angle * float(harmonics.orders[1]) / (2 * math.pi)).astype(int)
+    starts = np.flatnonzero(np.diff(cycle, prepend=-1))
+    swing = np.maximum.reduceat(torque, starts) - np.minimum.reduceat(torque, starts)
+    count = np.diff(np.append(starts, len(cycle)))
+    middle = np.add.reduceat(speed, starts) / count / angular_speed_rad_s(1.0)
+    return RunUp(seconds, middle, swing / 2)
+
+
+def _torques(shaft: ShaftChain, harmonics: TorqueHarmonics, speed: Array, angle: Array) -> Array:
+    """Alternating torques on the disks, shape (times, disks)."""
+    torque = np.zeros((len(angle), len(shaft.names)))
+    for order in range(1, ORDERS + 1):
+        single = harmonics.gas_Nm[order] + speed**2 * harmonics.inertia_Nm_s2[order]
+        turning = single * np.exp(1j * harmonics.orders[order] * angle)
+        torque[:, shaft.driven] += (turning[:, None] * harmonics.shifts[order]).real
+    return torque
+
+
+def _system(shaft: ShaftChain, damping: Array) -> tuple[Array, Array, Array, Array]:
+    """State space of angles and angular velocities under torques on the disks."""
+    chain = shaft.chain
+    disks = len(chain.inertia_kg_m2)
+    difference = np.eye(disks - 1, disks) - np.eye(disks - 1, disks, 1)
+    inverse = np.diag(1 / np.array(chain.inertia_kg_m2))
+    stiff = difference.T @ (np.array(chain.stiffness_Nm_per_rad)[:, None] * difference)
+    lossy = difference.T @ (damping[:, None] * difference) + np.diag(chain.absolute_damping_Nms_per_rad)
+    nothing = np.zeros((disks, disks))
+    state = np.block([[nothing, np.eye(disks)], [-inverse @ stiff, -inverse @ lossy]])
+    return state, np.vstack([nothing, inverse]), np.eye(2 * disks), np.zeros((2 * disks, disks))
+
+
+def _viscous(shaft: ShaftChain) -> Array:
+    """Viscous damping of each section, its loss factor included, N m s/rad."""
+    chain, inside = shaft.chain, np.array(shaft.in_crankshaft)
+    stiffness = np.array(chain.stiffness_Nm_per_rad)
+    modes = chain.modes()
+    alone = np.eye(len(stiffness), dtype=bool)
+    holders = [inside if inside[i] else alone[i] for i in range(len(stiffness))]
+    frequency = np.array([_held_by(modes, stiffness, sections) for sections in holders])
+    viscous = np.array(chain.relative_damping_Nms_per_rad)
+    return np.asarray(viscous + stiffness * np.array(chain.loss_factor) / frequency)
+
+
+def _held_by(modes: tuple[Mode, ...], stiffness: Array, sections: Array) -> float:
+    """Frequency (rad/s) of the lowest mode of whose strain energy some sections hold most, or the most."""
+    energies = [stiffness * np.diff(mode.shape) ** 2 for mode in modes]
+    shares = [float(energy[sections].sum() / energy.sum()) for energy in energies]
+    place = next((i for i, share in enumerate(shares) if share >= 0.5), int(np.argmax(shares)))
+    return 2 * math.pi * modes[place].frequency_Hz
 
 
 @dataclass(frozen=True)
@@ -23,10 +121,8 @@ class VibrationStudy:
     """Torsional vibration of a shaft over its range of speeds.
 
     Attributes:
-        stiffness_source: where the torsional stiffness of the throws comes from.
         critical: crossings of orders and natural frequencies in the range.
         varying_inertia_percent: second harmonic of a throw's inertia over its mean.
-        varying: whether the response has the varying part of the inertia.
         mean_response: the response with the mean inertia alone.
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.
@@ -53,11 +149,9 @@ class VibrationStudy:
     @property
     def varying_change_percent(self) -> float | None:
         """What the varying part changes in the largest torque amplitude; None where it is left out."""
-        return (
-            100 * (self.response.worst_Nm / self.mean_response.worst_Nm - 1)
-            if self.varying.included
-            else None
-        )
+        if not self.varying.included:
+            return None
+        return 100 * (self.response.worst_Nm / self.mean_response.worst_Nm - 1)
 
     def run_up_worst(self) -> tuple[float, int, float] | None:
         """Speed (rpm), section and torque amplitude (N m) of the crankshaft's largest swing in the run-up."""
@@ -75,7 +169,7 @@ def study_vibration(
     stiffness_source: str,
     run_up_s: float | None = None,
 ) -> VibrationStudy:
-    """Modes, critical speeds and steady vibration of a shaft over the scene's range of speeds.
+    """Return modes, critical speeds and steady vibration of a shaft over the scene's range of speeds.
 
     Args:
         run_up_s: time in which the speed rises through the range, for a passage through its resonances.

@@ -1,7 +1,14 @@
-"""Gas and inertia torque of every cylinder as orders of the crank's rotation."""
+"""Gas and inertia torque of every cylinder, and a throw's inertia that varies over a turn, by orders.
+
+Rod and piston as two masses make the inertia of a throw J(a), the sum of J_k exp(i k a). Linear in the twist,
+an order m of the motion acts on order n = m + k with -w^2 J_k (m^2 + n^2) / 2, so that all orders are solved
+at once; what the twist leaves, -w^2 J'(a) / 2, is the inertia torque that the excitation has already. Angles
+of a throw count from its own mean twist: there is no order 0.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,12 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.base.units import MM2_PER_M2, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.engine.gas import pressure_curve
-from cranktopo.numerics.disk_chain import ComplexArray
+from cranktopo.engine.vibration.shaft_chain import ShaftChain
+from cranktopo.numerics.disk_chain import ComplexArray, Mode
 
 _ANY_SPEED_RPM = 1000.0
 """Inertia torque goes with the square of the speed, whatever speed it is computed at."""
@@ -29,7 +37,6 @@ class TorqueHarmonics:
         gas_Nm: complex amplitudes of one cylinder, a from its own firing dead centre.
         inertia_Nm_s2: the same of its reciprocating mass, over the square of the angular speed in rad/s.
         firing_deg: crank angle at which each cylinder fires, cylinder 1 first.
-        throw_of: index of the throw that each cylinder drives.
     """
 
     orders: Array
@@ -59,21 +66,15 @@ class TorqueHarmonics:
 def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> TorqueHarmonics | None:
     """Return all orders of the torque that the scene's cycle resolves; None when the scene gives no cycle.
 
-    Args:
-        enabled: the inertia counts with `reciprocating_inertia` among these names.
-
-    Raises:
-        CranktopoError: gas data that cannot be used.
+    The inertia counts with `reciprocating_inertia` among the enabled effects.
     """
     engine, curve = scene.engine, pressure_curve(scene)
     if engine is None or curve is None:
         return None
     balance = throw_balance(scene)
     gas, both = (
-        throw_forces(
-            engine, scene.throw.radius_mm, curve, balance, _ANY_SPEED_RPM, reciprocating=counts
-        ).torque_Nm
-        for counts in (False, "reciprocating_inertia" in enabled)
+        throw_forces(engine, scene.throw.radius_mm, curve, balance, _ANY_SPEED_RPM, effects).torque_Nm
+        for effects in (frozenset(), enabled)
     )
     inertia = (both - gas) / angular_speed_rad_s(_ANY_SPEED_RPM) ** 2
     of_gas, of_inertia = _amplitudes(gas), _amplitudes(inertia)
@@ -92,3 +93,132 @@ def _amplitudes(torque: Array) -> ComplexArray:
     """Complex amplitudes of the orders below the highest that the points resolve."""
     found = np.fft.rfft(torque) / len(torque)
     return np.asarray(np.where(np.arange(len(found)) == 0, 1.0, 2.0) * found)[: len(torque) // 2]
+
+
+HARMONICS = 4
+"""Harmonics of the inertia that count: the fifth is below a thousandth of a reciprocating mass."""
+
+
+@dataclass(frozen=True)
+class VaryingPart:
+    """The varying part of the inertia of rod and piston, and whether the response has it.
+
+    Attributes:
+        harmonics_kg_m2: of every throw, shape (HARMONICS + 1, throws).
+        share_percent: of the inertia that swings in a natural vibration; the estimate of what it changes.
+    """
+
+    harmonics_kg_m2: ComplexArray
+    share_percent: float
+    included: bool
+
+    @property
+    def rise(self) -> float:
+        """By how much of itself a natural frequency rises at most; 0 where the part does not count.
+
+        The mean of 1 / sqrt(1 + s cos 2a) over a turn, for a slow variation: 3 s^2 / 16.
+        """
+        return 3 / 16 * (self.share_percent / 100) ** 2 if self.included else 0.0
+
+
+def varying_part(
+    scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics, modes: Sequence[Mode], met: Collection[int]
+) -> VaryingPart:
+    """Return the varying part, included where its share reaches the threshold and the scene has a [shaft].
+
+    Modes `met` by a critical speed in the range count, by their numbers; all modes where there is none.
+    """
+    varying = varying_inertia_kg_m2(scene, harmonics)
+    swinging = [mode for number, mode in enumerate(modes, start=1) if number in met] or list(modes)
+    share = varying_share_percent(shaft, swinging, varying)
+    included = scene.shaft is not None and share >= 100 * scene.effects.threshold
+    return VaryingPart(varying, share, included)
+
+
+def varying_inertia_kg_m2(scene: Scene, harmonics: TorqueHarmonics) -> ComplexArray:
+    """Harmonics J_k of every throw's inertia from the inertia torque, shape (HARMONICS + 1, throws).
+
+    J_0 is only what the exact mean adds to half the reciprocating mass at the throw radius. At dead centre a
+    piston stands still, so the harmonics of one cylinder, J_0 among them, add up to zero.
+    """
+    whole = harmonics.orders % 1 == 0
+    torque, order = harmonics.inertia_Nm_s2[whole][1:], harmonics.orders[whole][1:]
+    single = 1j * torque / order
+    half = scene.engine.reciprocating_kg / 2 * scene.throw.radius_mm**2 / MM2_PER_M2 if scene.engine else 0.0
+    added = -2 * single.real.sum() - half if single.any() else 0.0
+    every = np.append(added, single[:HARMONICS])
+    return np.asarray(every[:, None] * harmonics.shifts[whole][: HARMONICS + 1])
+
+
+def varying_share_percent(shaft: ShaftChain, modes: Sequence[Mode], varying_kg_m2: ComplexArray) -> float:
+    """Largest harmonic of the varying inertia over the inertia that swings with it, of all modes, percent.
+
+    All disks count with the square of the mode shape; the throws' parts count as if in phase.
+    """
+    swing = 2 * np.abs(varying_kg_m2[1:])
+    inertia = np.array(shaft.chain.inertia_kg_m2)
+    shares = [
+        (swing * mode.shape[shaft.driven] ** 2).sum(axis=1).max() / (inertia * mode.shape**2).sum()
+        for mode in modes
+    ]
+    return 100 * float(max(shares, default=0.0))
+
+
+def coupled_response_rad(
+    shaft: ShaftChain, orders: Array, speed_rad_s: float, torque_Nm: ComplexArray, varying_kg_m2: ComplexArray
+) -> ComplexArray:
+    """Return the complex amplitude of every disk with the varying inertia of the throws, (orders, disks).
+
+    Orders with and without a half do not act on each other; order 0 is not among them.
+    """
+    frequency = orders * speed_rad_s
+    driven = np.eye(len(shaft.names))[shaft.driven].astype(complex)
+    by_throw = shaft.chain.response_rad(
+        np.repeat(frequency[:, None], len(driven), axis=1), np.tile(driven, (len(orders), 1, 1))
+    )
+    twist = shaft.chain.response_rad(frequency, torque_Nm)
+    for part in np.unique(orders % 1):
+        mine = orders % 1 == part
+        acting = _acting_Nm(shaft, orders[mine], speed_rad_s, twist[mine], by_throw[mine], varying_kg_m2)
+        twist[mine] += np.einsum("nt,ntd->nd", acting, by_throw[mine])
+    return twist
+
+
+def _acting_Nm(
+    shaft: ShaftChain,
+    orders: Array,
+    speed_rad_s: float,
+    twist: ComplexArray,
+    by_throw: ComplexArray,
+    varying: ComplexArray,
+) -> ComplexArray:
+    """Torques of the varying inertia on the throws, (orders, throws), by elimination of all other disks.
+
+    With twist x of the throws they are P x + Q conj(x): Q is the negative orders of a real motion.
+    """
+    two_sided = np.concatenate([varying[:0:-1].conj(), varying])
+    scale = speed_rad_s**2 * (orders[:, None] ** 2 + orders**2) / 2
+    direct, mirrored = (
+        scale[:, :, None] * _at(two_sided, place)
+        for place in (orders[:, None] - orders, orders[:, None] + orders)
+    )
+    size = orders.size * by_throw.shape[1]
+    # Twist of throw s per torque on t, (orders, s, 1, t), times torque per twist, (orders, 1, orders, t).
+    compliance = by_throw[:, :, shaft.driven].transpose(0, 2, 1)[:, :, None, :]
+    p, q = ((compliance * one[:, None]).reshape(size, size) for one in (direct, mirrored))
+    a, b = np.eye(size) - p, -q
+    matrix = np.block([[(a + b).real, (b - a).imag], [(a + b).imag, (a - b).real]])
+    alone = twist[:, shaft.driven].ravel()
+    real, imaginary = np.split(np.linalg.solve(matrix, np.concatenate([alone.real, alone.imag])), 2)
+    x = (real + 1j * imaginary).reshape(orders.size, -1)
+    return np.asarray(
+        np.einsum("nmt,mt->nt", direct, x) + np.einsum("nmt,mt->nt", mirrored, x.conj()), dtype=complex
+    )
+
+
+def _at(two_sided: ComplexArray, places: Array) -> ComplexArray:
+    """Harmonics by their number, zero beyond the last; (*places, throws)."""
+    last = len(two_sided) // 2
+    number = np.rint(places).astype(int)
+    inside = np.abs(number) <= last
+    return np.asarray(two_sided[np.where(inside, number, 0) + last] * inside[..., None])

@@ -1,34 +1,38 @@
-"""The vibrating shaft of a scene: modes, critical speeds and varying inertia, solved at any speeds."""
+"""The vibrating shaft of a scene: modes, critical speeds, response at any speed, torque for load cases."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import invalid
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
-from cranktopo.engine.vibration.shaft_chain import ShaftChain
+from cranktopo.engine.forces import ShaftTorque
+from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import (
     CriticalSpeed,
     Vibration,
     critical_speeds,
+    on_disks,
+    section_curves_Nm,
     speeds_to_solve,
     vibration,
 )
-from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics
-from cranktopo.engine.vibration.varying_inertia import VaryingPart, varying_part
+from cranktopo.engine.vibration.torque_harmonics import (
+    TorqueHarmonics,
+    VaryingPart,
+    torque_harmonics,
+    varying_part,
+)
 from cranktopo.numerics.disk_chain import Mode
 
 
 @dataclass(frozen=True)
 class VibratingShaft:
-    """A shaft with the torques of its cylinders.
-
-    Attributes:
-        range_rpm: lowest and highest speed of the scene's range.
-        critical: crossings of orders and natural frequencies in the range.
-        varying: the varying part of the inertia, and whether the response has it.
-    """
+    """A shaft with the torques of its cylinders, and its critical speeds in the scene's range."""
 
     shaft: ShaftChain
     harmonics: TorqueHarmonics
@@ -39,7 +43,8 @@ class VibratingShaft:
 
     def at(self, speeds_rpm: Array) -> Vibration:
         """Return the steady response, with the varying inertia where it counts."""
-        return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=self.varying.counting_kg_m2)
+        varying = self.varying.harmonics_kg_m2 if self.varying.included else None
+        return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=varying)
 
     def over_the_range(self) -> Vibration:
         """Return the steady response over the scene's range, dense around its critical speeds."""
@@ -56,3 +61,34 @@ def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics)
     critical = critical_speeds(shaft, modes, harmonics, speeds)
     part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
     return VibratingShaft(shaft, harmonics, speeds, tuple(modes), critical, part)
+
+
+def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
+    """Return the torque ahead of and behind every throw over the cycle at the engine's speed."""
+    model = _model(scene, enabled)
+    shaft = model.shaft
+    speed = scene.engine.speed_rpm if scene.engine else 0.0
+    excited = on_disks(shaft, model.harmonics.of_throws_Nm(speed))
+    found = model.at(np.array([speed]))
+    curves = section_curves_Nm(shaft, excited, found.torque_Nm[0])
+    cycle = 360.0 / float(model.harmonics.orders[1])
+    angle = np.arange(curves.shape[1]) * cycle / curves.shape[1]
+    free = np.zeros((0 if shaft.first else 1, curves.shape[1]))
+    ahead = curves[max(shaft.first - 1, 0) : shaft.first + shaft.throws - 1]
+    return ShaftTorque(angle, curves[shaft.behind], np.vstack([free, ahead]))
+
+
+def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
+    """Return the speed in the scene's range at which the torque of the crankshaft swings most, rpm."""
+    found = _model(scene, enabled).over_the_range()
+    return float(found.speeds_rpm[found.worst.speed_index])
+
+
+def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:
+    """The shaft with the torques of its cylinders; refused where the torque or a takeoff is missing."""
+    shaft, harmonics = estimated_chain(scene), torque_harmonics(scene, enabled)
+    if harmonics is None:
+        raise invalid("engine.gas", None, "must be given for the torque of a vibrating shaft")
+    if len(shaft.names) == shaft.first + shaft.throws:
+        raise invalid("shaft.flywheel", None, "must be given, or another part at the takeoff")
+    return vibrating_shaft(scene, shaft, harmonics)

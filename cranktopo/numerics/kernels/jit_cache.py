@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import jax
 import numpy as np
 
-from cranktopo.base.cache import private_cache
+from cranktopo.base.machine import private_cache
 
 if TYPE_CHECKING:
     import llvmlite.binding as llvm

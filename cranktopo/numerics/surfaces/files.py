@@ -10,9 +10,8 @@ from typing import BinaryIO
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import write_bytes
+from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, write_bytes
 from cranktopo.base.formats import SurfaceFormat
-from cranktopo.base.reading import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 _METRES_PER_MM = 1e-3

@@ -17,10 +17,10 @@ from cranktopo.bodies.cells.resolution import (
 )
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.plan.cost import CostRates, ExpectedWork, effort
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.accuracy.optimiser_levels import cell_sizes
 from cranktopo.tasks.density.assessment import model_error_percent
 from cranktopo.tasks.fea.error_target import expected_seconds

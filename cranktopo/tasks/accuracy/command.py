@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, seconds
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, seconds
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:

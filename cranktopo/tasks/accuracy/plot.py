@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any, TypeVar
 
-from cranktopo.report.axes_style import GREY, plain
-from cranktopo.report.plot import Picture, picture
+from cranktopo.report.plot import GREY, Picture, picture, plain
 from cranktopo.tasks.accuracy.text import study_name
 from cranktopo.tasks.fea.study_result import LevelResult, StudyResult
 

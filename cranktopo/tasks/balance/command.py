@@ -10,8 +10,7 @@ from pathlib import Path
 
 import click
 
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.options import DEFAULT_DESIGN, designs
 from cranktopo.cli.verbosity import info, verbosity_options
 
 

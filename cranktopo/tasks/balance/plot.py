@@ -11,8 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.engine.balance.free_forces import ORDERS, Complex
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS, EngineBalance
-from cranktopo.report.axes_style import GREY
-from cranktopo.report.plot import Picture, picture
+from cranktopo.report.plot import GREY, Picture, picture
 
 _TURN_DEG: Array = np.linspace(0.0, 360.0, 361)
 _STYLES = {AS_IT_IS: "-", COUNTERWEIGHTED: "--", WITH_SHAFTS: ":"}

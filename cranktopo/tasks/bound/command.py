@@ -11,10 +11,14 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs
-from cranktopo.cli.goal_options import goal_options, with_goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN, web_option
-from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.options import (
+    CELL_MM,
+    DEFAULT_DESIGN,
+    designs,
+    goal_options,
+    web_option,
+    with_goal_options,
+)
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 
 if TYPE_CHECKING:

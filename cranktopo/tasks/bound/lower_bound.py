@@ -17,10 +17,10 @@ from cranktopo.bodies.cells.web_cells import on_cells
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.bound.certificate import (
     Certificate,
     LinearUnderestimator,

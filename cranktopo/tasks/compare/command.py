@@ -13,9 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.formats import PLOTS
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import FATIGUE_METHODS, bound_option, mesh_options
-from cranktopo.cli.parameters import Choice
+from cranktopo.cli.options import FATIGUE_METHODS, Choice, bound_option, designs, mesh_options
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
 

@@ -9,13 +9,10 @@ from typing import Any
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import goal_line, limits_table
-from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.page import Fact, FactStatus, Page, Section, assumed_tables, pairs, versions_section
 from cranktopo.report.result_table import Column, ResultTable, tabulate
-from cranktopo.report.sections import assumed_tables, pairs, versions_section
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
-from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import read_bound

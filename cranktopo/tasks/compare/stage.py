@@ -15,9 +15,9 @@ from cranktopo.design.goal.wanted import wanted as wanted_goal
 from cranktopo.design.halves import difference, halves, usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report

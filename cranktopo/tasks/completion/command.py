@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import click
 
-from cranktopo.cli.parameters import Choice
+from cranktopo.cli.options import Choice
 
 _SHELLS = ("bash", "zsh", "fish")
 _VARIABLE = "_CRANKTOPO_COMPLETE"

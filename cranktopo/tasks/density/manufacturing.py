@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Z
-from cranktopo.base.polygons import polygon_section
-from cranktopo.base.spans import holds
+from cranktopo.base.spans import holds, polygon_section
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.through_holes import through_holes

@@ -10,11 +10,11 @@ from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolu
 from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.design.goal.wanted import check_known, wanted
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.coarse_start import coarse_scene, first_state

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import click
 
-from cranktopo.cli.completion import designs as complete_designs
 from cranktopo.cli.group import SuggestingGroup
+from cranktopo.cli.options import designs as complete_designs
 
 
 @click.group("designs", cls=SuggestingGroup)

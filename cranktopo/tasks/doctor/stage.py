@@ -13,7 +13,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
-from cranktopo.base.extras import EXTRAS, install_line
+from cranktopo.base.errors import EXTRAS, install_line
 from cranktopo.base.machine import usable_cores
 
 _EXAMPLE = "mikron-iiic"

@@ -10,8 +10,7 @@ from pathlib import Path
 import click
 
 from cranktopo.base.formats import PARTS, PLOTS, SOLIDS, SolidPart
-from cranktopo.cli.completion import designs
-from cranktopo.cli.parameters import Choice, Number
+from cranktopo.cli.options import Choice, Number, designs
 
 
 @click.command()

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, mesh_options, web_option
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, web_option
 from cranktopo.cli.verbosity import detail, info, verbosity_options
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.formats import SURFACES, SurfaceFormat
-from cranktopo.cli.completion import runs
-from cranktopo.cli.parameters import Choice
+from cranktopo.cli.options import Choice, runs
 from cranktopo.cli.verbosity import detail, verbosity_options
 
 if TYPE_CHECKING:

@@ -18,9 +18,8 @@ from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.numerics.surfaces.files import write_surface
-from cranktopo.runs.checkpoint import load_checkpoint
+from cranktopo.runs.checkpoint import load_checkpoint, load_iteration
 from cranktopo.runs.directories import RunStore, open_run
-from cranktopo.runs.iterations import load_iteration
 from cranktopo.runs.kind import require_kind, resume_command
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import WebDensities, design_of

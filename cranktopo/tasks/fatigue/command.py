@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS, body_options
-from cranktopo.cli.parameters import Choice, Number
+from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS, Choice, Number, body_options, designs
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.assumed import assumed_json
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
 from cranktopo.report.plot import Picture
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import settings_hash, timestamp, versions

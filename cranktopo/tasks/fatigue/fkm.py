@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.extras import packages_of
+from cranktopo.base.errors import packages_of
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
 from cranktopo.tasks.fatigue.local_stress import LocalStress

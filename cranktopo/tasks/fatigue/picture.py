@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.files import write_bytes
 from cranktopo.design.halves import halves
-from cranktopo.report.png import png
+from cranktopo.report.plot import png
 from cranktopo.tasks.fatigue.criteria import CRITERIA
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.vtu import throw_surface

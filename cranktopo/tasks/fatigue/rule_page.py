@@ -10,10 +10,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs, versions_section
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
-from cranktopo.report.sections import pairs, versions_section
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
 from cranktopo.tasks.fatigue.rule_check import RuleCheck

@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.clearance import ClearanceLimit
-from cranktopo.report.axes_style import GREY, plain
+from cranktopo.report.plot import GREY, plain
 
 _LIMITS = {"crankcase": "#7a5195", "piston skirt": "#d1632a"}
 _BODIES = ("#1f6fb4", GREY)

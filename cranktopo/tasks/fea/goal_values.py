@@ -6,8 +6,8 @@ import math
 
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.fea.result import EvaluationResult
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.base.cache import user_cache
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, write_json
-from cranktopo.base.machine import this_machine
+from cranktopo.base.machine import this_machine, user_cache
 from cranktopo.tasks.fea.level import StudyName
 from cranktopo.tasks.fea.study_result import LevelResult, StudyResult
 from cranktopo.tasks.fea.targets import Target

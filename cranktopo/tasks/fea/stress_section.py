@@ -9,13 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.report.gallery import JOURNAL_SIDE, PIN_SIDE, gallery
 from cranktopo.report.page import Section
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.shading import STRESS_COLOURS, ShadedMesh, shaded
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
-from cranktopo.report.viewer.stress_scale import SHARE, StressScale, quantiles_MPa
+from cranktopo.report.viewer.scene3d import (
+    JOURNAL_SIDE,
+    PIN_SIDE,
+    SHARE,
+    Scene3D,
+    ShownBody,
+    StressScale,
+    gallery,
+    quantiles_MPa,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs
 from cranktopo.cli.options import (
+    CELL_MM,
     DEFAULT_DESIGN,
+    VOLUME_FRACTION,
+    Choice,
     bound_option,
+    designs,
     limit_options,
     refuse_beside_resume,
     web_option,
     with_bound_option,
 )
-from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.result_table import comma_separated
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind
-from cranktopo.runs.status import working_in
+from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, working_in
 from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.density import stage

@@ -10,12 +10,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
-from cranktopo.report.gallery import gallery_picture
-from cranktopo.report.page import Fact, FactStatus, Page, Section
-from cranktopo.report.plot import Picture
-from cranktopo.report.png import png
-from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.report.page import (
+    Fact,
+    FactStatus,
+    Page,
+    Section,
+    assumed_tables,
+    origin_rows,
+    pairs,
+    versions_section,
+)
+from cranktopo.report.plot import Picture, png
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.fea.quantities import (

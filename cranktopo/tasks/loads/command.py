@@ -10,9 +10,7 @@ from pathlib import Path
 
 import click
 
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN
-from cranktopo.cli.parameters import Speeds
+from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs
 
 
 @click.command(name="loads")

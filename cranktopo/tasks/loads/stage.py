@@ -14,10 +14,9 @@ from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.states import extreme_states
+from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.tasks.loads.plot import plot_loads
 from cranktopo.tasks.loads.result import (
     Loads,

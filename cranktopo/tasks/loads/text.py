@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.report.text_table import text_table
+from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, Range, ThrowMassProperties
 
 

@@ -14,18 +14,23 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs, runs
-from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import (
+    CELL_MM,
     DEFAULT_DESIGN,
+    VOLUME_FRACTION,
+    Choice,
+    Number,
     bound_option,
+    designs,
+    goal_options,
     percent,
     refuse_beside_resume,
+    runs,
     seconds,
     web_option,
     with_bound_option,
+    with_goal_options,
 )
-from cranktopo.cli.parameters import CELL_MM, VOLUME_FRACTION, Choice, Number
 from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
 
 if TYPE_CHECKING:

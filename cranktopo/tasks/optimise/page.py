@@ -9,12 +9,10 @@ from typing import Any
 from cranktopo.design.clearance import clearance_text
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table
-from cranktopo.report.page import Page, Section
+from cranktopo.report.page import Page, Section, assumed_tables, origin_rows, pairs, versions_section
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
-from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
-from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture, study_pictures
 from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
 from cranktopo.tasks.bound.page import bound_sections

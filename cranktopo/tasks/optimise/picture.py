@@ -12,10 +12,9 @@ from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.axes_style import GREY, plain
-from cranktopo.report.gallery import JOURNAL_SIDE, PIN_SIDE, UP, Direction
-from cranktopo.report.png import png
+from cranktopo.report.plot import GREY, plain, png
 from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
+from cranktopo.report.viewer.scene3d import JOURNAL_SIDE, PIN_SIDE, UP, Direction
 
 _History = Sequence[Mapping[str, Any]]
 # Name, direction to the viewer, axis labels (none: not along the axes).

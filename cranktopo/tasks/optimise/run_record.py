@@ -22,8 +22,8 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import DesignSnapshot
+from cranktopo.runs.checkpoint import load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore
-from cranktopo.runs.iterations import load_iteration, saved_iterations
 from cranktopo.runs.kind import require_kind, resume_command
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of

@@ -9,9 +9,9 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_npz
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.manifest import file_hash
 from cranktopo.tasks.fea.case_stress import CaseStress, case_stress

@@ -29,11 +29,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
-from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
+from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.iterations import save_iteration
-from cranktopo.runs.kind import require_kind
-from cranktopo.runs.status import working_in
+from cranktopo.runs.kind import require_kind, working_in
 from cranktopo.tasks.accuracy.cell_choice import choose_cells
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.coarse_start import first_state

@@ -9,9 +9,7 @@ import json
 
 import click
 
-from cranktopo.cli.completion import designs
-from cranktopo.cli.goal_options import goal_options, with_goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, with_goal_options
 
 
 @click.command(name="plan")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.report.text_table import text_table
+from cranktopo.report.result_table import text_table
 
 
 def plan_text(plan: PhysicsPlan) -> str:

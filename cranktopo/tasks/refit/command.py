@@ -11,8 +11,7 @@ from typing import Any
 
 import click
 
-from cranktopo.cli.completion import runs
-from cranktopo.cli.options import limit_options
+from cranktopo.cli.options import limit_options, runs
 from cranktopo.cli.verbosity import info, verbosity_options
 
 

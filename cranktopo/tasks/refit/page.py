@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cranktopo.report.gallery import gallery_picture
-from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.page import Fact, Page, Section, pairs, versions_section
 from cranktopo.report.result_table import ResultTable
-from cranktopo.report.sections import pairs, versions_section
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.refit.result import RefitResult
 from cranktopo.tasks.refit.text import fit_lines, fit_trials_table, rest_table, shape_rows, stiffness_rows
 

@@ -19,9 +19,9 @@ from cranktopo.numerics.surfaces.files import as_stored, write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.runs.destination import moved, unfinished_folder
 from cranktopo.runs.directories import check_destination, open_run
-from cranktopo.runs.folders import moved, unfinished_folder
-from cranktopo.runs.interruption import interruptible
+from cranktopo.runs.kind import interruptible
 from cranktopo.runs.manifest import timestamp, versions
 from cranktopo.tasks.drawing.sheet import write_drawing
 from cranktopo.tasks.drawing.views import Sheet

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from cranktopo.cli.completion import runs
+from cranktopo.cli.options import runs
 from cranktopo.cli.verbosity import info, verbosity_options
 
 

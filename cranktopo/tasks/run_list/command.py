@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cranktopo.cli.completion import runs as complete_runs
 from cranktopo.cli.group import SuggestingGroup
-from cranktopo.cli.parameters import Choice
+from cranktopo.cli.options import Choice
+from cranktopo.cli.options import runs as complete_runs
 
 if TYPE_CHECKING:
     from cranktopo.runs.kind import RunKind
@@ -120,7 +120,7 @@ def clean_command(root: Path, states: tuple[str, ...], yes: bool) -> None:
 
 
 def _table(entries: list[dict[str, Any]]) -> str:
-    from cranktopo.report.text_table import text_table
+    from cranktopo.report.result_table import text_table
 
     header = ("run", "command", "status", "result", "throw kg", "torsion per kg", "bending per kg")
     rows = []

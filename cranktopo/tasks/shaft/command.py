@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, get_args
 
 import click
 
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options
-from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, bearings_option, body_options, designs
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:

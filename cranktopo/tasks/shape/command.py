@@ -13,15 +13,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs_and_runs, runs
-from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import (
     DEFAULT_DESIGN,
     bound_option,
+    designs_and_runs,
+    goal_options,
     limit_options,
     refuse_beside_resume,
+    runs,
     web_option,
     with_bound_option,
+    with_goal_options,
 )
 from cranktopo.cli.verbosity import info, verbosity_options
 

@@ -6,13 +6,19 @@ from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.design.schema import Scene
-from cranktopo.report.axes_style import plain
-from cranktopo.report.gallery import gallery_picture
 from cranktopo.report.goal_table import limits_table
-from cranktopo.report.page import Fact, FactStatus, Page, Section
-from cranktopo.report.plot import picture
-from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
+from cranktopo.report.page import (
+    Fact,
+    FactStatus,
+    Page,
+    Section,
+    assumed_tables,
+    origin_rows,
+    pairs,
+    versions_section,
+)
+from cranktopo.report.plot import picture, plain
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent

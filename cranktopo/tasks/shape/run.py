@@ -33,8 +33,7 @@ from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind
-from cranktopo.runs.status import working_in
+from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, working_in
 from cranktopo.tasks.bound.bound_for_result import bound_for_goal
 from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.drawing.stage import export_drawing

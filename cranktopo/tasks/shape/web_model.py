@@ -18,9 +18,9 @@ from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.schema import Scene
-from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve

@@ -14,10 +14,17 @@ import click
 from click.core import ParameterSource
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs, runs
-from cranktopo.cli.goal_options import goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
-from cranktopo.cli.parameters import CELL_MM, Choice
+from cranktopo.cli.options import (
+    CELL_MM,
+    DEFAULT_DESIGN,
+    Choice,
+    designs,
+    goal_options,
+    percent,
+    refuse_beside_resume,
+    runs,
+    seconds,
+)
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:

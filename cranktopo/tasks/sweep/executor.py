@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError
-from cranktopo.base.extras import packages_of
+from cranktopo.base.errors import CranktopoError, packages_of
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.job import Job, do_job, point_result
 from cranktopo.tasks.sweep.result import FAILED, PointResult

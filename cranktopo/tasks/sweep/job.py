@@ -16,7 +16,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import UnwritableError, unwritable, write_json
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.runs.lock import locked
+from cranktopo.runs.destination import locked
 from cranktopo.tasks.sweep.points import SweepPoint
 from cranktopo.tasks.sweep.result import DONE, FAILED, IMPOSSIBLE, PointResult
 from cranktopo.tasks.sweep.stages import run_stage

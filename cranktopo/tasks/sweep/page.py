@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from cranktopo.report.html import TEMPLATES
+from cranktopo.report.report_file import TEMPLATES
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, PointResult, SweepResult

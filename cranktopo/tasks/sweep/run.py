@@ -15,8 +15,7 @@ from cranktopo.design.loading import value_at
 from cranktopo.design.writing import new_run
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind
-from cranktopo.runs.status import working_in
+from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind, working_in
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.computed import Computed, Session, Workplace
 from cranktopo.tasks.sweep.executor import check_packages, check_scheduler

@@ -11,9 +11,7 @@ from typing import get_args
 
 import click
 
-from cranktopo.cli.completion import designs
-from cranktopo.cli.options import DEFAULT_DESIGN, bearings_option, body_options, seconds
-from cranktopo.cli.parameters import CELL_MM
+from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, bearings_option, body_options, designs, seconds
 from cranktopo.cli.verbosity import info, verbosity_options
 
 

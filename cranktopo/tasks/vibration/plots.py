@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.engine.vibration.study import VibrationStudy
-from cranktopo.report.axes_style import GREY, plain
-from cranktopo.report.plot import Picture, picture
+from cranktopo.report.plot import GREY, Picture, picture, plain
 
 _MOST = 5
 """Orders that a plot shows by themselves."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.engine.torsional_stiffness import throw_stiffness_Nm_per_rad
+from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 

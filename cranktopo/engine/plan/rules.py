@@ -1,0 +1,313 @@
+"""Rules of the effects: loads, structure, and what a goal asks for.
+
+A load case matters by the strain energy that it puts into the throw: that is what the optimiser minimises.
+An inertia matters by what it changes in the peak radial force on the web, a feature of the structure by what
+it changes in the stiffness of the throw. A goal takes the load cases that it and its limits are read off.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import replace
+
+from cranktopo.base.errors import invalid
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.halves import difference, halves, of_halves
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.bearings import bearing_spring_N_per_mm
+from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadKind
+from cranktopo.engine.plan.context import PlanningContext
+from cranktopo.engine.plan.cost import Cost
+from cranktopo.engine.plan.effect import Effect, Estimate
+from cranktopo.engine.plan.simulated import without
+from cranktopo.engine.states import extreme_states
+from cranktopo.engine.throw_compliance import (
+    journal_torsion_modulus_mm3,
+    throw_compliance,
+    web_lever_mm,
+    web_section_modulus_mm3,
+)
+
+_NEGLIGIBLE = 1e-9
+"""Unbalance over mass times throw radius that is nothing but rounding."""
+
+
+def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
+    """Return the estimate of a load case whose need a goal decides, not its size."""
+    users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
+    users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
+    if not users:
+        return replace(estimate, changes="nothing", absent="neither goal nor limits need it", needed="")
+    needed = f"the goal needs it: {', '.join(users)}"
+    changes = f"{', '.join(users)} cannot be told"
+    return replace(estimate, changes=changes, absent="", needed=needed, indispensable=needed)
+
+
+def _wants_safety(goal: Goal | None) -> str:
+    """Why the goal needs the fatigue safety; empty when it does not."""
+    if goal is None:
+        return ""
+    limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
+    users = [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
+    return f"the goal needs it: {', '.join(users)}" if users else ""
+
+
+def bound(context: PlanningContext) -> Estimate:
+    """Return what no web of the envelope can beat: wanted beside every result that it can be told of."""
+    absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
+    if context.goal is not None and context.goal.quantity == "fatigue_safety":
+        absent = "nothing is proven about stress"
+    return Estimate(
+        None,
+        "",
+        "how far a result is from the best possible web",
+        Cost() if absent else context.costing.bound(),
+        absent=absent,
+        needed="" if absent else "it tells when to stop",
+        impossible=absent,
+    )
+
+
+def check_goal_cases(context: PlanningContext, goal: Goal, cases: Collection[str]) -> None:
+    """Check that a load case is on and that no limit is in percent of nothing."""
+    if not cases:
+        raise invalid(
+            f"goal.{goal.sense}",
+            goal.quantity,
+            "no load case is on: neither goal nor limits speak of a stiffness",
+            "Limit torsion or bending.",
+        )
+    original = context.balance.throw_unbalance_kg_mm
+    size = context.balance.mass_kg * context.scene.throw.radius_mm
+    for limit in goal.limits_of("unbalance"):
+        if limit.percent and original < _NEGLIGIBLE * size:
+            raise invalid(
+                "goal.limits.unbalance",
+                limit.condition,
+                f"percent of the original's unbalance, which is {original:.3g} kg mm",
+                "Give the limit in kg mm.",
+            )
+
+
+def bearing_compliance(context: PlanningContext) -> Estimate:
+    """Two bearing springs in series with the bending stiffness of the throw (beam formula)."""
+    scene = context.scene
+    spring = bearing_spring_N_per_mm(scene)
+    if spring is None:
+        absent = "the scene gives neither bearing_spring_N_per_mm, bearing_clearance_mm nor roller_bearing"
+        changes = "bearings are rigid; the best shape stays, springs are in series with it"
+        return Estimate(None, "", changes, absent=absent, impossible=absent)
+    own = context.compliance.bending_mm_per_N
+    percent = 100 * (1 / (2 * spring)) / (own + 1 / (2 * spring))
+    because = f"springs of {spring:,.0f} N/mm lower the bending stiffness by {percent:.3g} %"
+    held = "spring" in (scene.supports.torsion, scene.supports.bending)
+    needed = "a support is 'spring'" if held else ""
+    stiffer = 100 * (1 / (2 * spring)) / own
+    changes = f"reported bending stiffness {stiffer:+.2g} %; the best shape stays, springs are in series"
+    return Estimate(percent, because, changes, needed=needed, indispensable=needed)
+
+
+def fillets(context: PlanningContext) -> Estimate:
+    """Rings at the ends of the journals: they shorten journals and web in the beam and torsion formulae.
+
+    They cost nothing: for stiffness alone a sharp ring needs more elements than a fillet.
+    """
+    throw = context.scene.throw
+    if throw.main_journal.fillet_mm == 0 and throw.crankpin.fillet_mm == 0:
+        return Estimate(0.0, "", "nothing", absent="no fillet in the scene")
+    sharp, rounded = context.compliance, throw_compliance(context.scene)
+    torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
+    bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
+    because = f"bending stiffness {bending:+.2g} %, torsional {torsion:+.2g} %"
+    wanted = context.scene.effects.fatigue
+    needed = (
+        "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(context)) else ""
+    )
+    return Estimate(
+        max(torsion, bending),
+        because,
+        f"bending stiffness {-bending:+.2g} %, torsional {-torsion:+.2g} %, no stress",
+        needed=needed,
+    )
+
+
+def bores(context: PlanningContext) -> Estimate:
+    """Hollow against solid journal and pin: torsion formula, and mass of the throw in closed form."""
+    throw = context.scene.throw
+    if throw.main_journal.bore_diameter_mm == 0 and throw.crankpin.bore_diameter_mm == 0:
+        return Estimate(0.0, "", "nothing", absent="no bore in the scene")
+    hollow = throw_compliance(context.scene).torsion_rad_per_Nmm
+    plain = without(context.scene, "bores")
+    stiffer = 100 * (hollow / throw_compliance(plain).torsion_rad_per_Nmm - 1)
+    heavier = 100 * (throw_balance(plain).mass_kg / context.balance.mass_kg - 1)
+    because = f"solid journals would be {stiffer:.3g} % stiffer in torsion, the throw {heavier:.3g} % heavier"
+    changes = f"torsional stiffness {stiffer:+.2g} %, mass {heavier:+.2g} %"
+    return Estimate(max(stiffer, heavier), because, changes)
+
+
+def lateral_symmetry(context: PlanningContext) -> Estimate:
+    """The plane x = 0 as a mirror: exact when geometry is symmetric, each case being even or odd in x."""
+    cost = context.costing.mirror()
+    if context.asymmetry:
+        why = f"{context.asymmetry} is not symmetric in x"
+        return Estimate(None, "", "nothing", cost, absent=why, impossible=why)
+    because = (
+        "web and envelope are symmetric in x and every load case is even or odd: half the cells, same answer"
+    )
+    return Estimate(0.0, because, "nothing but time", cost, needed=because)
+
+
+def whole_throw(context: PlanningContext) -> tuple[Effect, ...]:
+    """Both halves in one model, which nobody can switch: no row where they are alike and half is enough."""
+    key = difference(context.scene)
+    if not key:
+        return ()
+    first_mm3, second_mm3 = of_halves(context.scene, half_throw_volume_mm3)
+    volume = first_mm3 + second_mm3
+    because = (
+        f"{key} makes the halves differ, so that the mid-pin plane is no mirror; "
+        f"{100 * second_mm3 / volume:.3g} % of the volume lies beyond it"
+    )
+    effect = Effect(
+        name="whole_throw",
+        state="on",
+        reason=because,
+        estimate_percent=None,
+        cost=context.costing.whole_throw(volume),
+        changes="nothing would be right: half of the throw says nothing of the other",
+    )
+    return (effect,)
+
+
+def manufacturing_constraint(context: PlanningContext) -> Estimate:
+    """Return a die, a mould or a mill; what it costs is the difference between two optimisations."""
+    settings = context.scene.optimise
+    process, along_x = settings.process, settings.parting == "lateral"
+    changes = "the shape may have undercuts and closed hollows"
+    why = {
+        "milled": "a mill must reach every void from a web face or a side",
+        "cast": f"the halves of a mould must leave along {'x' if along_x else 'z'}",
+    }.get(process, f"a die that parts in {'the plane x = 0' if along_x else 'mid-web'} must release the web")
+    if process != "free":
+        return Estimate(None, why, changes, needed=f"optimise.process is {process}")
+    return Estimate(None, "", changes, absent=f"optimise.process is {process}: no die to release from")
+
+
+def fatigue(context: PlanningContext) -> Estimate:
+    """Nominal stress amplitude of web bending and pin torsion over the fatigue strength in bending.
+
+    Nominal stresses of IACS UR M53: bending moment at the web's mid-plane over B W^2 / 6, torque over the
+    pin's modulus; concentration in the fillets (factors of 2 to 3) comes on top.
+    """
+    absent = _fatigue_absent(context)
+    changes = "no safety against fatigue"
+    if absent:
+        # Two of the methods need nothing but the tensile strength; this estimate needs more.
+        possible = context.scene.material.ultimate_MPa is not None and not context.unit_loads
+        impossible = "" if possible else absent
+        return Estimate(None, "", changes, context.costing.fatigue(), absent=absent, impossible=impossible)
+    force, torque = _amplitudes(context)
+    webs = halves(context.scene)
+    bend = force / 2 * max(web_lever_mm(half) / web_section_modulus_mm3(half) for half in webs)
+    shear = torque * NMM_PER_NM / journal_torsion_modulus_mm3(context.scene.throw.crankpin)
+    stress = math.hypot(bend, math.sqrt(3) * shear)
+    strength = context.scene.material.fatigue_bending_MPa or math.inf
+    percent = 100 * stress / strength
+    because = f"nominal amplitude {stress:.0f} MPa is {percent:.3g} % of the strength {strength:g} MPa"
+    needed = _wants_safety(context.goal)
+    return Estimate(percent, because, changes, context.costing.fatigue(), needed=needed)
+
+
+def _fatigue_absent(context: PlanningContext) -> str:
+    if context.unit_loads:
+        return "unit loads give no stress level"
+    if context.scene.material.fatigue_bending_MPa is None:
+        return "material.fatigue_bending_MPa is not given"
+    return ""
+
+
+def _amplitudes(context: PlanningContext) -> tuple[float, float]:
+    """Half the range of the radial force (N) and of the torque (N m) over the extreme states."""
+    radial = [state.case.radial_N for state in context.states if state.case.kind == "bending"]
+    torque = [state.case.torque_Nm for state in context.states if state.case.kind == "torsion"]
+    return _half_range(radial), _half_range(torque)
+
+
+def _half_range(values: list[float]) -> float:
+    return (max(values) - min(0.0, *values)) / 2
+
+
+def quasi_static(kind: LoadKind, context: PlanningContext) -> Estimate:
+    """Estimate a load on pin or journals by the closed-form strain energy that it causes."""
+    load = LOAD_TYPES[kind]
+    size = getattr(context.state(kind).case, load.load)
+    amount = f"{size:,.1f} N m" if load.load == "torque_Nm" else f"{size:,.0f} N"
+    return _case(context, kind, f"{load.label} {amount}")
+
+
+def centrifugal(context: PlanningContext) -> Estimate:
+    """Pull of piston and rod at overspeed and centrifugal force of the throw, as if all acted on the pin."""
+    if context.scene.engine is None or context.top_speed_rpm == 0:
+        return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
+    speed = context.top_speed_rpm
+    throw, pull = context.rotating(speed).throw_N, context.overspeed_pull_N
+    weight = context.scene.web.counterweight
+    left_out = (
+        ", the bolted counterweight's own pull left out" if weight is not None and weight.bolted else ""
+    )
+    forces = f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm{left_out}"
+    return _case(context, "centrifugal", forces)
+
+
+def reciprocating_inertia(context: PlanningContext) -> Estimate:
+    """Inertia of piston group and upper part of the rod, at the angle of the peak force."""
+    return _inertia(context, "reciprocating_inertia", "piston and rod's upper end")
+
+
+def rotating_rod_mass(context: PlanningContext) -> Estimate:
+    """Centrifugal force of the rod's big end on the pin."""
+    return _inertia(context, "rotating_rod_mass", "rod's big end")
+
+
+def _case(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
+    found = _by_size(context, kind, load)
+    return found if context.goal is None else _as_wanted(found, context.goal, kind)
+
+
+def _by_size(context: PlanningContext, kind: LoadKind, load: str) -> Estimate:
+    cost, changes = context.costing.load_case(), f"no {kind} in the objective"
+    if context.unit_loads:
+        why = "unit loads cannot be compared"
+        needed, absent = (why, "") if kind in MAIN_KINDS else ("", why)
+        return Estimate(None, load, changes, cost, absent=absent, needed=needed)
+    energy = context.energy_Nmm
+    dominant = max(MAIN_KINDS, key=lambda name: energy[name])
+    percent = 100 * energy[kind] / energy[dominant] if energy[dominant] else 0.0
+    because = f"{load}: strain energy {percent:.3g} % of {dominant}'s"
+    if kind == dominant:
+        because = f"{load}: the largest strain energy ({energy[kind] / 1000:.3g} J)"
+    weightless = getattr(context.scene.optimise.weights, kind) == 0
+    absent = f"optimise.weights.{kind} is 0" if weightless else ""
+    changes += f" ({percent:.3g} % of the largest energy)"
+    return Estimate(percent, because, changes, cost, absent=absent)
+
+
+def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
+    engine = context.scene.engine
+    if engine is None or (engine.gas is None and engine.max_gas_force_N is None):
+        return Estimate(None, "", "nothing", absent="no gas force in the scene to compare with")
+    if engine.max_gas_force_N is not None:
+        absent = "engine.max_gas_force_N is taken as it is"
+        return Estimate(None, "", "the pull at overspeed", absent=absent)
+    full = context.state("bending").case.radial_N
+    without = extreme_states(context.scene, INERTIA_EFFECTS - {name})
+    other = next(s for s in without if s.name == "max_radial").case.radial_N
+    percent = 100 * abs(other - full) / abs(full)
+    because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
+    changes = f"radial force {100 * (other - full) / abs(full):+.2g} %"
+    return Estimate(percent, because, changes)
