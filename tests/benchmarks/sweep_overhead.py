@@ -18,7 +18,7 @@ from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
 from cranktopo.tasks.sweep.points import points_of
 from cranktopo.tasks.sweep.run import SweptRun, run_sweep
-from cranktopo.tasks.sweep.table import frame_of, write_tables
+from cranktopo.tasks.sweep.text import frame_of, write_tables
 from cranktopo.tasks.sweep.variation import read_option
 from tests.sweep_cases import empty
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.tasks.sweep.plan import plan_from_json, sweep_plan
-from cranktopo.tasks.sweep.plan_file import is_plan, read_plan
+from cranktopo.tasks.sweep.plan import is_plan, plan_from_json, read_plan, sweep_plan
 from cranktopo.tasks.sweep.points import original_of, points_of
 from cranktopo.tasks.sweep.variation import read_entry, read_option
 

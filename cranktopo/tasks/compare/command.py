@@ -98,7 +98,7 @@ def command(
     click.echo(_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found, info)
     if plot is not None:
-        from cranktopo.tasks.compare.plot import plot_stiffness_over_mass
+        from cranktopo.tasks.compare.page import plot_stiffness_over_mass
 
         plot_stiffness_over_mass(found.comparison, plot, bound)
         info(f"plot: {plot}")

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from cranktopo.base.files import replacing
+from cranktopo.base.formats import PLOTS
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -16,10 +19,10 @@ from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.sections import assumed_tables, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
+from cranktopo.runs.destination import check_file
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import read_bound
-from cranktopo.tasks.compare.plot import scatter_points
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import percent_table, published_table, value_table
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
@@ -32,12 +35,53 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     Quantity,
 )
-from cranktopo.tasks.fea.scatter import scatter_pictures
+from cranktopo.tasks.fea.scatter import (
+    LABELS,
+    Point,
+    draw_stiffness_over_mass,
+    most_by_label,
+    scatter_pictures,
+)
 from cranktopo.tasks.fea.stress_section import stress_section
 from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.verdict import fatigue_fact
 from cranktopo.tasks.plan.section import effects_section
+
+
+def plot_stiffness_over_mass(
+    comparison: Comparison, path: Path, bound: Mapping[str, Any] | None = None
+) -> None:
+    """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
+
+    Args:
+        path: .png, .svg or .pdf; replaced only when the plot is complete.
+        bound: whose curves are drawn, where there is one; the baseline is then the original.
+
+    Raises:
+        CranktopoError: another suffix, no such folder, or the file cannot be written.
+    """
+    check_file(path, "--plot", PLOTS)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    plots = scatter_points(comparison)
+    most = most_by_label(bound, {label: points[comparison.baseline] for label, points in plots.items()})
+    for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
+        draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=130)
+
+
+def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
+    """Return the points of a comparison by the label of their stiffness."""
+    return {
+        label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
+        for stiffness, label in LABELS.items()
+    }
+
 
 _LABELS = {
     MASS: "Lightest",

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.bodies.solid.half_surfaces import half_surfaces
@@ -13,6 +14,7 @@ from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
 from cranktopo.design.halves import difference, halves
+from cranktopo.design.loading import builtin_designs
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
@@ -23,6 +25,8 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
+from cranktopo.runs.directories import RunStore, open_run, runs_named
+from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, shown_results
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
@@ -36,7 +40,49 @@ from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_M
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
 from cranktopo.tasks.importing.imported_body import half_throw_surface
-from cranktopo.tasks.sweep.targets import with_picks
+from cranktopo.tasks.sweep.result import SweepResult
+
+
+def with_picks(targets: Sequence[str]) -> list[str]:
+    """Return the targets as the user types them, every sweep replaced by the webs of its picks, each once.
+
+    Raises:
+        CranktopoError: a sweep that is not finished, or has no webs to compare.
+    """
+    found: list[str] = []
+    for text in targets:
+        run = _sweep(text)
+        found += [text] if run is None else _picked(run)
+    return list(dict.fromkeys(found))
+
+
+def _sweep(text: str) -> RunStore | None:
+    path = Path(text)
+    named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
+    if not named and not (path / "manifest.json").is_file():
+        return None
+    run = open_run(text)
+    return run if kind_of(run) == SWEEP else None
+
+
+def _picked(run: RunStore) -> list[str]:
+    data = read_result(run)
+    if data is None:
+        raise CranktopoError(
+            f"run '{run.path}': is not finished.", hint=f"Continue it: {resume_command(run)}"
+        )
+    with shown_results(run):
+        result = SweepResult.of_json(data, f"run '{run.path}'")
+        points = {point.id: point for point in result.points}
+        picked = [points[one] for one in result.picks.values()]
+        found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
+    if not found:
+        raise CranktopoError(
+            f"run '{run.path}': its points have no webs to compare.",
+            hint="Sweep with a stage in place of a function; see its table for what failed.",
+        )
+    return found
+
 
 _RAYS_MM = 1.0
 """Of throws of usual size; others in proportion."""

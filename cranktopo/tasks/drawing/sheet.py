@@ -13,16 +13,22 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
-from cranktopo.design.symmetry import web_asymmetry
-from cranktopo.engine.balance.throw import ThrowBalance
+from cranktopo.design.symmetry import mirror_image, web_asymmetry
+from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
+from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
+
 
 _WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
 _TABLE_MM, _TITLE_MM = 112.0, 62.0
@@ -194,3 +200,35 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         page.text(
             left + 14, bottom + _TITLE_MM + 4, "body that was re-modelled", fontsize=TEXT_SIZE, va="center"
         )
+
+
+def export_drawing(scene: Scene, path: Path) -> int:
+    """Write the drawing of a scene's throw (.pdf, .svg or .png); the file appears only when complete.
+
+    Returns:
+        Number of its sheets.
+
+    Raises:
+        CranktopoError: impossible dimensions, or a file that cannot be written.
+    """
+    sheets = throw_sheets(scene)
+    with replacing(path) as temporary:
+        write_drawing(sheets, throw_balance(scene), [temporary])
+    return len(sheets)
+
+
+def throw_sheets(scene: Scene) -> list[Sheet]:
+    """Return what a drawing of a throw shows: half of it, or both halves where they differ.
+
+    The second half is turned half a turn about the throw direction, so that it too has its main journal on
+    the left and is seen from the crankpin.
+
+    Raises:
+        CranktopoError: impossible dimensions.
+    """
+    if not difference(scene):
+        return [Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))]
+    near, far = halves(scene)
+    first, second = (solid_of(mesh, "half throw") for mesh in half_surfaces(scene))
+    turned = second.mirror((1.0, 0.0, 0.0))
+    return [Sheet(near, first, half="first"), Sheet(mirror_image(far), turned, half="second")]

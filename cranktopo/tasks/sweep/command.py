@@ -117,8 +117,7 @@ def command(
 
 
 def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
-    from cranktopo.tasks.sweep.plan import sweep_plan
-    from cranktopo.tasks.sweep.plan_file import is_plan, read_plan
+    from cranktopo.tasks.sweep.plan import is_plan, read_plan, sweep_plan
     from cranktopo.tasks.sweep.variation import read_option
 
     given = {name: value for name, value in asked.items() if value not in (None, ())}

@@ -3,19 +3,90 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
+from cranktopo.bodies.cells.resolution import available_memory_MiB, optimiser_memory_MiB
+from cranktopo.bodies.mesh.memory import evaluation_memory_MiB
+from cranktopo.design.scale import default_element_size_mm
+from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.executor import WorkerPool, compute
+from cranktopo.tasks.sweep.front import worth_refining
 from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, point_result
-from cranktopo.tasks.sweep.plan import SweepPlan
+from cranktopo.tasks.sweep.plan import Stage, SweepPlan
 from cranktopo.tasks.sweep.points import SweepPoint
-from cranktopo.tasks.sweep.progress import Progress
-from cranktopo.tasks.sweep.refine import worth_refining
-from cranktopo.tasks.sweep.result import COARSE, FAILED, FULL, IMPOSSIBLE, VIEW, PointResult
-from cranktopo.tasks.sweep.workers import point_memory_MiB, workers_for
+from cranktopo.tasks.sweep.result import COARSE, DONE, FAILED, FULL, IMPOSSIBLE, VIEW, PointResult
+
+_EVERY_S = 5.0
+
+
+class Progress:
+    """Lines of progress, one every few seconds; time left by the pace since the start."""
+
+    def __init__(self, points: int, kept: int, info: Info) -> None:
+        self._points, self._done, self._info = points, kept, info
+        self._ends: Counter[str] = Counter()
+        self._told = time.perf_counter()
+        self._first = 0.0
+        if kept:
+            info(f"{kept} of {points} points need no computing")
+
+    def add(self, status: str) -> None:
+        """Count the end of a point."""
+        self._done += 1
+        self._ends[status] += 1
+        now = time.perf_counter()
+        self._first = self._first or now
+        if now - self._told >= _EVERY_S or self._done == self._points:
+            self._told = now
+            self._info(self._line(now))
+
+    def _line(self, now: float) -> str:
+        bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
+        return f"{', '.join([f'{self._done} of {self._points} points', *bad])}{self._time_left(now)}"
+
+    def _time_left(self, now: float) -> str:
+        """By the points that ended since the first one, which waited for the workers to start."""
+        since = self._ends.total() - 1
+        if since == 0 or self._done == self._points:
+            return ""
+        left = (self._points - self._done) * (now - self._first) / since
+        return f", about {duration(left)} left"
+
+
+def duration(seconds: float) -> str:
+    """Return a time for people: `40 s`, `12 min`, `3 h 20 min`."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
+
+
+_PROGRAM_MIB = 500.0
+"""Of a worker that has loaded everything and computes nothing."""
+_REFINED = 2.0
+"""An estimate leaves out what is refined at fillets."""
+
+
+def point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
+    """Estimated peak memory of a worker at a stage, MiB."""
+    size = element_size_mm or default_element_size_mm(scene)
+    evaluation = _PROGRAM_MIB + _REFINED * evaluation_memory_MiB(scene, size)
+    if stage in ("evaluate", "fatigue") or scene.envelope is None:
+        return evaluation
+    cells = optimiser_memory_MiB(scene, scene.optimise.resolution_mm, quarter=False, cases=2)
+    return max(evaluation, cells)
+
+
+def workers_for(points: int, point_MiB: float, asked: int | None = None) -> int:
+    """Workers for a number of points: as many as asked for, or as cores and memory allow."""
+    if asked is not None:
+        return max(1, min(asked, points))
+    fitting = int(available_memory_MiB() / point_MiB)
+    return max(1, min(usable_cores(), points, fitting))
 
 
 @dataclass(frozen=True)

@@ -8,22 +8,52 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_text
 from cranktopo.base.progress import Json
+from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
+from cranktopo.bodies.solid.half_surfaces import half_surfaces
 from cranktopo.design.goal.outcome import GoalOutcome
+from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.goal_table import broken_limits
+from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
+from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.runs.directories import open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.result import IMPOSSIBLE, VIEW
-from cranktopo.tasks.sweep.web_view import web_view
+
+_COARSER = 2
+"""Than what a page shows of a single web: a quarter of the triangles, in half the time."""
+
+
+def web_view(target: Target) -> str:
+    """Return the half throw of a target, or both where they differ, as text that a browser draws."""
+    scene = target.scene
+    facet_mm = _COARSER * coarse_facet_mm(scene)
+    meshes: tuple[SurfaceMesh, ...]
+    if difference(scene):
+        meshes = half_surfaces(scene, facet_mm)
+    elif target.file is not None:
+        meshes = (half_throw_surface(target.file, scene),)
+    else:
+        meshes = (surface_of(scene, "half", facet_mm),)
+    shown = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
+    return packed_web(
+        *(
+            ShownBody(target.name, mesh, half.web_z_mm, half.pitch_mm / 2, partner=partner)
+            for mesh, half, partner in shown
+        )
+    )
+
 
 DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
+from cranktopo.design.goal.changing import limits_by_quantity, with_goal
+from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.varying import key_parts
 
 Value = str | float | int | bool
@@ -142,3 +144,39 @@ def _value(text: str) -> Value:
 def _refused(what: str, why: str = _FORM) -> CranktopoError:
     hint = 'Such as --vary "web.width_mm=44:56:7" or --vary "throw.crankpin.fillet_mm=2,2.5,3".'
     return CranktopoError(f"{what}: {why}.", hint=hint, code=ExitCode.USAGE)
+
+
+LIMITS = "goal.limits"
+
+
+def varied_limits(limits: Sequence[str]) -> tuple[list[str], list[Variation]]:
+    """Limits that stay, and those with several values, such as `torsion >= 90:130:5 %`.
+
+    Raises:
+        CranktopoError: an unknown quantity, or a range without numbers.
+    """
+    fixed: list[str] = []
+    varied: list[Variation] = []
+    for name, value in limits_by_quantity(limits).items():
+        texts = [value] if isinstance(value, str) else list(value)
+        found = read_text(f"{LIMITS}.{name}", texts[0])
+        if len(texts) == 1 and len(found.values) > 1:
+            varied.append(found)
+        else:
+            fixed += [f"{name} {text}" for text in texts]
+    return fixed, varied
+
+
+def with_goal_tables(
+    tables: dict[str, Any], design: str, minimise: str | None, maximise: str | None, limits: Sequence[str]
+) -> dict[str, Any]:
+    """Return the tables of a scene with another goal or other limits, as `with_goal` changes a scene.
+
+    Raises:
+        CranktopoError: a goal or limit that makes no sense.
+    """
+    if minimise is None and maximise is None and not limits:
+        return tables
+    scene = scene_from_dict(tables, design, whole=True)
+    goal = with_goal(scene, minimise=minimise, maximise=maximise, limits=limits).goal
+    return tables if goal is None else {**tables, "goal": goal.model_dump(mode="json", exclude_defaults=True)}
