@@ -106,12 +106,12 @@ def command(
     from cranktopo.tasks.sweep.run import resume_sweep, run_sweep
     from cranktopo.tasks.sweep.text import sweep_summary
 
-    place = Workplace(workers, scheduler)
+    place = Workplace(workers, scheduler, info)
     if resume:
-        done = resume_sweep(resume, place, info)
+        done = resume_sweep(resume, place)
     else:
         plan = _plan(target or DEFAULT_DESIGN, **asked)
-        done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]], info)
+        done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]])
     click.echo(json.dumps(done.result.as_json()) if as_json else sweep_summary(done.result, done.folder))
     return ExitCode.SOLVER if done.failed else ExitCode.DONE
 

@@ -91,10 +91,27 @@ def workers_for(points: int, point_MiB: float, asked: int | None = None) -> int:
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where the points of a sweep are computed; without anything, on all cores of this machine."""
+    """Where the points of a sweep are computed; without anything, on all cores of this machine.
+
+    Attributes:
+        scheduler: address of a Dask scheduler, in place of workers of this machine.
+        info: called with lines of progress.
+        function: in place of the stages: numbers of a scene, by name.
+    """
 
     workers: int | None = None
     scheduler: str | None = None
+    info: Info = lambda _: None
+    function: PointFunction | None = None
+
+    @property
+    def settings(self) -> dict[str, str]:
+        """What results depend on beside the plan."""
+        function = self.function
+        return {} if function is None else {"function": f"{function.__module__}.{function.__qualname__}"}
+
+
+ALL_CORES = Workplace()
 
 
 @dataclass(frozen=True)
@@ -123,8 +140,6 @@ class Session:
     root: str
     plan: SweepPlan
     place: Workplace
-    info: Info
-    function: PointFunction | None = None
 
     def computed(
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
@@ -145,7 +160,7 @@ class Session:
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
     ) -> Computed:
         """Rounds of full accuracy until no other point may be on the front, or the time is used."""
-        self.info("first look: all points, coarse")
+        self.place.info("first look: all points, coarse")
         coarse = self._results([*looks, original])
         pairs = [(point, coarse[look.id]) for point, look in zip(points, looks, strict=True)]
         full = {point.id: row for point, row in pairs if point.reason}
@@ -154,7 +169,7 @@ class Session:
         while todo := worth_refining(pairs, full, reference):
             if time.monotonic() >= end:
                 break
-            self.info(f"full accuracy: {len(todo)} points that may be on the front")
+            self.place.info(f"full accuracy: {len(todo)} points that may be on the front")
             full |= self._results(todo, end)
         rows = [
             _row(point, full[point.id], accuracy=FULL)
@@ -172,13 +187,13 @@ class Session:
         Args:
             end: time of the monotonic clock at which the rest is left.
         """
-        jobs = [Job(point, self.root, self.function) for point in {p.id: p for p in points}.values()]
+        jobs = [Job(point, self.root, self.place.function) for point in {p.id: p for p in points}.values()]
         found: dict[str, PointResult] = {}
         for job in jobs:
             kept = point_result(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
             if kept is not None:
                 found[job.point.id] = kept
-        progress = Progress(len(jobs), len(found), self.info)
+        progress = Progress(len(jobs), len(found), self.place.info)
 
         def done(job: Job, result: PointResult) -> None:
             if result.status != FAILED or result.number("seconds") is not None:
@@ -188,7 +203,7 @@ class Session:
 
         left = [job for job in jobs if job.point.id not in found]
         if left:
-            compute(left, self._engine(len(left)), done, self.info, lambda: time.monotonic() >= end)
+            compute(left, self._engine(len(left)), done, self.place.info, lambda: time.monotonic() >= end)
         return found
 
     def _engine(self, points: int) -> WorkerPool:

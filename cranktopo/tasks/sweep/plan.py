@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from pydantic import ConfigDict
+
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.reproducible import SEED
+from cranktopo.base.result import Result
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import (
     design_text,
@@ -26,8 +29,6 @@ from cranktopo.tasks.sweep.variation import (
     MOST,
     STAGE,
     Variation,
-    as_json,
-    from_json,
     read_entry,
     varied_limits,
     with_goal_tables,
@@ -37,38 +38,34 @@ Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 _STAGES: tuple[Stage, ...] = get_args(Stage)
 OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
 """Stages that work on one web, which is that of both halves."""
-_Sampling = Literal["grid", "latin", "sobol"]
-_SAMPLINGS: tuple[_Sampling, ...] = get_args(_Sampling)
-_Refine = Literal["all", "front"]
-REFINE: tuple[_Refine, ...] = get_args(_Refine)
+_CHOICES = {"sampling": ("grid", "latin", "sobol"), STAGE: _STAGES, "refine": ("all", "front")}
+"""Settings that take one of a few words, the first by default."""
 
 
-@dataclass(frozen=True)
-class SweepPlan:
-    """What a sweep consists of; its points follow from it and from nothing else.
+class SweepPlan(Result):
+    """What a sweep consists of, as its manifest keeps it; its points follow from it and from nothing else."""
 
-    Attributes:
-        designs: name of each scene as the user typed it.
-        tables: the tables of each scene as they are written, file names absolute; the first is the original.
-        vary: what varies in every scene.
-        sampling: all combinations, or as many samples of a Latin hypercube or a Sobol sequence.
-        stage: how far a point goes where `stage` does not vary.
-        element_size_mm: of evaluations; None leaves the default.
-        accuracy_percent: evaluations are refined until the bound of their error is no larger.
-        refine: every point at full accuracy, or those alone that a coarse first look does not rule out.
-        budget_s: time for points at full accuracy after the first look.
-    """
+    model_config = ConfigDict(extra="forbid")
 
     designs: tuple[str, ...]
+    """Each scene as the user typed it."""
     tables: tuple[dict[str, Any], ...]
+    """The tables of each scene as they are written, file names absolute; the first is the original."""
     vary: tuple[Variation, ...] = ()
-    sampling: _Sampling = "grid"
+    """What varies in every scene."""
+    sampling: Literal["grid", "latin", "sobol"] = "grid"
+    """All combinations, or as many `samples` of a Latin hypercube or a Sobol sequence."""
     samples: int | None = None
     stage: Stage = "evaluate"
+    """How far a point goes where `stage` does not vary."""
     element_size_mm: float | None = None
+    """Of evaluations; None leaves the default."""
     accuracy_percent: float | None = None
-    refine: _Refine = "all"
+    """Evaluations are refined until the bound of their error is no larger."""
+    refine: Literal["all", "front"] = "all"
+    """Every point at full accuracy, or those alone that a coarse first look does not rule out."""
     budget_s: float | None = None
+    """Time for points at full accuracy after the first look."""
     seed: int = SEED
 
     @property
@@ -87,49 +84,22 @@ class SweepPlan:
         varied = {value for variation in self.vary if variation.key == STAGE for value in variation.values}
         return tuple(stage for stage in _STAGES if stage in varied) or (self.stage,)
 
-    def as_json(self) -> dict[str, Any]:
-        """Plain data, from which `plan_from_json` makes the same plan."""
-        return {
-            "designs": list(self.designs),
-            "tables": list(self.tables),
-            "vary": [as_json(variation) for variation in self.vary],
-            "sampling": self.sampling,
-            "samples": self.samples,
-            "stage": self.stage,
-            "element_size_mm": self.element_size_mm,
-            "accuracy_percent": self.accuracy_percent,
-            "refine": self.refine,
-            "budget_s": self.budget_s,
-            "seed": self.seed,
-        }
-
-
-def plan_from_json(data: Mapping[str, Any]) -> SweepPlan:
-    """Return the plan that `as_json` told."""
-    vary = tuple(from_json(entry) for entry in data["vary"])
-    kept = {**data, "designs": tuple(data["designs"]), "tables": tuple(data["tables"]), "vary": vary}
-    return SweepPlan(**kept)
-
 
 def sweep_plan(
     designs: Sequence[str],
     vary: Sequence[Variation] = (),
-    sampling: str = "grid",
-    samples: int | None = None,
-    stage: str = "evaluate",
-    element_size_mm: float | None = None,
-    accuracy_percent: float | None = None,
-    refine: str = "all",
-    budget_s: float | None = None,
+    *,
     minimise: str | None = None,
     maximise: str | None = None,
     limits: Sequence[str] = (),
+    **settings: Any,
 ) -> SweepPlan:
     """Return a plan that was checked: every design is valid, every key exists.
 
     Args:
         designs: TOML paths or names of built-in designs; the first is the original.
         limits: such as `torsion >= 90:130:5 %`, which varies, or `bending >= 95 %`, which stays.
+        settings: further fields of `SweepPlan`.
 
     Raises:
         CranktopoError: no such design or an invalid one, an unknown key, or settings that do not fit.
@@ -138,23 +108,15 @@ def sweep_plan(
         raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
     scenes = [load_scene(design, whole=True) for design in designs]
     fixed, varied = varied_limits(limits)
-    plan = SweepPlan(
-        tuple(designs),
-        tuple(with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs),
-        (*vary, *varied),
-        _one_of("sampling", sampling, _SAMPLINGS),
-        samples,
-        _one_of("stage", stage, _STAGES),
-        element_size_mm,
-        accuracy_percent,
-        _one_of("refine", refine, REFINE),
-        budget_s,
-    )
+    tables = [with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs]
+    for key, words in _CHOICES.items():
+        _check_choice(key, settings.get(key, words[0]), words)
+    plan = SweepPlan(designs=tuple(designs), tables=tuple(tables), vary=(*vary, *varied), **settings)
     _check(plan)
-    if set(plan.stages) & set(OPTIMISED):
-        for scene in scenes:
-            require_equal_halves(scene)
-    if (minimise or maximise or limits) and not set(plan.stages) & set(OPTIMISED):
+    optimised = set(plan.stages) & set(OPTIMISED)
+    for scene in scenes if optimised else ():
+        require_equal_halves(scene)
+    if (minimise or maximise or limits) and not optimised:
         raise _misused(
             f"stage {plan.stage} has no goal",
             f"Add --stage {', '.join(OPTIMISED[:-1])} or {OPTIMISED[-1]}.",
@@ -162,11 +124,10 @@ def sweep_plan(
     return plan
 
 
-def _one_of(key: str, value: str, words: tuple[Any, ...]) -> Any:
+def _check_choice(key: str, value: str, words: Sequence[str]) -> None:
     if value not in words:
         near = suggest(value[:100], list(words))
         raise CranktopoError(f"{key} = {quoted(value)}: unknown choice.", hint=near, code=ExitCode.USAGE)
-    return value
 
 
 def _tables(design: str) -> dict[str, Any]:
@@ -185,7 +146,7 @@ def _check(plan: SweepPlan) -> None:
     for variation in plan.vary:
         if variation.key == STAGE:
             for value in variation.values or ("a range",):
-                _one_of(STAGE, str(value), _STAGES)
+                _check_choice(STAGE, str(value), _STAGES)
     _check_sampling(plan)
     for design, tables in zip(plan.designs, plan.tables, strict=True):
         for variation in plan.vary:
@@ -208,9 +169,7 @@ def _check_sampling(plan: SweepPlan) -> None:
         raise _misused("samples are of a Latin hypercube or a Sobol sequence", "Add --sampling latin.")
     if ranges:
         raise _misused(f"{ranges[0]} has two ends and no number of values", "Write A:B:N, or add --sampling.")
-    count = len(plan.designs)
-    for variation in plan.vary:
-        count *= len(variation.values)
+    count = len(plan.designs) * math.prod(len(variation.values) for variation in plan.vary)
     if count > MOST:
         raise _misused(f"{count} points are more than {MOST}", "Take fewer values, or --sampling sobol.")
 
@@ -221,12 +180,12 @@ def _misused(what: str, hint: str) -> CranktopoError:
 
 _WORDS = ("stage", "sampling", "refine", "minimise", "maximise")
 _NUMBERS = {"element_size_mm": (1e-3, 1e3), "accuracy_percent": (1e-3, 99.0), "budget_s": (1.0, 1e8)}
-"""Keys with their least and greatest value."""
+"""Keys with their smallest and largest value."""
 _KEYS = ("schema_version", "design", "scenes", "samples", "limits", "vary", *_WORDS, *_NUMBERS)
 
 
 def read_plan(file: Path) -> SweepPlan:
-    """The plan in a TOML file: `design` or `scenes`, `[vary]`, and the settings of `sweep_plan` by name.
+    """Return the plan in a TOML file: `design` or `scenes`, `[vary]`, and what `sweep_plan` takes by name.
 
     Raises:
         CranktopoError: an unknown key, or as `sweep_plan`.
@@ -237,16 +196,18 @@ def read_plan(file: Path) -> SweepPlan:
         raise CranktopoError(f"{file}: unknown key {unknown[0]}.", hint=suggest(unknown[0], list(_KEYS)))
     if data.get("schema_version", 1) != 1:
         raise invalid(f"{file}: schema_version", data["schema_version"], "must be 1")
-    words: dict[str, Any] = {key: str(data[key]) for key in _WORDS if key in data}
-    numbers: dict[str, Any] = {key: _number(file, data, key) for key in _NUMBERS if key in data}
-    return sweep_plan(
-        _designs(file, data),
-        [read_entry(key, entry) for key, entry in _flat(_table(file, data, "vary"))],
-        samples=_count(file, data),
-        limits=_texts(file, data, "limits"),
-        **words,
-        **numbers,
-    )
+    settings: dict[str, Any] = {key: str(data[key]) for key in _WORDS if key in data}
+    settings |= {key: _number(file, data, key) for key in _NUMBERS if key in data}
+    designs = _designs(file, data)
+    vary, samples, limits = data.get("vary", {}), data.get("samples"), data.get("limits", [])
+    if not isinstance(vary, dict):
+        raise invalid(f"{file}: vary", vary, "must be a table", "Write [vary].")
+    varied = [read_entry(key, entry) for key, entry in _flat(vary)]
+    if samples is not None and (not isinstance(samples, int) or isinstance(samples, bool)):
+        raise invalid(f"{file}: samples", samples, "must be an integer")
+    if not isinstance(limits, list) or not all(isinstance(text, str) for text in limits):
+        raise invalid(f"{file}: limits", limits, "must be a list of texts")
+    return sweep_plan(designs, varied, samples=samples, limits=limits, **settings)
 
 
 def is_plan(text: str) -> bool:
@@ -277,27 +238,6 @@ def _flat(table: Mapping[str, Any], head: str = "") -> list[tuple[str, Any]]:
         path = f"{head}{key}"
         found += _flat(value, f"{path}.") if isinstance(value, dict) else [(path, value)]
     return found
-
-
-def _table(file: Path, data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    value = data.get(key, {})
-    if not isinstance(value, dict):
-        raise invalid(f"{file}: {key}", value, "must be a table", f"Write [{key}].")
-    return value
-
-
-def _count(file: Path, data: Mapping[str, Any]) -> int | None:
-    value = data.get("samples")
-    if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
-        raise invalid(f"{file}: samples", value, "must be an integer")
-    return value
-
-
-def _texts(file: Path, data: Mapping[str, Any], key: str) -> list[str]:
-    value = data.get(key, [])
-    if not isinstance(value, list) or not all(isinstance(text, str) for text in value):
-        raise invalid(f"{file}: {key}", value, "must be a list of texts")
-    return value
 
 
 def _number(file: Path, data: Mapping[str, Any], key: str) -> float:

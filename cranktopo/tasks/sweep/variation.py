@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.changing import limits_by_quantity, with_goal
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.varying import key_parts
@@ -24,19 +24,15 @@ MOST = 100_000
 """Points of a sweep; whoever asks for more has a slip in a count."""
 
 
-@dataclass(frozen=True)
-class Variation:
-    """A key and what it takes.
-
-    Attributes:
-        key: path in the scene, `web.pocket[0].diameter_mm`, or `stage`.
-        values: in order; empty where the key is sampled between two ends.
-        ends: lowest and highest value of a sampled key.
-    """
+class Variation(Result):
+    """A key and what it takes."""
 
     key: str
+    """Path in the scene, `web.pocket[0].diameter_mm`, or `stage`."""
     values: tuple[Value, ...] = ()
-    ends: tuple[float, float] | None = None
+    """In order; empty where the key is sampled between two ends."""
+    ends: tuple[float, float] | None = UNLESS_NONE
+    """Lowest and highest value of a sampled key."""
 
     def at(self, share: float) -> Value:
         """Return the value at a share from 0 up to 1 of the range, or of the list."""
@@ -68,11 +64,13 @@ def read_text(key: str, text: str) -> Variation:
     limit = _LIMIT.fullmatch(text.strip())
     if limit is not None:
         numbers = _range(key, limit["numbers"].split(":")).values
-        return Variation(key, tuple(f"{limit['sign']} {n:g} {limit['unit']}".rstrip() for n in numbers))
+        return Variation(
+            key=key, values=tuple(f"{limit['sign']} {n:g} {limit['unit']}".rstrip() for n in numbers)
+        )
     parts = text.split(":")
     if len(parts) in (2, 3) and all(_number(part) is not None for part in parts):
         return _range(key, parts)
-    return Variation(key, _finite(key, [_value(part.strip()) for part in text.split(",")]))
+    return Variation(key=key, values=_finite(key, [_value(part.strip()) for part in text.split(",")]))
 
 
 def read_entry(key: str, entry: object) -> Variation:
@@ -87,19 +85,7 @@ def read_entry(key: str, entry: object) -> Variation:
     key_parts(key)
     if not values or not all(isinstance(value, str | int | float) for value in values):
         raise _refused(f"vary.{key} = {quoted(entry)}")
-    return Variation(key, _finite(key, values))
-
-
-def as_json(variation: Variation) -> dict[str, Any]:
-    """Plain data that `from_json` reads."""
-    ends = {} if variation.ends is None else {"ends": list(variation.ends)}
-    return {"key": variation.key, "values": list(variation.values), **ends}
-
-
-def from_json(data: Mapping[str, Any]) -> Variation:
-    """Return a variation as `as_json` wrote it."""
-    ends = data.get("ends")
-    return Variation(str(data["key"]), tuple(data["values"]), None if ends is None else (ends[0], ends[1]))
+    return Variation(key=key, values=_finite(key, values))
 
 
 def _range(key: str, parts: list[str]) -> Variation:
@@ -108,13 +94,13 @@ def _range(key: str, parts: list[str]) -> Variation:
     if len(parts) == 2:
         if not low < high:
             raise _refused(f"{key} = {':'.join(parts)}", "the first end must be below the second")
-        return Variation(key, ends=(low, high))
+        return Variation(key=key, ends=(low, high))
     count = numbers[2]
     if not isinstance(count, int) or not 2 <= count <= MOST:
         raise _refused(f"{key} = {':'.join(parts)}", f"N must be an integer >= 2 and <= {MOST}")
     whole = all(isinstance(end, int) for end in numbers[:2]) and (high - low) % (count - 1) == 0
     found = [float(f"{low + (high - low) * n / (count - 1):.12g}") for n in range(count)]
-    return Variation(key, tuple(int(value) for value in found) if whole else tuple(found))
+    return Variation(key=key, values=tuple(int(value) for value in found) if whole else tuple(found))
 
 
 def _finite(key: str, values: list[Value]) -> tuple[Value, ...]:
