@@ -1,4 +1,4 @@
-"""The report of a comparison as content."""
+"""The report of a comparison as content, and its plot as a file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.runs.destination import check_file
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
-from cranktopo.tasks.bound.result import read_bound
+from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import percent_table, published_table, value_table
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
@@ -48,41 +48,6 @@ from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.verdict import fatigue_fact
 from cranktopo.tasks.plan.section import effects_section
 
-
-def plot_stiffness_over_mass(
-    comparison: Comparison, path: Path, bound: Mapping[str, Any] | None = None
-) -> None:
-    """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
-
-    Args:
-        path: .png, .svg or .pdf; replaced only when the plot is complete.
-        bound: whose curves are drawn, where there is one; the baseline is then the original.
-
-    Raises:
-        CranktopoError: another suffix, no such folder, or the file cannot be written.
-    """
-    check_file(path, "--plot", PLOTS)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11, 4.8), layout="constrained")
-    FigureCanvasAgg(figure)
-    plots = scatter_points(comparison)
-    most = most_by_label(bound, {label: points[comparison.baseline] for label, points in plots.items()})
-    for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
-        draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=130)
-
-
-def scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
-    """Return the points of a comparison by the label of their stiffness."""
-    return {
-        label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
-        for stiffness, label in LABELS.items()
-    }
-
-
 _LABELS = {
     MASS: "Lightest",
     TORSION_PER_MASS: "Stiffest in torsion per mass",
@@ -103,7 +68,7 @@ class ComparisonRecord:
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
         written: when, ISO 8601.
-        bound: beside the entry that is stiffest in torsion per mass, as `bound` of metrics.json.
+        bound: beside the entry that is stiffest in torsion per mass; None where none was asked for.
     """
 
     comparison: Comparison
@@ -116,7 +81,7 @@ class ComparisonRecord:
     command: str
     written: str
     versions: Mapping[str, str | None]
-    bound: Mapping[str, Any] | None = None
+    bound: AnyBound | None = None
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
@@ -136,7 +101,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
         sections=(
             _variants(comparison, record.undercuts, record.bound),
             *bound_sections(
-                read_bound({"bound": record.bound}),
+                record.bound,
                 f"{comparison.base.name} and {leader} in the body-fitted evaluation",
             ),
             *_goals(comparison),
@@ -212,7 +177,7 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
 
 
 def _variants(
-    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: Mapping[str, Any] | None
+    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: AnyBound | None
 ) -> Section:
     tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
     published = published_table(comparison)
@@ -226,7 +191,7 @@ def _variants(
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design." + _safety(comparison),
         tuple(tables),
-        scatter_pictures(scatter_points(comparison), comparison.baseline, bound),
+        scatter_pictures(_scatter_points(comparison), comparison.baseline, _curves(bound)),
     )
 
 
@@ -295,3 +260,40 @@ def _provenance(record: ComparisonRecord) -> Section:
         "Where this comes from",
         tables=(("Comparison", pairs(rows)), *_assumed(record.comparison)),
     )
+
+
+def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound | None = None) -> None:
+    """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
+
+    Args:
+        path: .png, .svg or .pdf; replaced only when the plot is complete.
+        bound: whose curves are drawn, where there is one; the baseline is then the original.
+
+    Raises:
+        CranktopoError: another suffix, no such folder, or the file cannot be written.
+    """
+    check_file(path, "--plot", PLOTS)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    plots = _scatter_points(comparison)
+    original = {label: points[comparison.baseline] for label, points in plots.items()}
+    most = most_by_label(_curves(bound), original)
+    for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
+        draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=130)
+
+
+def _curves(bound: AnyBound | None) -> Mapping[str, Any] | None:
+    return None if bound is None else bound.as_json()
+
+
+def _scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
+    """Return the points of a comparison by the label of their stiffness."""
+    return {
+        label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
+        for stiffness, label in LABELS.items()
+    }

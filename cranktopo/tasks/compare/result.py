@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.schema import Published
+from cranktopo.report.result_table import Cell
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
@@ -32,12 +33,12 @@ class ComparisonResult(Result):
     schema_version: int = 1
     baseline: str
     evaluations: list[EvaluationResult]
-    percent_of_baseline: list[dict[str, Any]]
+    percent_of_baseline: list[dict[str, Cell]]
     """Rows of the table, by its columns."""
     change_error_percent: list[ChangeErrors]
     best: dict[str, str | None]
     """Name of the best target by column; None where another is within the error estimate."""
-    published: list[dict[str, Any]] | None
+    published: list[dict[str, Cell]] | None
     fatigue: dict[str, Any] | None
     """As `fatigue --json`, where it was assessed."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE

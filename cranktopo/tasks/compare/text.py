@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cranktopo.design.schema import Published
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
@@ -21,13 +21,8 @@ _PUBLISHED = (MASS, TORSION, TORSION_PER_MASS)
 
 
 def value_table(comparison: Comparison) -> ResultTable:
-    """Absolute values and the error estimates of the stiffnesses, the best of each quantity marked."""
-    columns = {"target": 0}
-    for quantity in comparison.quantities:
-        columns[quantity.column] = quantity.digits
-        if quantity == BENDING:
-            columns |= {f"{kind}_error_percent": 2 for kind in ("torsion", "bending")}
-    rows: tuple[Row, ...] = tuple(
+    """Return absolute values and the error estimates of the stiffnesses, the best of each quantity marked."""
+    rows = [
         {
             "target": entry.name,
             **{quantity.column: entry.values.get(quantity.key) for quantity in comparison.quantities},
@@ -35,19 +30,14 @@ def value_table(comparison: Comparison) -> ResultTable:
             "bending_error_percent": entry.evaluation.bending_error_percent,
         }
         for entry in comparison.entries
-    )
-    best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
-    return ResultTable(columns, rows, _marks(best))
+    ]
+    columns = {quantity: (quantity.column, quantity.digits) for quantity in comparison.quantities}
+    return _table(comparison, columns, "error_percent", rows)
 
 
 def percent_table(comparison: Comparison) -> ResultTable:
-    """Percent of the baseline, the best of each quantity marked; bounds of the stiffnesses' changes."""
-    columns = {"target": 0}
-    for quantity in comparison.quantities:
-        columns[quantity.percent_column] = 1
-        if quantity == BENDING:
-            columns |= {f"{stiffness.key}_change_error_percent": 2 for stiffness in STIFFNESS}
-    rows: tuple[Row, ...] = tuple(
+    """Return percent of the baseline, the best of each marked, and bounds of the changes of stiffness."""
+    rows = [
         {
             "target": entry.name,
             **{
@@ -57,9 +47,23 @@ def percent_table(comparison: Comparison) -> ResultTable:
             **{f"{kind}_change_error_percent": error for kind, error in _change_errors(comparison, row)},
         }
         for row, entry in enumerate(comparison.entries)
-    )
-    best = {quantity.percent_column: comparison.best(quantity) for quantity in comparison.quantities}
-    return ResultTable(columns, rows, _marks(best))
+    ]
+    columns = {quantity: (quantity.percent_column, 1) for quantity in comparison.quantities}
+    return _table(comparison, columns, "change_error_percent", rows)
+
+
+def _table(
+    comparison: Comparison, named: Mapping[Quantity, tuple[str, int]], error: str, rows: Sequence[Row]
+) -> ResultTable:
+    """Return a table of the quantities by name and decimals, the errors of the stiffnesses behind them."""
+    columns, best = {"target": 0}, set()
+    for quantity, (name, digits) in named.items():
+        columns[name] = digits
+        if quantity == BENDING:
+            columns |= {f"{stiffness.key}_{error}": 2 for stiffness in STIFFNESS}
+        row = comparison.best(quantity)
+        best |= set() if row is None else {(row, name)}
+    return ResultTable(columns, tuple(rows), frozenset(best))
 
 
 def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
@@ -115,10 +119,6 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         fatigue=None if comparison.fatigue is None else comparison.fatigue.json,
         goals=dict(comparison.goals) or None,
     )
-
-
-def _marks(best: Mapping[str, int | None]) -> frozenset[tuple[int, str]]:
-    return frozenset((row, column) for column, row in best.items() if row is not None)
 
 
 def _published_columns(quantity: Quantity) -> list[str]:
