@@ -265,9 +265,8 @@ def _provenance(record: ComparisonRecord) -> Section:
 def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound | None = None) -> None:
     """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
 
-    Args:
-        path: .png, .svg or .pdf; replaced only when the plot is complete.
-        bound: whose curves are drawn, where there is one; the baseline is then the original.
+    Of a bound its curves are drawn; the baseline is then the original. The file is replaced by a complete one
+    alone.
 
     Raises:
         CranktopoError: another suffix, no such folder, or the file cannot be written.

@@ -46,12 +46,7 @@ class ComparisonResult(Result):
 
 @dataclass(frozen=True)
 class Entry:
-    """A compared target.
-
-    Attributes:
-        published: what was published for it, if anything.
-        safety: least fatigue safety of its fillets, where it was assessed.
-    """
+    """A compared target, what was published for it, and its smallest fatigue safety, if it was assessed."""
 
     evaluation: Evaluation
     published: Published | None = None
@@ -129,10 +124,9 @@ class Comparison:
 
     def leading(self, quantity: Quantity) -> int:
         """Row with the best value of a quantity, by however little."""
-        value = {
-            row: quantity.better * self.entries[row].values[quantity.key] for row in self.having(quantity)
-        }
-        return max(value, key=lambda row: value[row])
+        return max(
+            self.having(quantity), key=lambda row: quantity.better * self.entries[row].values[quantity.key]
+        )
 
     def level(self, quantity: Quantity) -> list[int]:
         """Rows that the best value of a quantity does not beat by as much as the error estimates."""
@@ -146,11 +140,7 @@ class Comparison:
 
 
 def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
-    """Return a comparison against one of the entries.
-
-    Args:
-        baseline: name of the entry that counts as 100 %.
-        fatigue: of those entries that hold a safety, in the same order.
+    """Return a comparison against the entry that is called like the baseline.
 
     Raises:
         CranktopoError: the baseline is not among the entries, or the supports differ.

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
@@ -39,7 +38,7 @@ from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
-from cranktopo.tasks.importing.imported_body import half_throw_surface
+from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.sweep.result import SweepResult
 
 
@@ -49,11 +48,8 @@ def with_picks(targets: Sequence[str]) -> list[str]:
     Raises:
         CranktopoError: a sweep that is not finished, or has no webs to compare.
     """
-    found: list[str] = []
-    for text in targets:
-        run = _sweep(text)
-        found += [text] if run is None else _picked(run)
-    return list(dict.fromkeys(found))
+    runs = [(text, _sweep(text)) for text in targets]
+    return list(dict.fromkeys(one for text, run in runs for one in (_picked(run) if run else [text])))
 
 
 def _sweep(text: str) -> RunStore | None:
@@ -111,7 +107,6 @@ def compare_targets(
     Args:
         names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
             them where it is not among them.
-        baseline: the target that counts as 100 %.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
 
@@ -142,11 +137,7 @@ def compare_targets(
 def _evaluated_goals(
     targets: Sequence[Target], entries: Sequence[Entry], baseline: int
 ) -> dict[str, GoalOutcome]:
-    """Return goal and limits of every target that has a goal, but for the baseline, by name of the target.
-
-    Args:
-        entries: of the targets, in their order; percent are of the baseline's values.
-    """
+    """Return what became of the goal of every target that has one, but for the baseline, by its name."""
     original = _values(targets[baseline], entries[baseline])
     found = {}
     for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
@@ -165,9 +156,8 @@ def _values(target: Target, entry: Entry) -> dict[str, float]:
 def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> AnyBound | None:
     """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
-    Returns:
-        None where the baseline is no design with an envelope, the targets have
-        other throws or envelopes, the halves of one differ, or the design's effects leave the bound out.
+    None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
+    halves of one differ, or the design's effects leave the bound out.
     """
     comparison, base = found.comparison, found.targets[found.comparison.baseline]
     scene = base.scene
@@ -190,7 +180,6 @@ def report_comparison(
     """Write the page of a comparison as HTML or Markdown.
 
     Args:
-        path: .html or .md.
         stress_progress: where given, all targets are solved for the baseline's load cases too, unless the
             halves of one differ.
         bound: from `comparison_bound`, drawn over the mass.
@@ -199,27 +188,12 @@ def report_comparison(
         CranktopoError: a bad path, or a failed solve of the stresses.
     """
     check_report_path(path)
-    write_report(comparison_page(_comparison_record(found, command, stress_progress, bound)), path)
-
-
-def _comparison_record(
-    found: ComparedTargets,
-    command: Sequence[str] = (),
-    stress_progress: Info | None = None,
-    bound: AnyBound | None = None,
-) -> ComparisonRecord:
-    """Return everything that the page of a comparison shows; arguments as `report_comparison`."""
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
     stress_progress = _unless_halves_differ(found.targets, stress_progress)
-    throws = [half_throws(target) for target in found.targets]
-    shown = [
-        (half, mesh, partner)
-        for each in throws
-        for (half, mesh), partner in zip(each, PARTNERS[len(each)], strict=True)
-    ]
-    return ComparisonRecord(
+    shown = [half for target in found.targets for half in half_throws(target)]
+    record = ComparisonRecord(
         comparison=found.comparison,
         bodies=tuple(_body(half, mesh, partner, cases, stress_progress) for half, mesh, partner in shown),
         undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
@@ -232,6 +206,7 @@ def _comparison_record(
         versions=versions(),
         bound=bound,
     )
+    write_report(comparison_page(record), path)
 
 
 def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> Info | None:
@@ -243,18 +218,15 @@ def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> I
     return progress
 
 
-def half_throws(target: Target) -> tuple[tuple[Target, SurfaceMesh], ...]:
-    """Half throws and their surfaces, each in its own frame; the one that stands for both where it can."""
+def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:
+    """Return half throws, surfaces and partners in the view; one half where it stands for both."""
     scene = target.scene
-    if not difference(scene):
-        return ((target, _surface(target)),)
-    named = (f"{target.name}, {web} web" for web in ("first", "second"))
-    near, far = halves(scene)
-    surfaces = half_surfaces(scene, coarse_facet_mm(near))
-    return tuple(
-        (replace(target, name=name, scene=half), mesh)
-        for name, half, mesh in zip(named, (near, far), surfaces, strict=True)
-    )
+    meshes = shown_halves(scene, target.file, coarse_facet_mm(scene), target.align)
+    parts = [target]
+    if len(meshes) > 1:
+        names = (f"{target.name}, {web} web" for web in ("first", "second"))
+        parts = [replace(target, name=n, scene=half) for n, half in zip(names, halves(scene), strict=True)]
+    return list(zip(parts, meshes, PARTNERS[len(meshes)], strict=True))
 
 
 def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> DesignUndercuts:
@@ -269,12 +241,6 @@ def _body(
 ) -> ShownBody:
     stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
     return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress, partner)
-
-
-def _surface(target: Target) -> SurfaceMesh:
-    if target.file is not None:
-        return half_throw_surface(target.file, target.scene, target.align)
-    return surface_of(target.scene, "half", coarse_facet_mm(target.scene))
 
 
 def _hashes(targets: Sequence[Target]) -> dict[str, str]:

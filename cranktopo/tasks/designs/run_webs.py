@@ -58,10 +58,9 @@ class _Loop(Result):
 
 @dataclass(frozen=True)
 class WebTarget:
-    """What a target means to a command that works with dimensions.
+    """What a target means to a command that works with dimensions: the scene whose own web is the original.
 
     Attributes:
-        design: the scene whose own web is the original.
         file: scene of the web to begin with, a TOML file; None where that is the design's own web.
         run: where the web comes from; without a file its re-model is still to be made.
     """
@@ -77,10 +76,7 @@ class WebTarget:
 
 
 def web_target(text: str, web: WebName | None = None) -> WebTarget:
-    """Return what a target is: a design, a scene file, a run, or the folder of a re-model.
-
-    Args:
-        web: of a design with two different webs the one that is meant.
+    """Return a target: a design, one of its two webs, a scene file, a run, or the folder of a re-model.
 
     Raises:
         CranktopoError: none of these, a run that is not finished, or two webs and none of them named.

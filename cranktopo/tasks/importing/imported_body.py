@@ -14,9 +14,12 @@ from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.bodies.solid.half_surfaces import half_surfaces
 from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, kernel_surface, step_solid
 from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
+from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
@@ -37,12 +40,10 @@ _ROUNDING = 1e-6
 
 
 def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = False) -> MeshedThrow:
-    """Mesh of the half throw in an STL or STEP file.
+    """Return the mesh of the half throw in an STL or STEP file.
 
-    Args:
-        path: STL or STEP, mm, frame of `cranktopo.base.frames`, z from 0 to half the pitch. A STEP file may
-            also hold the full throw (z to the full pitch).
-        align: move a body that lies elsewhere to where the journals are.
+    The file is in mm in the frame of `cranktopo.base.frames`, z from 0 to half the pitch; a STEP file may
+    also hold the full throw. `align` moves a body that lies elsewhere to where the journals are.
 
     Raises:
         CranktopoError: not watertight, several bodies, not where the journals are, or no valid mesh.
@@ -59,13 +60,10 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
 def mesh_step_for_stress(
     path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool = False
 ) -> tuple[MeshedThrow, Scene]:
-    """Mesh of the half throw in a STEP file, fine in the fillets found on it, and the scene with their radii.
+    """Return the mesh of a STEP file's half throw, fine in the fillets found on it, and the scene with these.
 
     Args:
-        path: as `mesh_file` takes it.
-        scene: design of its journals.
         fillet_fraction: element size in a fillet over its radius.
-        align: move a body that lies elsewhere to where the journals are.
 
     Raises:
         CranktopoError: as `mesh_file`, or a journal without a fillet.
@@ -112,7 +110,7 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
-    """Leave the half x >= 0 of a body that is its own mirror image; whether that was done."""
+    """Leave the half x >= 0 of a body that is its own mirror image, and tell whether that was done."""
     if scene.effects.lateral_symmetry == "off" or not _sides_alike(occ, body, scene):
         return False
     positive_x(occ, body, scene.pitch_mm)
@@ -142,14 +140,12 @@ def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
 def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) -> DimTags:
     size = 20 * scene.pitch_mm
     box = occ.addBox(-size, -size, start, 2 * size, 2 * size, end - start)
-    kept, _ = occ.intersect(body, [(3, box)])
-    return list(kept)
+    return list(occ.intersect(body, [(3, box)])[0])
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
     surface, note = _half_throw(read_stl(path, str(path)), path, scene, align)
-    body = solid_of(surface, str(path))
-    half = _properties(surface)
+    body, half = solid_of(surface, str(path)), _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
     if mirrored:
         cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
@@ -163,11 +159,8 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
     """Return the closed surface of the half throw in an STL file, its ends snapped onto their planes.
 
-    Args:
-        align: move a body that lies elsewhere to where the journals are.
-
     Raises:
-        CranktopoError: unreadable, not watertight, several bodies, or not where the journals are.
+        CranktopoError: unreadable, or as `mesh_file`.
     """
     return _half_throw(read_stl(path, str(path)), path, scene, align)[0]
 
@@ -194,13 +187,24 @@ def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> 
     motion = placed(body, scene, str(path), align)
     if motion is not None:
         vertices = motion.moved(vertices)
-    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), _note(
-        motion, lacking
-    )
+    snapped = _on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm)
+    return SurfaceMesh(snapped, faces), _note(motion, lacking)
 
 
 def _note(motion: Placement | None, lacking: str) -> str:
     return f"moved to where the journals are: it {motion.words}" if motion else lacking
+
+
+def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
+    """Return the closed surface of the half throw, or of both where they differ, each in its own frame.
+
+    Args:
+        file: of the body, where it is not that of the scene.
+        facet_mm: largest facet of a body that the scene describes.
+    """
+    if difference(scene):
+        return list(half_surfaces(scene, facet_mm))
+    return [half_throw_surface(file, scene, align) if file else surface_of(scene, "half", facet_mm)]
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
@@ -219,13 +223,10 @@ def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> Surface
 
 
 def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:
-    """Points (n, 3) with those near an end plane exactly on it.
+    """Return points (n, 3), those nearer to an end plane than `share` of the pitch exactly on it.
 
     Single precision, in which surfaces are kept, holds few of the planes' heights: what is not put back on
     its plane would lie beside it by the rounding, and carry no support.
-
-    Args:
-        share: what counts as near, over the pitch.
     """
     moved = points_mm.copy()
     z = moved[:, Z]

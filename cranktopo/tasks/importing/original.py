@@ -42,12 +42,10 @@ def check_original(scene: Scene) -> None:
 
 
 def without_its_fillets(path: Path, scene: Scene) -> SurfaceMesh:
-    """The half throw of a body with sharp corners at its journals, as the surface of a density has them.
+    """Return the half throw of a body with sharp corners at its journals, as the surface of a density has.
 
-    Its web, between the web's faces, stays; journals and bores are those of the scene.
-
-    Args:
-        scene: with the fillets and bores of the body.
+    Its web, between the web's faces, stays; journals and bores are those of the scene, which has the fillets
+    and bores of the body.
 
     Raises:
         CranktopoError: it is no half throw where the journals are.

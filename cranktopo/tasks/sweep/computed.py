@@ -71,22 +71,14 @@ _REFINED = 2.0
 """An estimate leaves out what is refined at fillets."""
 
 
-def point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
-    """Estimated peak memory of a worker at a stage, MiB."""
+def _point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
+    """Return the estimated peak memory of a worker at a stage."""
     size = element_size_mm or default_element_size_mm(scene)
     evaluation = _PROGRAM_MIB + _REFINED * evaluation_memory_MiB(scene, size)
     if stage in ("evaluate", "fatigue") or scene.envelope is None:
         return evaluation
     cells = optimiser_memory_MiB(scene, scene.optimise.resolution_mm, quarter=False, cases=2)
     return max(evaluation, cells)
-
-
-def workers_for(points: int, point_MiB: float, asked: int | None = None) -> int:
-    """Workers for a number of points: as many as asked for, or as cores and memory allow."""
-    if asked is not None:
-        return max(1, min(asked, points))
-    fitting = int(available_memory_MiB() / point_MiB)
-    return max(1, min(usable_cores(), points, fitting))
 
 
 @dataclass(frozen=True)
@@ -116,11 +108,9 @@ ALL_CORES = Workplace()
 
 @dataclass(frozen=True)
 class Computed:
-    """The row of every point in order, and what they are compared with.
+    """The row of every point in order, what they are compared with, and what the page shows of webs, by id.
 
-    Attributes:
-        webs: what the page shows of each web, by id.
-        undecided: ids of points that may be on the front, for which the budget left no time.
+    `undecided` are ids of points that may be on the front, for which the budget left no time.
     """
 
     rows: tuple[PointResult, ...]
@@ -131,11 +121,7 @@ class Computed:
 
 @dataclass(frozen=True)
 class Session:
-    """What computing the points of a sweep takes.
-
-    Attributes:
-        root: run directory, absolute.
-    """
+    """All that computing the points of a sweep takes; `root` is its directory, absolute."""
 
     root: str
     plan: SweepPlan
@@ -144,12 +130,7 @@ class Session:
     def computed(
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
     ) -> Computed:
-        """Return all rows.
-
-        Args:
-            looks: the same points in the same order as a first look computes them; none where all of them
-                are computed at full accuracy.
-        """
+        """Return all rows; `looks` are the same points as a first look computes them, none without one."""
         if looks:
             return self._front_refined(points, looks, original)
         found = self._results([*points, original])
@@ -159,7 +140,7 @@ class Session:
     def _front_refined(
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
     ) -> Computed:
-        """Rounds of full accuracy until no other point may be on the front, or the time is used."""
+        """Compute rounds of full accuracy until no other point may be on the front, or the time is used."""
         self.place.info("first look: all points, coarse")
         coarse = self._results([*looks, original])
         pairs = [(point, coarse[look.id]) for point, look in zip(points, looks, strict=True)]
@@ -172,20 +153,17 @@ class Session:
             self.place.info(f"full accuracy: {len(todo)} points that may be on the front")
             full |= self._results(todo, end)
         rows = [
-            _row(point, full[point.id], accuracy=FULL)
-            if point.id in full
-            else _row(point, look, accuracy=COARSE)
+            _row(point, full.get(point.id, look), accuracy=FULL if point.id in full else COARSE)
             for point, look in pairs
         ]
-        names = {point.id: look.id for point, look in zip(points, looks, strict=True)}
+        names = {point.id: look.id for point, look in pairs}
         undecided = tuple(names[point.id] for point in todo)
         return Computed(tuple(rows), _row(original, reference), _webs({**coarse, **full}), undecided)
 
     def _results(self, points: Sequence[SweepPoint], end: float = float("inf")) -> dict[str, PointResult]:
         """Return the result of every point by its id: kept, impossible from the start, or computed now.
 
-        Args:
-            end: time of the monotonic clock at which the rest is left.
+        At `end` of the monotonic clock the rest is left.
         """
         jobs = [Job(point, self.root, self.place.function) for point in {p.id: p for p in points}.values()]
         found: dict[str, PointResult] = {}
@@ -210,9 +188,13 @@ class Session:
         plan, place = self.plan, self.place
         if place.scheduler is not None:
             return WorkerPool(scheduler=place.scheduler)
-        memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
-        workers = workers_for(points, memory, place.workers)
-        return WorkerPool(workers, max(1, usable_cores() // workers))
+        cores, scene = usable_cores(), plan.original
+        asked = place.workers
+        if asked is None:
+            memory = max(_point_memory_MiB(scene, stage, plan.element_size_mm) for stage in plan.stages)
+            asked = min(cores, int(available_memory_MiB() / memory))
+        workers = max(1, min(asked, points))
+        return WorkerPool(workers, max(1, cores // workers))
 
 
 def _webs(found: Mapping[str, PointResult]) -> dict[str, str]:

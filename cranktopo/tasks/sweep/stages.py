@@ -8,15 +8,13 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_text
 from cranktopo.base.progress import Json
-from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.design.goal.outcome import GoalOutcome
-from cranktopo.design.halves import difference, halves
+from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.goal_table import broken_limits
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.report.viewer.small_web import packed_web
@@ -25,7 +23,7 @@ from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
-from cranktopo.tasks.importing.imported_body import half_throw_surface
+from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
@@ -38,14 +36,7 @@ _COARSER = 2
 def web_view(target: Target) -> str:
     """Return the half throw of a target, or both where they differ, as text that a browser draws."""
     scene = target.scene
-    facet_mm = _COARSER * coarse_facet_mm(scene)
-    meshes: tuple[SurfaceMesh, ...]
-    if difference(scene):
-        meshes = half_surfaces(scene, facet_mm)
-    elif target.file is not None:
-        meshes = (half_throw_surface(target.file, scene),)
-    else:
-        meshes = (surface_of(scene, "half", facet_mm),)
+    meshes = shown_halves(scene, target.file, _COARSER * coarse_facet_mm(scene))
     shown = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
     return packed_web(
         *(
@@ -63,10 +54,9 @@ _StageFunction = Callable[[Scene, Path, Fineness], Json]
 
 
 def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> Json:
-    """What a stage tells of a scene: quantities with units in their names, `target` for `compare`, `view`.
+    """Return what a stage tells of a scene: quantities, units in the names, `target` for `compare`, `view`.
 
-    Args:
-        folder: directory of the point; what an interrupted stage left there is continued.
+    What an interrupted stage left in the directory of the point is continued.
 
     Raises:
         CranktopoError: a web that cannot be, a failed solve, or an optimisation without a body.
@@ -203,7 +193,7 @@ def _told(status: str, iterations: int) -> Json:
 
 
 def _limits(goal: GoalOutcome | None) -> Json:
-    """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
+    """Tell whether every limit of the goal, if any, holds; a web that breaks one is no answer to it."""
     if not goal:
         return {}
     broken = broken_limits(goal)
