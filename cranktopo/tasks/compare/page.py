@@ -64,10 +64,8 @@ class ComparisonRecord:
     Attributes:
         bodies: surfaces of all entries in order, of two different webs both half throws; with stresses where
             they were solved.
-        undercuts: of the same bodies.
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
-        written: when, ISO 8601.
         bound: beside the entry that is stiffest in torsion per mass; None where none was asked for.
     """
 
@@ -263,14 +261,7 @@ def _provenance(record: ComparisonRecord) -> Section:
 
 
 def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound | None = None) -> None:
-    """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
-
-    Of a bound its curves are drawn; the baseline is then the original. The file is replaced by a complete one
-    alone.
-
-    Raises:
-        CranktopoError: another suffix, no such folder, or the file cannot be written.
-    """
+    """Draw stiffness over mass, with the curves of a bound; dashed lines join equal stiffness per mass."""
     check_file(path, "--plot", PLOTS)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

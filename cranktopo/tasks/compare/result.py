@@ -78,7 +78,6 @@ class Comparison:
 
     Attributes:
         baseline: position of the entry that counts as 100 %.
-        fatigue: of the entries that have a safety, the baseline among them, where it was assessed.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
     """
 
@@ -140,11 +139,7 @@ class Comparison:
 
 
 def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
-    """Return a comparison against the entry that is called like the baseline.
-
-    Raises:
-        CranktopoError: the baseline is not among the entries, or the supports differ.
-    """
+    """Return a comparison against the entry of this name; raises CranktopoError where there is none."""
     names = [entry.name for entry in entries]
     if baseline not in names:
         raise CranktopoError(
@@ -155,11 +150,7 @@ def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison 
 
 
 def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:
-    """Check that targets with these supports in torsion and in bending can be compared.
-
-    Raises:
-        CranktopoError: they differ.
-    """
+    """Check that targets with these supports in torsion and in bending can be compared."""
     found = dict.fromkeys(supports)
     if len(found) > 1:
         named = "; ".join(f"torsion '{torsion}', bending '{bending}'" for torsion, bending in found)

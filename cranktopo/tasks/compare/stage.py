@@ -177,15 +177,9 @@ def report_comparison(
     stress_progress: Info | None = None,
     bound: AnyBound | None = None,
 ) -> None:
-    """Write the page of a comparison as HTML or Markdown.
+    """Write the page of a comparison as HTML or Markdown, with the `bound` drawn over the mass.
 
-    Args:
-        stress_progress: where given, all targets are solved for the baseline's load cases too, unless the
-            halves of one differ.
-        bound: from `comparison_bound`, drawn over the mass.
-
-    Raises:
-        CranktopoError: a bad path, or a failed solve of the stresses.
+    With `stress_progress` all are solved for the baseline's load cases, unless the halves of one differ.
     """
     check_report_path(path)
     scene = found.targets[found.comparison.baseline].scene

@@ -98,11 +98,7 @@ def web_target(text: str, web: WebName | None = None) -> WebTarget:
 
 
 def parametric_scene(text: str, target: WebTarget) -> Scene:
-    """Return the scene whose web has dimensions.
-
-    Raises:
-        CranktopoError: a run that has no parametric web.
-    """
+    """Return the scene whose web has dimensions; raises CranktopoError for a run without such a web."""
     if target.run is not None and target.file is None:
         raise CranktopoError(
             f"target '{text}': the run has no parametric web, whose dimensions could be changed.",
@@ -112,11 +108,7 @@ def parametric_scene(text: str, target: WebTarget) -> Scene:
 
 
 def _run_web(run: RunStore) -> Path | None:
-    """Scene file of a run's parametric web: its result, its best web, its newest re-model; None without one.
-
-    Raises:
-        CranktopoError: the run is not finished, or found no web.
-    """
+    """Return the scene file of a run's web: its result, its best, its newest re-model; None without one."""
     kind = kind_of(run)
     if not (run.path / RESULT_FILES[kind]).is_file():
         raise CranktopoError(

@@ -52,12 +52,7 @@ _NOTES = (
 def write_drawing(
     sheets: Sequence[Sheet], balance: ThrowBalance, paths: Sequence[Path], started: datetime | None = None
 ) -> None:
-    """Draw a throw with its dimensions into files, in the format of their ending.
-
-    Args:
-        sheets: its half throw, or both where they differ.
-        started: when the work began that the drawing is a part of, its date; now by default.
-    """
+    """Draw a half throw, or both, into files in the format of their ending, dated `started` or today."""
     import matplotlib as mpl
 
     written = time_of_writing(started)
@@ -191,11 +186,7 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
 
 
 def export_drawing(scene: Scene, path: Path) -> int:
-    """Write the drawing of a scene's throw (.pdf, .svg or .png), once it is complete; return how many sheets.
-
-    Raises:
-        CranktopoError: impossible dimensions, or a file that cannot be written.
-    """
+    """Write the drawing of a scene's throw (.pdf, .svg or .png) and return how many sheets it has."""
     sheets = throw_sheets(scene)
     with replacing(path) as temporary:
         write_drawing(sheets, throw_balance(scene), [temporary])
@@ -203,13 +194,10 @@ def export_drawing(scene: Scene, path: Path) -> int:
 
 
 def throw_sheets(scene: Scene) -> list[Sheet]:
-    """Return what a drawing of a throw shows: half of it, or both halves where they differ.
+    """Return the sheets of a throw: half of it, or both halves where they differ.
 
     The second half is turned half a turn about the throw direction, so that it too has its main journal on
     the left and is seen from the crankpin.
-
-    Raises:
-        CranktopoError: impossible dimensions.
     """
     if not difference(scene):
         return [Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))]

@@ -62,11 +62,7 @@ def mesh_step_for_stress(
 ) -> tuple[MeshedThrow, Scene]:
     """Return the mesh of a STEP file's half throw, fine in the fillets found on it, and the scene with these.
 
-    Args:
-        fillet_fraction: element size in a fillet over its radius.
-
-    Raises:
-        CranktopoError: as `mesh_file`, or a journal without a fillet.
+    The fraction is the element size in a fillet over its radius; a journal without one raises CranktopoError.
     """
     with cad_session(f"solid of {path}") as gmsh:
         body, half, web_volume, note = _solid(gmsh, path, scene, align)
@@ -78,11 +74,7 @@ def mesh_step_for_stress(
 
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
-    """Return the scene with the fillet radii of the half throw in a STEP file.
-
-    Raises:
-        CranktopoError: as `mesh_step_for_stress`.
-    """
+    """Return the scene with the fillets of the half throw in a STEP file; raises as meshing it for stress."""
     with cad_session(f"solid of {path}") as gmsh:
         _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
@@ -157,11 +149,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow
 
 
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """Return the closed surface of the half throw in an STL file, its ends snapped onto their planes.
-
-    Raises:
-        CranktopoError: unreadable, or as `mesh_file`.
-    """
+    """Return the surface of the half throw in an STL file, its ends on their planes."""
     return _half_throw(read_stl(path, str(path)), path, scene, align)[0]
 
 
@@ -196,23 +184,14 @@ def _note(motion: Placement | None, lacking: str) -> str:
 
 
 def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
-    """Return the closed surface of the half throw, or of both where they differ, each in its own frame.
-
-    Args:
-        file: of the body, where it is not that of the scene.
-        facet_mm: largest facet of a body that the scene describes.
-    """
+    """Return the surface of a half throw, of the scene or the file, or of both where they differ."""
     if difference(scene):
         return list(half_surfaces(scene, facet_mm))
     return [half_throw_surface(file, scene, align) if file else surface_of(scene, "half", facet_mm)]
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """Return the closed surface of the half throw in an STL or STEP file, its ends on their planes.
-
-    Raises:
-        CranktopoError: as `mesh_file`.
-    """
+    """Return the surface of the half throw in an STL or STEP file; raises as `mesh_file`."""
     if path.suffix.lower() not in STEP_SUFFIXES:
         return read_half_throw(path, scene, align)
     with cad_session(f"solid of {path}") as gmsh:

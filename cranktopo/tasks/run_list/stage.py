@@ -40,11 +40,7 @@ def summarise_runs(root: Path = RUNS) -> list[RunEntry]:
 
 
 def clean_runs(states: tuple[str, ...], delete: bool, root: Path = RUNS) -> list[Path]:
-    """Directories of the runs in one of these states; deleted where it is asked for.
-
-    Raises:
-        CranktopoError: a process works in one of them, or it cannot be deleted.
-    """
+    """Return directories of runs in one of these states, deleted if asked for; raises if one is in use."""
     chosen = [run for run in list_runs(root) if _run_status(run) in states]
     if delete:
         for run in chosen:
@@ -121,11 +117,7 @@ _TOLD: dict[RunKind, Callable[[Any], dict[str, Any]]] = {
 
 
 def run_result(run: RunStore) -> Result | None:
-    """Return what a run left; None where it is not finished.
-
-    Raises:
-        CranktopoError: its results are damaged.
-    """
+    """Return the result of a run, None where it is not finished; raises CranktopoError for a damaged one."""
     found = read_result(run)
     where = f"run '{run.path}': its results are damaged"
     return None if found is None else _RESULTS[kind_of(run)].of_json(found, where)

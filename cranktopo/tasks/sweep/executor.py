@@ -48,22 +48,14 @@ class WorkerPool:
 
 
 def check_packages() -> None:
-    """Check that Dask, for jobs, and pandas with Parquet, for the table, can be loaded.
-
-    Raises:
-        CranktopoError: one is missing.
-    """
+    """Check that Dask, for jobs, and pandas with Parquet, for the table, can be loaded."""
     with packages_of("sweep"):
         for name in ("dask", "distributed", "pandas", "pyarrow"):
             import_module(name)
 
 
 def check_scheduler(address: str) -> None:
-    """Check, before anything is written, that a scheduler answers.
-
-    Raises:
-        CranktopoError: no scheduler at the address.
-    """
+    """Check, before anything is written, that a scheduler answers."""
     import distributed
 
     with _quiet(), _connected(distributed, address, _FIRST_S):

@@ -25,7 +25,6 @@ class Fineness:
     """Settings that the numbers of a point depend on beside its scene, never on the machine.
 
     Attributes:
-        element_size_mm: of evaluations; None leaves the default.
         accuracy_percent: evaluations are refined until the bound of their error is no larger.
         coarser: factor on elements and cells.
     """
@@ -46,11 +45,7 @@ class Fineness:
         return {"element_size_mm": self.element_size_mm, **accuracy, **coarser}
 
     def evaluation(self, target: Target) -> Evaluation:
-        """Return the body-fitted evaluation of a target; what this machine measured earlier has no say in it.
-
-        Raises:
-            CranktopoError: no valid mesh, or a failed solve.
-        """
+        """Return the evaluation of a target; what this machine measured earlier has no say in it."""
         if self.accuracy_percent is not None:
             return evaluate_to(target, ErrorTarget(self.accuracy_percent))[0]
         return evaluate(target, self._element_size_mm(target.scene))

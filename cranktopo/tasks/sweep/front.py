@@ -22,14 +22,10 @@ _DIGITS = 4
 
 
 def front_of(rows: Rows, objectives: Mapping[str, int] | None = None) -> tuple[list[str], list[str]]:
-    """Ids of the points that no other point beats, in the order of the rows, and the quantities compared.
+    """Return the ids of points that no other one beats, in the order of the rows, and the quantities compared.
 
     A point is beaten by one that is better in a quantity and no worse in the others, all rounded to
     `_DIGITS` digits; of points that are equal in all of them the first counts.
-
-    Args:
-        rows: finished points.
-        objectives: quantities and their better direction; by default those of `OBJECTIVES` that all tell.
     """
     known = {
         name: sign
@@ -45,11 +41,7 @@ def front_of(rows: Rows, objectives: Mapping[str, int] | None = None) -> tuple[l
 
 
 def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
-    """Ids of the points that most users look for; of equal ones the first.
-
-    Args:
-        original: what `lightest that is no softer` refers to.
-    """
+    """Return the ids of the points that most users look for; of equal ones the first."""
     stiff = [row for row in rows if original is not None and _no_softer(row, original)]
     best = {
         "lightest that is no softer": _best(stiff, "mass_kg", -1),
@@ -97,15 +89,11 @@ _OF_TRIANGLES = "optimise"
 
 
 def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: PointResult) -> list[SweepPoint]:
-    """Points without full accuracy that may be on the front with it, those that matter most first.
+    """Return points that may be on the front at full accuracy and lack it, those that matter most first.
 
     A point is left out where another one beats it by more than the bound of the error of their difference, or
     by more than differences were seen to change between the first look and full accuracy. What has no numbers
     in the first look may have them at full accuracy.
-
-    Args:
-        full: results at full accuracy that are there already, by id.
-        original: what picks refer to.
     """
     rows = [row.model_copy(update={"id": point.id}) for point, row in looks if row.status == DONE]
     seen = _seen_percent(looks, full)

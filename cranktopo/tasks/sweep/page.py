@@ -45,9 +45,8 @@ _TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "
 def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     """Return the page as the text of an HTML file.
 
-    Args:
-        webs: bodies by the id of their point, from `packed_web`; those of picks and front go first where
-            the page cannot hold all; without that of the original the page has no 3D view.
+    Of the bodies from `packed_web`, by the id of their point, those of picks and front go first where the
+    page cannot hold all; without that of the original it has no 3D view.
     """
     from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup

@@ -185,11 +185,7 @@ _KEYS = ("schema_version", "design", "scenes", "samples", "limits", "vary", *_WO
 
 
 def read_plan(file: Path) -> SweepPlan:
-    """Return the plan in a TOML file: `design` or `scenes`, `[vary]`, and what `sweep_plan` takes by name.
-
-    Raises:
-        CranktopoError: an unknown key, or as `sweep_plan`.
-    """
+    """Return the plan in a TOML file: `design` or `scenes`, `[vary]`, and what `sweep_plan` takes by name."""
     data = parse_toml(design_text(str(file)), str(file))
     unknown = [key for key in data if key not in _KEYS]
     if unknown:

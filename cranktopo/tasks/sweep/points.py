@@ -26,11 +26,7 @@ class SweepPoint:
 
     Attributes:
         id: beginning of the SHA-256 over scene and settings: the name of its directory.
-        sha256: all of it.
-        varied: value of every key that varies.
-        design: the design that it is a variant of.
         tables: the tables of its scene as they would be written.
-        fineness: how exactly it is computed.
         reason: why no such web can be; empty where it can.
     """
 
@@ -49,9 +45,7 @@ def points_of(
 ) -> tuple[SweepPoint, ...]:
     """Return the points of a plan in order, those that are the same only once.
 
-    Args:
-        settings: what the result depends on beside scene, stage and fineness.
-        fineness: another one than that of the plan.
+    `settings` are what results depend on beside scene, stage and fineness, by default that of the plan.
     """
     found: dict[str, SweepPoint] = {}
     for design, tables in zip(plan.designs, plan.tables, strict=True):

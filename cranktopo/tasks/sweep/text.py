@@ -21,12 +21,7 @@ _LEFT_OUT = ("varied", "target")
 
 
 def frame_of(rows: Sequence[PointResult], front: Sequence[str] = ()) -> pandas.DataFrame:
-    """Return a frame with one row per point: its keys, its quantities, how it ended, its hash and version.
-
-    Args:
-        rows: one per point.
-        front: ids of the Pareto front, told in a column of its own.
-    """
+    """Return one row per point: its keys, its quantities, how it ended, its hash and version."""
     import pandas as pd
 
     flat = [_flat(row) | {"on_front": row.id in set(front)} for row in rows]
@@ -38,11 +33,7 @@ def frame_of(rows: Sequence[PointResult], front: Sequence[str] = ()) -> pandas.D
 
 
 def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, str]:
-    """Write the frame as CSV and Parquet; returns their names by kind.
-
-    Raises:
-        CranktopoError: a file cannot be written.
-    """
+    """Write the frame as CSV and Parquet, and return their names by kind."""
     files = {"table": f"{stem}.csv", "parquet": f"{stem}.parquet"}
     text = io.StringIO()
     frame.to_csv(text, index=False, lineterminator="\n")

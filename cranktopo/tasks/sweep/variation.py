@@ -43,11 +43,7 @@ class Variation(Result):
 
 
 def read_option(text: str) -> Variation:
-    """Return a variation as `--vary` takes it: `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`.
-
-    Raises:
-        CranktopoError: another form, or a range without numbers.
-    """
+    """Return a variation as `--vary` takes it: `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`."""
     key, equals, rest = text.partition("=")
     if not equals or not key.strip() or not rest.strip():
         raise _refused(f"--vary {quoted(text)}")
@@ -55,11 +51,7 @@ def read_option(text: str) -> Variation:
 
 
 def read_text(key: str, text: str) -> Variation:
-    """Return a variation from what stands behind its key.
-
-    Raises:
-        CranktopoError: no key path, or a range whose numbers make no sense.
-    """
+    """Return a variation from what stands behind its key; raises CranktopoError for numbers without sense."""
     key_parts(key)
     limit = _LIMIT.fullmatch(text.strip())
     if limit is not None:
@@ -74,11 +66,7 @@ def read_text(key: str, text: str) -> Variation:
 
 
 def read_entry(key: str, entry: object) -> Variation:
-    """A variation from the table `[vary]` of a file: text as on the command line, a list, or one value.
-
-    Raises:
-        CranktopoError: as `read_option`, or a list that holds no plain values.
-    """
+    """Return a variation from the table `[vary]` of a file: text as of an option, a list, or one value."""
     if isinstance(entry, str):
         return read_text(key, entry)
     values: list[Any] = list(entry) if isinstance(entry, list | tuple) else [entry]
@@ -136,11 +124,7 @@ LIMITS = "goal.limits"
 
 
 def varied_limits(limits: Sequence[str]) -> tuple[list[str], list[Variation]]:
-    """Limits that stay, and those with several values, such as `torsion >= 90:130:5 %`.
-
-    Raises:
-        CranktopoError: an unknown quantity, or a range without numbers.
-    """
+    """Return limits that stay, and those with several values, such as `torsion >= 90:130:5 %`."""
     fixed: list[str] = []
     varied: list[Variation] = []
     for name, value in limits_by_quantity(limits).items():
@@ -156,11 +140,7 @@ def varied_limits(limits: Sequence[str]) -> tuple[list[str], list[Variation]]:
 def with_goal_tables(
     tables: dict[str, Any], design: str, minimise: str | None, maximise: str | None, limits: Sequence[str]
 ) -> dict[str, Any]:
-    """Return the tables of a scene with another goal or other limits, as `with_goal` changes a scene.
-
-    Raises:
-        CranktopoError: a goal or limit that makes no sense.
-    """
+    """Return the tables of a scene with another goal or other limits, as `with_goal` changes a scene."""
     if minimise is None and maximise is None and not limits:
         return tables
     scene = scene_from_dict(tables, design, whole=True)
