@@ -87,21 +87,19 @@ def comparison_page(record: ComparisonRecord) -> Page:
     comparison, bodies = record.comparison, record.bodies
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
     best = comparison.leading(TORSION_PER_MASS)
-    first = _body_of(comparison, best)
+    # two different webs are two bodies
+    first = best + sum(entry.evaluation.second_web_kg is not None for entry in comparison.entries[:best])
     scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=first) if bodies else None
-    leader = comparison.entries[best].name
+    leader, base = comparison.entries[best].name, comparison.base.name
     others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
     return Page(
-        title=f"{', '.join(others)} against {comparison.base.name}",
+        title=f"{', '.join(others)} against {base}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
         headline=_headline(comparison),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
-            *bound_sections(
-                record.bound,
-                f"{comparison.base.name} and {leader} in the body-fitted evaluation",
-            ),
+            *bound_sections(record.bound, f"{base} and {leader} in the body-fitted evaluation"),
             *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress"),
@@ -113,11 +111,6 @@ def comparison_page(record: ComparisonRecord) -> Page:
         scene3d=scene3d,
         picture=gallery_picture(bodies) if bodies else None,
     )
-
-
-def _body_of(comparison: Comparison, row: int) -> int:
-    """Number of the first body of an entry: two different webs are two bodies."""
-    return row + sum(entry.evaluation.second_web_kg is not None for entry in comparison.entries[:row])
 
 
 def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
@@ -194,7 +187,6 @@ def _variants(
 
 
 def _goals(comparison: Comparison) -> tuple[Section, ...]:
-    """Return what became of the goals of the designs; nothing where none has one."""
     if not comparison.goals:
         return ()
     base, goals = comparison.base.name, comparison.goals.items()
@@ -282,7 +274,6 @@ def _curves(bound: AnyBound | None) -> Mapping[str, Any] | None:
 
 
 def _scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
-    """Return the points of a comparison by the label of their stiffness."""
     return {
         label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
         for stiffness, label in LABELS.items()

@@ -28,7 +28,7 @@ class ChangeErrors(Result):
 
 
 class ComparisonResult(Result):
-    """What `compare --format json` prints."""
+    """Output of `compare --format json`."""
 
     schema_version: int = 1
     baseline: str
@@ -63,7 +63,7 @@ class Entry:
         return evaluation_values(self.evaluation) | ({} if self.safety is None else {SAFETY.key: self.safety})
 
     def error_percent(self, quantity: Quantity) -> float:
-        """Error estimate of a quantity; 0 where it is exact."""
+        """Return the error estimate of a quantity; 0 where it is exact."""
         return {
             None: 0.0,
             "torsion": self.evaluation.torsion_error_percent,
@@ -88,7 +88,7 @@ class Comparison:
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is compared."""
+        """Quantities that are compared."""
         return COMPARED if self.fatigue is None else (*COMPARED, SAFETY)
 
     @property
@@ -101,11 +101,11 @@ class Comparison:
         return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
 
     def having(self, quantity: Quantity) -> list[int]:
-        """Rows that have a value of a quantity: all of them but of the safety."""
+        """Return the rows that have a value of a quantity: all of them but of the safety."""
         return [row for row, entry in enumerate(self.entries) if quantity.key in entry.values]
 
     def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
-        """Bound of the error of the relative difference between two entries; 0 where it is exact."""
+        """Return the bound of the error of the relative difference between two entries; 0 if it is exact."""
         one, two = self.entries[row], self.entries[other]
         errors = one.error_percent(quantity), two.error_percent(quantity)
         if row == other or quantity.error not in ("torsion", "bending"):
@@ -122,19 +122,18 @@ class Comparison:
         return bool(change >= self.change_error_percent(row, other, quantity))
 
     def leading(self, quantity: Quantity) -> int:
-        """Row with the best value of a quantity, by however little."""
-        return max(
-            self.having(quantity), key=lambda row: quantity.better * self.entries[row].values[quantity.key]
-        )
+        """Return the row with the best value of a quantity, by however little."""
+        value = [quantity.better * entry.values.get(quantity.key, 0.0) for entry in self.entries]
+        return max(self.having(quantity), key=lambda row: value[row])
 
     def level(self, quantity: Quantity) -> list[int]:
-        """Rows that the best value of a quantity does not beat by as much as the error estimates."""
+        """Return rows that the best value of a quantity does not beat by as much as the error estimates."""
         best = self.leading(quantity)
         others = (row for row in self.having(quantity) if row != best)
         return [row for row in others if not self.differ(best, row, quantity)]
 
     def best(self, quantity: Quantity) -> int | None:
-        """Row of the best entry; None where another one is within the error estimate."""
+        """Return the row of the best entry; None where another one is within the error estimate."""
         return None if self.level(quantity) else self.leading(quantity)
 
 

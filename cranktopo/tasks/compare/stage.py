@@ -137,7 +137,6 @@ def compare_targets(
 def _evaluated_goals(
     targets: Sequence[Target], entries: Sequence[Entry], baseline: int
 ) -> dict[str, GoalOutcome]:
-    """Return what became of the goal of every target that has one, but for the baseline, by its name."""
     original = _values(targets[baseline], entries[baseline])
     found = {}
     for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
@@ -185,7 +184,10 @@ def report_comparison(
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
-    stress_progress = _unless_halves_differ(found.targets, stress_progress)
+    lonely = [target.name for target in found.targets if difference(target.scene)]
+    if stress_progress is not None and lonely:
+        stress_progress(f"no stresses: the halves of {', '.join(lonely)} differ")
+        stress_progress = None
     shown = [half for target in found.targets for half in half_throws(target)]
     record = ComparisonRecord(
         comparison=found.comparison,
@@ -201,15 +203,6 @@ def report_comparison(
         bound=bound,
     )
     write_report(comparison_page(record), path)
-
-
-def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> Info | None:
-    """Return the progress of the stresses; None where they are not solved, and a line that says why."""
-    lonely = [target.name for target in targets if difference(target.scene)]
-    if progress is not None and lonely:
-        progress(f"no stresses: the halves of {', '.join(lonely)} differ")
-        return None
-    return progress
 
 
 def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:

@@ -55,7 +55,6 @@ def percent_table(comparison: Comparison) -> ResultTable:
 def _table(
     comparison: Comparison, named: Mapping[Quantity, tuple[str, int]], error: str, rows: Sequence[Row]
 ) -> ResultTable:
-    """Return a table of the quantities by name and decimals, the errors of the stiffnesses behind them."""
     columns, best = {"target": 0}, set()
     for quantity, (name, digits) in named.items():
         columns[name] = digits
@@ -67,7 +66,6 @@ def _table(
 
 
 def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
-    """Bounds of the error of both stiffnesses in percent of the baseline."""
     base = comparison.baseline
     return [
         (q.key, comparison.percent(row, q) / 100 * comparison.change_error_percent(row, base, q))
@@ -76,7 +74,7 @@ def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
 
 
 def published_table(comparison: Comparison) -> ResultTable | None:
-    """Our percentages, the published ones and their difference; None where nothing was published."""
+    """Return our percentages, the published ones and their difference; None where nothing was published."""
     base = comparison.base.published
     if base is None or not any(e.published for e in comparison.entries if e.published is not base):
         return None
@@ -94,7 +92,7 @@ def published_table(comparison: Comparison) -> ResultTable | None:
 
 
 def flat_table(comparison: Comparison) -> ResultTable:
-    """Values, percentages and published percentages side by side: one header for a CSV file."""
+    """Return values, percentages and published percentages side by side: one header for a CSV file."""
     tables = (value_table(comparison), percent_table(comparison), published_table(comparison))
     parts = [table for table in tables if table is not None]
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
@@ -126,7 +124,6 @@ def _published_columns(quantity: Quantity) -> list[str]:
 
 
 def _values(printed: Published) -> dict[str, float]:
-    """Published mass, torsional stiffness and their ratio by key."""
     torsion = printed.torsional_stiffness_kNm_per_rad
     return {
         MASS.key: printed.mass_kg,

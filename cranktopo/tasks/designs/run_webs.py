@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -49,7 +49,7 @@ class _ShapeVerdict(Result):
 
 
 class _Loop(Result):
-    """What of iterate.json tells which web is best."""
+    """Keys of iterate.json that tell which web is best."""
 
     best_step: int | None
     steps: list[LoopWeb] = Field(default_factory=list)
@@ -58,7 +58,7 @@ class _Loop(Result):
 
 @dataclass(frozen=True)
 class WebTarget:
-    """What a target means to a command that works with dimensions: the scene whose own web is the original.
+    """Meaning of a target to a command that works with dimensions: the scene whose own web is the original.
 
     Attributes:
         file: scene of the web to begin with, a TOML file; None where that is the design's own web.
@@ -71,7 +71,7 @@ class WebTarget:
 
     @property
     def begun(self) -> Scene | RunStore | None:
-        """What a shape optimisation begins with, as it takes it."""
+        """Start of a shape optimisation, as it takes it."""
         return self.run if self.file is None else load_scene(str(self.file))
 
 
@@ -129,17 +129,12 @@ def _run_web(run: RunStore) -> Path | None:
 
 
 def _newest_remodel(run: RunStore) -> Path | None:
-    """Scene file of the newest re-model of a run, in it or beside it or under runs/."""
-    found = {file.resolve() for file in _remodels(run)}
+    """Return the scene file of the newest re-model of a run, in it or beside it or under runs/."""
+    places = ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2))
+    found = {file.resolve() for folder, depth in places for file in folder.glob("*/" * depth + REMODEL)}
     made = [file for file in found if read_json(file).get("run") == run.name]
-    if not made:
-        return None
-    return _design_of(max(made, key=lambda file: (file.stat().st_mtime_ns, str(file))).parent)
-
-
-def _remodels(run: RunStore) -> Iterator[Path]:
-    for folder, depth in ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2)):
-        yield from folder.glob("*/" * depth + REMODEL)
+    newest = max(made, key=lambda file: (file.stat().st_mtime_ns, str(file)), default=None)
+    return None if newest is None else _design_of(newest.parent)
 
 
 def _design_of(folder: Path) -> Path:

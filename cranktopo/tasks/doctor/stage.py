@@ -1,4 +1,4 @@
-"""What `cranktopo doctor` looks at."""
+"""Checks of `cranktopo doctor`."""
 
 from __future__ import annotations
 
@@ -131,7 +131,6 @@ def _runs_folder() -> Check:
 
 
 def _cache() -> Check:
-    """Check the folder of compiled programs, which is made where it does not exist."""
     from cranktopo.numerics.precision import cache_folder
 
     folder = cache_folder()

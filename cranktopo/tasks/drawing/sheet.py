@@ -98,7 +98,6 @@ def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datet
 
 
 def _scale(sheet: Sheet) -> float:
-    """Return the largest standard scale at which all views fit beside the table."""
     for scale in _SCALES:
         front, long, across = (room.size_mm(scale) for room in sheet.rooms)
         wide = max(front[0] + long[0], across[0]) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
@@ -113,7 +112,6 @@ def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, flo
 
 
 def _table(page: Any, sheet: Sheet) -> None:
-    """Every number that the scene holds of the web: outline first, then its features."""
     lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
     lines += [line for feature in sheet.features for line in feature.lines]
     size = min(8.0, 8.0 * 60 / max(len(lines), 1))
@@ -156,7 +154,7 @@ def _outline_lines(scene: Scene) -> list[str]:
 
 
 def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, written: datetime) -> None:
-    """Fields of ISO 7200 in the lower right corner, the notes above them."""
+    """Draw the fields of ISO 7200 in the lower right corner, the notes above them."""
     scene = sheet.scene
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
     web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg

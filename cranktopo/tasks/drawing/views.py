@@ -37,7 +37,7 @@ class Room:
     paper_mm: tuple[float, float, float, float]
 
     def size_mm(self, scale: float) -> tuple[float, float]:
-        """Width and height on paper."""
+        """Return width and height on paper."""
         left, right, below, above = self.paper_mm
         (x0, x1), (y0, y1) = self.x_mm, self.y_mm
         return scale * (x1 - x0) + left + right, scale * (y1 - y0) + below + above
@@ -51,7 +51,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is drawn: the exact half throw of a scene, triangulated, and maybe another one as a ghost.
+    """Content of a sheet: the exact half throw of a scene, triangulated, and maybe another one as a ghost.
 
     `half` tells which one of two that differ; None where they are alike.
     """
@@ -63,7 +63,7 @@ class Sheet:
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
-        """How each feature of the web appears."""
+        """Strokes, lines and dimensions of each feature of the web."""
         return [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
 
     @property
@@ -198,13 +198,13 @@ def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
 
 
 def _section_x(solid: Manifold) -> list[Array]:
-    """Polygons (z, y) of the section x = 0."""
+    """Return polygons (z, y) of the section x = 0."""
     turned = solid.rotate((0.0, -90.0, 0.0)).slice(0.0)
     return [np.asarray(polygon) * (-1.0, 1.0) for polygon in turned.to_polygons()]
 
 
 def _section_y(solid: Manifold, y_mm: float) -> list[Array]:
-    """Polygons (x, z) of a section across the throw."""
+    """Return polygons (x, z) of a section across the throw."""
     turned = solid.translate((0.0, -y_mm, 0.0)).rotate((-90.0, 0.0, 0.0)).slice(0.0)
     return [np.asarray(polygon) for polygon in turned.to_polygons()]
 
@@ -221,7 +221,6 @@ def _journals(axes: Any, scene: Scene) -> None:
 
 
 def _edges(axes: Any, stroke: Circle | Polyline) -> None:
-    """An edge of a feature, dashed where it is hidden."""
     style = "--" if stroke.hidden else "-"
     if isinstance(stroke, Circle):
         x, y = stroke.centre
@@ -232,7 +231,7 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
 
 
 def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
-    """Dimensions of a feature; upright ones are moved beyond the ends of the body."""
+    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
         shift = one.shift
         if shift[0] < 0:

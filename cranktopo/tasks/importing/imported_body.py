@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
@@ -82,7 +85,7 @@ def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
 
 
 def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
-    """Half throw of a STEP file in the open session, in its place; volume in the web; what was done."""
+    """Return the half throw of a STEP file in its place, its volume in the web, and what was done."""
     occ = gmsh.model.occ
     body = [step_solid(gmsh, path, f"'{path}'")]
     low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
@@ -91,14 +94,13 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
         body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
     occ.synchronize()
     surface = solid_of(kernel_surface(gmsh), str(path))
-    scene, lacking = without_bores_left_out(surface, scene)
-    motion = placed(surface, scene, str(path), align)
+    motion, note = _placed(surface, scene, path, align)
     if motion is not None:
         occ.affineTransform(body, motion.affine)
     web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
-    return body, solid_properties(occ, body), web_volume, _note(motion, lacking)
+    return body, solid_properties(occ, body), web_volume, note
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
@@ -171,16 +173,18 @@ def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> 
     vertices = surface.vertices_mm
     _check_unit(path, scene, float(vertices[:, Z].min()), float(vertices[:, Z].max()))
     body = solid_of(SurfaceMesh(vertices, faces), str(path))
-    scene, lacking = without_bores_left_out(body, scene)
-    motion = placed(body, scene, str(path), align)
+    motion, note = _placed(body, scene, path, align)
     if motion is not None:
         vertices = motion.moved(vertices)
     snapped = _on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm)
-    return SurfaceMesh(snapped, faces), _note(motion, lacking)
+    return SurfaceMesh(snapped, faces), note
 
 
-def _note(motion: Placement | None, lacking: str) -> str:
-    return f"moved to where the journals are: it {motion.words}" if motion else lacking
+def _placed(body: Manifold, scene: Scene, path: Path, align: bool) -> tuple[Placement | None, str]:
+    """Return the motion to where the journals are, if one is needed, and what was done or is to be known."""
+    scene, lacking = without_bores_left_out(body, scene)
+    motion = placed(body, scene, str(path), align)
+    return motion, f"moved to where the journals are: it {motion.words}" if motion else lacking
 
 
 def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:

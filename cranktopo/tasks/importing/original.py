@@ -23,7 +23,7 @@ def original_file(scene: Scene) -> Path | None:
 
 
 def check_original(scene: Scene) -> None:
-    """Check that the original's body lies where the journals are and, for one side's model, has equal sides."""
+    """Check that the original's body lies where the journals are and suits a model of one side."""
     path = original_file(scene)
     if path is None:
         return

@@ -68,7 +68,7 @@ class Placement:
     words: str
 
     def moved(self, points_mm: Array) -> Array:
-        """Points (n, 3) after the motion."""
+        """Return points (n, 3) after the motion."""
         return np.asarray(points_mm @ self.matrix.T + self.shift_mm)
 
     @property
@@ -123,7 +123,7 @@ def misfits(body: Manifold, scene: Scene) -> list[str]:
 
 
 def _undrilled(body: Manifold, scene: Scene) -> Manifold:
-    """The body with the scene's oil drillings closed in both journals: they are no fault of its rings."""
+    """Return the body with the oil drillings closed in both journals: they are no fault of its rings."""
     if not scene.throw.drilling:
         return body
     from cranktopo.bodies.prisms import drillings, journal_halves
@@ -134,7 +134,7 @@ def _undrilled(body: Manifold, scene: Scene) -> Manifold:
 
 
 def _places(scene: Scene) -> Iterator[tuple[str, Journal, float, float]]:
-    """Name, journal, place of its axis along the throw and height of every section that is looked at."""
+    """Return name, journal, its axis along the throw and height of every section that is looked at."""
     for (journal, y), name in zip(scene.throw.journals, ("main journal", "crankpin"), strict=True):
         reach = journal.length_mm / 2 - journal.fillet.axial_mm
         for share in _ENDS:
@@ -160,7 +160,7 @@ def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> 
 
 
 def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
-    """Journals with more or less material than they have between their middle and the web."""
+    """Tell journals with more or less material than they have between their middle and the web."""
     (first, last), end = scene.web_z_mm, scene.pitch_mm / 2
     main, pin = (journal for journal, _ in scene.throw.journals)
     low, high = body.trim_by_plane((0.0, 0.0, -1.0), -first), body.trim_by_plane((0.0, 0.0, 1.0), last)
@@ -175,7 +175,7 @@ def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
 
 
 def ring_at(body: Manifold, z_mm: float) -> Ring | None:
-    """The largest contour of a cross-section and the largest hole in it; None where there is no material."""
+    """Return the largest contour of a cross-section and the largest hole in it; None without material."""
     contours = [np.asarray(contour) for contour in body.slice(z_mm).to_polygons()]
     measured = sorted((_moments(contour) for contour in contours), key=lambda m: -m[0])
     if not measured or measured[0][0] <= 0:
@@ -187,7 +187,7 @@ def ring_at(body: Manifold, z_mm: float) -> Ring | None:
 
 
 def _moments(contour: Array) -> tuple[float, Array, float]:
-    """Area (negative for a hole), centroid and polar moment about it, of a polygon."""
+    """Return area (negative for a hole), centroid and polar moment about it, of a polygon."""
     a, b = contour, np.roll(contour, -1, axis=0)
     cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     area = float(cross.sum() / 2)
@@ -252,7 +252,6 @@ def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
 
 
 def _words(attitude: Array, rotation: Array, shift: Array) -> str:
-    """Return how the body lies now, seen from where it should be."""
     back = rotation.T  # of the body as it lies, against the body as it should lie
     angle = math.degrees(math.acos(max(-1.0, min(1.0, (np.trace(back) - 1) / 2))))
     place = -back @ shift

@@ -1,4 +1,4 @@
-"""What the runs under a folder reached, one entry each."""
+"""Results of the runs under a folder, one entry each."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def clean_runs(states: tuple[str, ...], delete: bool, root: Path = RUNS) -> list
 
 
 def _run_status(run: RunStore) -> str:
-    """Status of a run; `unreadable` where its manifest cannot be used."""
+    """Return the status of a run; `unreadable` where its manifest cannot be used."""
     try:
         return str(run.manifest()["status"])
     except CranktopoError:
@@ -77,7 +77,6 @@ def _told_of_run(metrics: RunMetrics) -> dict[str, Any]:
 
 
 def _told_of_loop(loop: LoopResult) -> dict[str, Any]:
-    """Return the best web of a loop, if it has one."""
     if loop.best is None:
         return {"result": "no better web"}
     gains = {key: share - 100 for key, share in loop.best.percent_of_original.items()}

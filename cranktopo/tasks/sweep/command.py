@@ -131,7 +131,6 @@ def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
 
 
 def _typed() -> str:
-    """Return the first option that says what a sweep is."""
     context = click.get_current_context()
     kept = ("target", "workers", "scheduler", "out", "as_json")
     typed = (

@@ -23,7 +23,7 @@ from cranktopo.tasks.sweep.result import COARSE, DONE, FAILED, FULL, IMPOSSIBLE,
 _EVERY_S = 5.0
 
 
-class Progress:
+class _Progress:
     """Lines of progress, one every few seconds; time left by the pace since the start."""
 
     def __init__(self, points: int, kept: int, info: Info) -> None:
@@ -42,22 +42,16 @@ class Progress:
         self._first = self._first or now
         if now - self._told >= _EVERY_S or self._done == self._points:
             self._told = now
-            self._info(self._line(now))
+            bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
+            self._info(", ".join([f"{self._done} of {self._points} points", *bad, *self._time_left(now)]))
 
-    def _line(self, now: float) -> str:
-        bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
-        return f"{', '.join([f'{self._done} of {self._points} points', *bad])}{self._time_left(now)}"
-
-    def _time_left(self, now: float) -> str:
-        """By the points that ended since the first one, which waited for the workers to start."""
-        since = self._ends.total() - 1
-        if since == 0 or self._done == self._points:
-            return ""
-        left = (self._points - self._done) * (now - self._first) / since
-        return f", about {duration(left)} left"
+    def _time_left(self, now: float) -> list[str]:
+        """Count the points that ended since the first one, which waited for the workers to start."""
+        since, left = self._ends.total() - 1, self._points - self._done
+        return [f"about {_duration(left * (now - self._first) / since)} left"] if since and left else []
 
 
-def duration(seconds: float) -> str:
+def _duration(seconds: float) -> str:
     """Return a time for people: `40 s`, `12 min`, `3 h 20 min`."""
     if seconds < 90:
         return f"{seconds:.0f} s"
@@ -72,7 +66,6 @@ _REFINED = 2.0
 
 
 def _point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
-    """Return the estimated peak memory of a worker at a stage."""
     size = element_size_mm or default_element_size_mm(scene)
     evaluation = _PROGRAM_MIB + _REFINED * evaluation_memory_MiB(scene, size)
     if stage in ("evaluate", "fatigue") or scene.envelope is None:
@@ -83,7 +76,7 @@ def _point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None)
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where the points of a sweep are computed; without anything, on all cores of this machine.
+    """The place where points of a sweep are computed; by default all cores of this machine.
 
     Attributes:
         scheduler: address of a Dask scheduler, in place of workers of this machine.
@@ -98,7 +91,7 @@ class Workplace:
 
     @property
     def settings(self) -> dict[str, str]:
-        """What results depend on beside the plan."""
+        """Settings that results depend on beside the plan."""
         function = self.function
         return {} if function is None else {"function": f"{function.__module__}.{function.__qualname__}"}
 
@@ -171,7 +164,7 @@ class Session:
             kept = point_result(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
             if kept is not None:
                 found[job.point.id] = kept
-        progress = Progress(len(jobs), len(found), self.place.info)
+        progress = _Progress(len(jobs), len(found), self.place.info)
 
         def done(job: Job, result: PointResult) -> None:
             if result.status != FAILED or result.number("seconds") is not None:

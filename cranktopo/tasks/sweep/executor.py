@@ -36,6 +36,7 @@ _SETTINGS = {
     # By default a worker gives back all memory that it frees, and waits for the pages of its next array.
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
 }
+_Done = Callable[[Job, PointResult], None]
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class _LostError(Exception):
 def compute(
     jobs: Sequence[Job],
     engine: WorkerPool,
-    done: Callable[[Job, PointResult], None],
+    done: _Done,
     info: Info = lambda _: None,
     enough: Callable[[], bool] = lambda: False,
 ) -> None:
@@ -99,14 +100,7 @@ def compute(
             time.sleep(1.0)
 
 
-def _submit(
-    client: Any,
-    jobs: Sequence[Job],
-    told: Callable[[Job, PointResult], None],
-    enough: Callable[[], bool],
-    *,
-    own: bool,
-) -> None:
+def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], bool], *, own: bool) -> None:
     from distributed import KilledWorker, as_completed
 
     by_key = {f"cranktopo-{job.point.id}": job for job in jobs}
@@ -163,7 +157,6 @@ def _cancel_without_workers(client: Any, futures: Sequence[Any], over: threading
 
 @contextmanager
 def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
-    """Return a connection to the scheduler, to one of our own where no other is asked for."""
     import dask
     import distributed
 
@@ -190,7 +183,7 @@ def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what Dask logs of connections that break; what it means for the sweep is told by the sweep."""
+    """Silence what Dask logs of connections that break; what it means is told by the sweep."""
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

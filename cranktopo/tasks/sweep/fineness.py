@@ -1,4 +1,4 @@
-"""How exactly a point is computed: elements of its evaluation, cells of its optimisation."""
+"""Exactness of the points of a sweep: elements of its evaluation, cells of its optimisation."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Fineness:
         return Fineness(self.element_size_mm, coarser=_COARSER)
 
     def settings(self) -> Mapping[str, Any]:
-        """For the hash of a point; what is as by default is left out, as before it could be set."""
+        """Return settings for the hash of a point, without those as by default, which came later."""
         accuracy = {} if self.accuracy_percent is None else {"accuracy_percent": self.accuracy_percent}
         coarser = {} if self.coarser == 1 else {"coarser": self.coarser}
         return {"element_size_mm": self.element_size_mm, **accuracy, **coarser}
@@ -57,7 +57,7 @@ class Fineness:
         return scene.with_optimise(resolution_mm=self.coarser * scene.optimise.resolution_mm)
 
     def shape_settings(self, usual: ShapeSettings, scene: Scene) -> ShapeSettings:
-        """Cells and elements of a shape optimisation; trials are judged on nothing finer than its result."""
+        """Return settings with cells and elements; trials are judged on nothing finer than the result."""
         size = self._element_size_mm(scene)
         coarse = replace(usual, cell_mm=self.coarser * usual.cell_mm, mesh_mm=self.coarser * usual.mesh_mm)
         return replace(coarse, element_size_mm=size, mesh_mm=max(coarse.mesh_mm, size or 0.0))

@@ -6,7 +6,7 @@ import errno
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -85,18 +85,10 @@ def do_job(job: Job) -> PointResult:
 def point_result(job: Job, status: str, reason: str = "", **numbers: Any) -> PointResult:
     """Return how a point ended; of the numbers that its stage told one may be another status or reason."""
     point = job.point
-    known = {
-        "id": point.id,
-        "stage": point.stage,
-        "design": point.design,
-        "varied": dict(point.varied),
-        "sha256": point.sha256,
-        "run": "" if point.reason else f"{POINTS}/{point.id}",
-        "status": status,
-        "reason": reason,
-        "version": metadata.version("cranktopo"),
-    }
-    return PointResult(**{**known, **numbers})
+    known = {name: getattr(point, name) for name in ("id", "stage", "design", "varied", "sha256")}
+    run = "" if point.reason else f"{POINTS}/{point.id}"
+    told = {"run": run, "status": status, "reason": reason, "version": metadata.version("cranktopo")}
+    return PointResult(**{**known, **told, **numbers})
 
 
 def _computed(job: Job, folder: Path) -> PointResult:
@@ -128,16 +120,13 @@ def _make(folder: Path) -> None:
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
     """Hold a point; where another worker holds it, as one that was thought dead, wait for its result."""
-    while True:
-        holding = locked(folder)
-        try:
-            holding.__enter__()
-            break
-        except UnwritableError:
-            raise
-        except CranktopoError:
-            time.sleep(_WAIT_S)
-    try:
+    with ExitStack() as stack:
+        while True:
+            try:
+                stack.enter_context(locked(folder))
+                break
+            except UnwritableError:
+                raise
+            except CranktopoError:
+                time.sleep(_WAIT_S)
         yield
-    finally:
-        holding.__exit__(None, None, None)

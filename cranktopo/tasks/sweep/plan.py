@@ -43,7 +43,7 @@ _CHOICES = {"sampling": ("grid", "latin", "sobol"), STAGE: _STAGES, "refine": ("
 
 
 class SweepPlan(Result):
-    """What a sweep consists of, as its manifest keeps it; its points follow from it and from nothing else."""
+    """All that a sweep consists of, as its manifest keeps it; its points follow from it alone."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -140,28 +140,23 @@ def _check(plan: SweepPlan) -> None:
     if plan.budget_s is not None and plan.refine != "front":
         raise _misused("--budget is time for what a first look does not rule out", "Add --refine front.")
     keys = [variation.key for variation in plan.vary]
-    twice = next((key for key in keys if keys.count(key) > 1), None)
-    if twice is not None:
-        raise _misused(f"{twice} varies twice", "Give all its values at once.")
-    for variation in plan.vary:
-        if variation.key == STAGE:
-            for value in variation.values or ("a range",):
-                _check_choice(STAGE, str(value), _STAGES)
+    for key in (key for key in keys if keys.count(key) > 1):
+        raise _misused(f"{key} varies twice", "Give all its values at once.")
+    for stage in (s for one in plan.vary if one.key == STAGE for s in one.values or ("a range",)):
+        _check_choice(STAGE, str(stage), _STAGES)
     _check_sampling(plan)
     for design, tables in zip(plan.designs, plan.tables, strict=True):
-        for variation in plan.vary:
-            if variation.key != STAGE:
-                tables = with_value(tables, variation.key, variation.at(0.0))
+        for variation in (one for one in plan.vary if one.key != STAGE):
+            tables = with_value(tables, variation.key, variation.at(0.0))
         check_keys(tables, design)
 
 
 def _check_sampling(plan: SweepPlan) -> None:
     ranges = [variation.key for variation in plan.vary if variation.ends is not None]
     if plan.sampling != "grid":
-        if plan.samples is None or not 1 <= plan.samples <= MOST:
-            raise _misused(
-                f"sampling {plan.sampling} needs a number of samples up to {MOST}", "Add --samples."
-            )
+        if not 1 <= (plan.samples or 0) <= MOST:
+            what = f"sampling {plan.sampling} needs a number of samples up to {MOST}"
+            raise _misused(what, "Add --samples.")
         if not plan.vary:
             raise _misused("nothing varies", "Add --vary KEY=A:B.")
         return
@@ -216,7 +211,6 @@ def is_plan(text: str) -> bool:
 
 
 def _designs(file: Path, data: Mapping[str, Any]) -> list[str]:
-    """Designs by name, or by their path from the folder of the file."""
     given = data.get("scenes", [data["design"]] if "design" in data else [])
     if ("design" in data) == ("scenes" in data) or not isinstance(given, list):
         raise CranktopoError(
@@ -228,7 +222,7 @@ def _designs(file: Path, data: Mapping[str, Any]) -> list[str]:
 
 
 def _flat(table: Mapping[str, Any], head: str = "") -> list[tuple[str, Any]]:
-    """Entries by their whole key: `"web.width_mm"`, `web.width_mm` and `[vary.web] width_mm` are the same."""
+    """Return entries by their whole key, be it `"web.width_mm"`, `web.width_mm` or `[vary.web] width_mm`."""
     found: list[tuple[str, Any]] = []
     for key, value in table.items():
         path = f"{head}{key}"

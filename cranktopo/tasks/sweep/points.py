@@ -63,7 +63,6 @@ def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> S
 
 
 def _varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
-    """Values of every key that varies, point after point."""
     keys = [variation.key for variation in plan.vary]
     if plan.sampling == "grid":
         for values in itertools.product(*(variation.values for variation in plan.vary)):
@@ -74,7 +73,7 @@ def _varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
 
 
 def _samples(plan: SweepPlan) -> Sequence[Sequence[float]]:
-    """Points of the unit cube; a Sobol sequence is drawn up to a power of two and cut."""
+    """Return points of the unit cube; a Sobol sequence is drawn up to a power of two and cut."""
     from scipy.stats import qmc
 
     count, dimensions = plan.samples or 1, len(plan.vary)

@@ -99,11 +99,10 @@ def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:
     options = run.manifest()["options"]
     wanted = options.get("function")
     if wanted != place.settings.get("function"):
+        hint = "Continue it in Python: resume=DIR with that function."
         raise CranktopoError(
             f"run '{run.path}': was started with {wanted or 'no function'}.",
-            hint="Continue it in Python: resume=DIR with that function."
-            if wanted
-            else "Leave the function out.",
+            hint=hint if wanted else "Leave the function out.",
         )
     plan = SweepPlan.of_json(options[SWEEP], f"run '{run.path}'")
     run.resume()

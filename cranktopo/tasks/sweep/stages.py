@@ -1,9 +1,10 @@
-"""How far a point goes: evaluation, fatigue, optimisation, re-model or shape, each judged alike."""
+"""Stages of a point: evaluation, fatigue, optimisation, re-model or shape, each judged alike."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_text
@@ -29,6 +30,9 @@ from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.result import IMPOSSIBLE, VIEW
 
+if TYPE_CHECKING:
+    from cranktopo.tasks.shape.result import ShapeResult
+
 _COARSER = 2
 """Than what a page shows of a single web: a quarter of the triangles, in half the time."""
 
@@ -50,7 +54,14 @@ DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
 COMMAND = ("cranktopo", "sweep")
 """In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
-_StageFunction = Callable[[Scene, Path, Fineness], Json]
+_BOUNDED = {
+    "mass": "mass_kg",
+    "torsion": "torsion_Nm_per_rad",
+    "bending": "bending_N_per_mm",
+    "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
+    "bending_per_mass": "bending_per_mass_N_per_mm_kg",
+}
+"""Number of a point that the bound of a quantity is beside."""
 
 
 def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -67,7 +78,6 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
 
 
 def _columns_of(entry: EvaluationResult) -> Json:
-    """Return the quantities of an evaluation, units in the names, for the supports of its scene."""
     mass, second = entry.mass_kg.throw, entry.mass_kg.second_web
     torsion, bending = entry.torsion_Nm_per_rad, entry.bending_N_per_mm
     return {
@@ -103,19 +113,16 @@ def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
     surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics.files["stl"], folder / RUN)
     judged = _judged(surface, fineness)
-    told = _told(metrics.status, metrics.iterations)
-    return {**judged, **_limits(metrics.goal), **told, "target": RUN, VIEW: web_view(surface)}
+    return {**judged, **_limits(metrics.goal), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
 
 
 def _densities(scene: Scene, folder: Path) -> RunMetrics:
-    """Return the metrics of the density optimisation of a point, begun, continued or finished."""
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 
-    run = folder / RUN
-    metrics = read_metrics(open_run(str(run))) if _is_done(run) else None
+    run, status = folder / RUN, _status(folder / RUN)
+    metrics = read_metrics(open_run(str(run))) if status == "done" else None
     if metrics is None:
-        begun = _begun(run)
-        done = resume_optimisation(str(run)) if begun else optimise_design(scene, run, command=COMMAND)
+        done = resume_optimisation(str(run)) if status else optimise_design(scene, run, command=COMMAND)
         metrics = done.metrics
     if metrics.refusal:
         raise CranktopoError(f"the optimisation has no web: {metrics.refusal}", code=ExitCode.NOT_CONVERGED)
@@ -134,8 +141,7 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     file = f"{REMODEL}/{refit.files['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    told = _told(metrics.status, metrics.iterations)
-    return {**_judged(web, fineness), **told, "target": file, VIEW: web_view(web)}
+    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -144,13 +150,14 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 
     run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
-    if _is_done(run):
+    status = _status(run)
+    if status == "done":
         data = ShapeResult.read(run / RESULT_FILES[SHAPE])
+    elif status:
+        data = resume_shape(str(run)).result
     else:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
-        begun = _begun(run)
-        done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
-        data = done.result
+        data = shape_design(wanted, settings, run, command=COMMAND).result
     safety = data.values.result.get("fatigue_safety")
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
@@ -159,13 +166,13 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data.goal),
         **_bound(data.bound),
-        **_told(data.status, data.iterations),
+        **_told(data),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
 
 
-_STAGES: Mapping[Stage, _StageFunction] = {
+_STAGES: Mapping[Stage, Callable[[Scene, Path, Fineness], Json]] = {
     "evaluate": _evaluated,
     "fatigue": _fatigue,
     "optimise": _optimised,
@@ -178,18 +185,13 @@ def _judged(target: Target, fineness: Fineness) -> Json:
     return _columns_of(fineness.evaluation(target).result)
 
 
-def _begun(run: Path) -> bool:
-    return (run / "manifest.json").is_file()
+def _status(run: Path) -> str:
+    """Return how a run ended; nothing where it is still to be begun."""
+    return str(open_run(str(run)).manifest()["status"]) if (run / "manifest.json").is_file() else ""
 
 
-def _is_done(run: Path) -> bool:
-    """Tell whether a run has neither to be begun nor to be continued."""
-    return _begun(run) and open_run(str(run)).manifest()["status"] == "done"
-
-
-def _told(status: str, iterations: int) -> Json:
-    """Return how an optimisation ended."""
-    return {"optimiser_status": status, "iterations": iterations}
+def _told(result: RunMetrics | ShapeResult) -> Json:
+    return {"optimiser_status": result.status, "iterations": result.iterations}
 
 
 def _limits(goal: GoalOutcome | None) -> Json:
@@ -205,12 +207,5 @@ def _bound(bound: BoundStatement | NoBound | None) -> Json:
     """Return what no web of the point's envelope can beat, named after its quantity."""
     if not isinstance(bound, BoundStatement) or bound.value is None:
         return {}
-    names = {
-        "mass": "mass_kg",
-        "torsion": "torsion_Nm_per_rad",
-        "bending": "bending_N_per_mm",
-        "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
-        "bending_per_mass": "bending_per_mass_N_per_mm_kg",
-    }
-    name = names.get(bound.quantity)
+    name = _BOUNDED.get(bound.quantity)
     return {} if name is None else {f"bound_{name}": bound.value}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,29 +77,24 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
 
 
 def _front_table(data: SweepResult) -> ResultTable:
-    """Return the points of the front, the original first where it is known."""
-    original = data.original
     chosen = [row for row in data.points if row.id in set(data.front)][:_MOST_ROWS]
     known = {name: digits for name, digits in _QUANTITIES.items() if name in chosen[0].numbers}
-    keys = dict.fromkeys(data.varied, 4)
     apart = {"design": 0} if _designs(data.points) > 1 else {}
-    rows: list[Row] = [_row(row, row.id, keys, known) for row in chosen]
-    if original.status == DONE:
-        rows.insert(0, _row(original, "original", keys, known))
-    return ResultTable({"point": 0, **apart, **keys, **known}, tuple(rows))
+    shown = [("original", data.original)] if data.original.status == DONE else []
+    rows: list[Row] = [
+        {
+            "point": name,
+            "design": row.design,
+            **{key: _cell(row.varied.get(key)) for key in data.varied},
+            **{quantity: row.number(quantity) for quantity in known},
+        }
+        for name, row in [*shown, *((row.id, row) for row in chosen)]
+    ]
+    return ResultTable({"point": 0, **apart, **dict.fromkeys(data.varied, 4), **known}, tuple(rows))
 
 
 def _designs(points: Sequence[PointResult]) -> int:
-    """Return how many designs the points are variants of."""
     return len({point.design for point in points})
-
-
-def _row(
-    row: PointResult, name: str, keys: Mapping[str, int], quantities: Mapping[str, int]
-) -> dict[str, Any]:
-    cells = {key: _cell(row.varied.get(key)) for key in keys}
-    told = {quantity: row.number(quantity) for quantity in quantities}
-    return {"point": name, "design": row.design, **cells, **told}
 
 
 def _cell(value: Any) -> str | None:
@@ -115,14 +110,13 @@ def point_words(points: Sequence[PointResult], row: PointResult) -> str:
 
 
 def _reasons(data: SweepResult) -> list[str]:
-    """Return the first reasons why points have no numbers."""
     found = list(dict.fromkeys(f"{row.status}: {row.reason}" for row in data.points if row.reason))
     more = [f"  and {len(found) - _MOST_REASONS} other reasons"] * (len(found) > _MOST_REASONS)
     return [f"  {line}" for line in found[:_MOST_REASONS]] + more
 
 
 def _accuracy(data: SweepResult) -> list[str]:
-    """How many points stand at full accuracy where not all do, and whether that is enough for the front."""
+    """Tell how many points stand at full accuracy where not all do, and whether the front is decided."""
     coarse = sum(row.number("accuracy") == COARSE for row in data.points)
     left = len(data.undecided or ())
     told = f"{len(data.points) - coarse} points at full accuracy, {coarse} coarse"

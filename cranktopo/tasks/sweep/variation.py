@@ -1,4 +1,4 @@
-"""What varies in a sweep: a key of the scene with its values, or the two ends between which it is sampled."""
+"""Variations of a sweep: a key of the scene with its values, or the two ends between which it is sampled."""
 
 from __future__ import annotations
 
@@ -56,13 +56,11 @@ def read_text(key: str, text: str) -> Variation:
     limit = _LIMIT.fullmatch(text.strip())
     if limit is not None:
         numbers = _range(key, limit["numbers"].split(":")).values
-        return Variation(
-            key=key, values=tuple(f"{limit['sign']} {n:g} {limit['unit']}".rstrip() for n in numbers)
-        )
+        return _listed(key, [f"{limit['sign']} {n:g} {limit['unit']}".rstrip() for n in numbers])
     parts = text.split(":")
     if len(parts) in (2, 3) and all(_number(part) is not None for part in parts):
         return _range(key, parts)
-    return Variation(key=key, values=_finite(key, [_value(part.strip()) for part in text.split(",")]))
+    return _listed(key, [_value(part.strip()) for part in text.split(",")])
 
 
 def read_entry(key: str, entry: object) -> Variation:
@@ -73,7 +71,7 @@ def read_entry(key: str, entry: object) -> Variation:
     key_parts(key)
     if not values or not all(isinstance(value, str | int | float) for value in values):
         raise _refused(f"vary.{key} = {quoted(entry)}")
-    return Variation(key=key, values=_finite(key, values))
+    return _listed(key, values)
 
 
 def _range(key: str, parts: list[str]) -> Variation:
@@ -88,14 +86,14 @@ def _range(key: str, parts: list[str]) -> Variation:
         raise _refused(f"{key} = {':'.join(parts)}", f"N must be an integer >= 2 and <= {MOST}")
     whole = all(isinstance(end, int) for end in numbers[:2]) and (high - low) % (count - 1) == 0
     found = [float(f"{low + (high - low) * n / (count - 1):.12g}") for n in range(count)]
-    return Variation(key=key, values=tuple(int(value) for value in found) if whole else tuple(found))
+    return _listed(key, [int(value) for value in found] if whole else found)
 
 
-def _finite(key: str, values: list[Value]) -> tuple[Value, ...]:
-    wrong = [value for value in values if isinstance(value, float) and not math.isfinite(value)]
-    if wrong:
-        raise invalid(key, wrong[0], "must be a finite number")
-    return tuple(values)
+def _listed(key: str, values: Sequence[Value]) -> Variation:
+    for value in values:
+        if isinstance(value, float) and not math.isfinite(value):
+            raise invalid(key, value, "must be a finite number")
+    return Variation(key=key, values=tuple(values))
 
 
 def _number(text: str) -> int | float | None:
