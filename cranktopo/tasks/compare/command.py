@@ -118,12 +118,7 @@ def _text(comparison: Comparison, form: str) -> str:
     if form == "csv":
         return comma_separated(tables.flat_table(comparison))
     printed = markdown if form == "markdown" else terminal
-    shown = [
-        tables.value_table(comparison),
-        tables.percent_table(comparison),
-        tables.published_table(comparison),
-    ]
-    parts = [printed(table) for table in shown if table is not None]
+    parts = [printed(table) for table in tables.comparison_tables(comparison)]
     verdicts = [] if comparison.fatigue is None else ["\n".join(comparison.fatigue.verdicts)]
     goals = [
         f"{name}: {goal_line(goal, comparison.base.name)}\n\n{printed(limits_table(goal))}"

@@ -24,7 +24,7 @@ from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.compare.text import percent_table, published_table, value_table
+from cranktopo.tasks.compare.text import comparison_tables
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -170,10 +170,8 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
 def _variants(
     comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: AnyBound | None
 ) -> Section:
-    tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
-    published = published_table(comparison)
-    if published is not None:
-        tables.append(("Beside published values", published))
+    names = ("Values", "Percent of the baseline", "Beside published values")
+    tables = list(zip(names, comparison_tables(comparison), strict=False))
     if undercuts:
         tables.append(("Release from a die that parts in x = 0", undercut_table(undercuts)))
     return Section(

@@ -20,7 +20,7 @@ from cranktopo.tasks.fea.quantities import (
 _PUBLISHED = (MASS, TORSION, TORSION_PER_MASS)
 
 
-def value_table(comparison: Comparison) -> ResultTable:
+def _value_table(comparison: Comparison) -> ResultTable:
     """Return absolute values and the error estimates of the stiffnesses, the best of each quantity marked."""
     rows = [
         {
@@ -35,7 +35,7 @@ def value_table(comparison: Comparison) -> ResultTable:
     return _table(comparison, columns, "error_percent", rows)
 
 
-def percent_table(comparison: Comparison) -> ResultTable:
+def _percent_table(comparison: Comparison) -> ResultTable:
     """Return percent of the baseline, the best of each marked, and bounds of the changes of stiffness."""
     rows = [
         {
@@ -73,7 +73,7 @@ def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
     ]
 
 
-def published_table(comparison: Comparison) -> ResultTable | None:
+def _published_table(comparison: Comparison) -> ResultTable | None:
     """Return our percentages, the published ones and their difference; None where nothing was published."""
     base = comparison.base.published
     if base is None or not any(e.published for e in comparison.entries if e.published is not base):
@@ -91,10 +91,15 @@ def published_table(comparison: Comparison) -> ResultTable | None:
     return ResultTable({"target": 0, **dict.fromkeys(names, 1)}, tuple(rows))
 
 
+def comparison_tables(comparison: Comparison) -> list[ResultTable]:
+    """Return values, percentages and, where something was published, published percentages."""
+    tables = (_value_table(comparison), _percent_table(comparison), _published_table(comparison))
+    return [table for table in tables if table is not None]
+
+
 def flat_table(comparison: Comparison) -> ResultTable:
-    """Return values, percentages and published percentages side by side: one header for a CSV file."""
-    tables = (value_table(comparison), percent_table(comparison), published_table(comparison))
-    parts = [table for table in tables if table is not None]
+    """Return all tables of a comparison side by side: one header for a CSV file."""
+    parts = comparison_tables(comparison)
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
     rows = zip(*(part.rows for part in parts), strict=True)
     return ResultTable(columns, tuple({k: v for part in row for k, v in part.items()} for row in rows))
@@ -102,12 +107,12 @@ def flat_table(comparison: Comparison) -> ResultTable:
 
 def comparison_result(comparison: Comparison) -> ComparisonResult:
     """Return the comparison as `compare --format json` prints it."""
-    published = published_table(comparison)
+    published = _published_table(comparison)
     best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
     return ComparisonResult(
         baseline=comparison.base.name,
         evaluations=[entry.evaluation.result for entry in comparison.entries],
-        percent_of_baseline=records(percent_table(comparison)),
+        percent_of_baseline=records(_percent_table(comparison)),
         change_error_percent=[
             ChangeErrors(target=entry.name, **dict(_change_errors(comparison, row)))
             for row, entry in enumerate(comparison.entries)

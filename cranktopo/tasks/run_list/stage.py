@@ -64,7 +64,7 @@ def _entry(run: RunStore) -> RunEntry:
     known = {"command": kind, "design": manifest["design"], "started": manifest["started"]}
     try:
         result = run_result(run)
-        told = {} if result is None else _TOLD[kind](result)
+        told = {} if result is None else _KINDS[kind][1](result)
     except CranktopoError:  # one damaged run does not hide the others
         told = {"result": "unreadable"}
     return entry.model_copy(update={**known, **told})
@@ -100,23 +100,17 @@ def _per_mass(change_percent: Mapping[str, float]) -> dict[str, float]:
     return {s.key: change_percent[ratio.key] for s, ratio in zip(STIFFNESS, PER_MASS, strict=True)}
 
 
-_RESULTS: dict[RunKind, type[Result]] = {
-    "optimise": RunMetrics,
-    LOOP: LoopResult,
-    SHAPE: ShapeResult,
-    SWEEP: SweepResult,
+_KINDS: dict[RunKind, tuple[type[Result], Callable[[Any], dict[str, Any]]]] = {
+    "optimise": (RunMetrics, _told_of_run),
+    LOOP: (LoopResult, _told_of_loop),
+    SHAPE: (ShapeResult, _told_of_shape),
+    SWEEP: (SweepResult, _told_of_sweep),
 }
-"""Result of a finished run of each kind."""
-_TOLD: dict[RunKind, Callable[[Any], dict[str, Any]]] = {
-    "optimise": _told_of_run,
-    LOOP: _told_of_loop,
-    SHAPE: _told_of_shape,
-    SWEEP: _told_of_sweep,
-}
+"""Result of a finished run of each kind, and what the list tells of it."""
 
 
 def run_result(run: RunStore) -> Result | None:
     """Return the result of a run, None where it is not finished; raises CranktopoError for a damaged one."""
     found = read_result(run)
     where = f"run '{run.path}': its results are damaged"
-    return None if found is None else _RESULTS[kind_of(run)].of_json(found, where)
+    return None if found is None else _KINDS[kind_of(run)][0].of_json(found, where)
