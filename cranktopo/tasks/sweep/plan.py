@@ -58,13 +58,13 @@ class SweepPlan(Result):
     samples: int | None = None
     stage: Stage = "evaluate"
     """How far a point goes where `stage` does not vary."""
-    element_size_mm: float | None = None
-    """Of evaluations; None leaves the default."""
-    accuracy_percent: float | None = None
+    element_size_mm: int | float | None = None
+    """Of evaluations; None leaves the default. An integer stays one, as the hashes of points hold it."""
+    accuracy_percent: int | float | None = None
     """Evaluations are refined until the bound of their error is no larger."""
     refine: Literal["all", "front"] = "all"
     """Every point at full accuracy, or those alone that a coarse first look does not rule out."""
-    budget_s: float | None = None
+    budget_s: int | float | None = None
     """Time for points at full accuracy after the first look."""
     seed: int = SEED
 
