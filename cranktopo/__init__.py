@@ -61,7 +61,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.run_list.stage import clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import evaluate_shaft
     from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
-    from cranktopo.tasks.sweep.interface import sweep
+    from cranktopo.tasks.sweep.run import sweep
     from cranktopo.tasks.vibration.stage import shaft_vibration
     from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
@@ -99,7 +99,7 @@ _HOMES = {
     "web_target": "tasks.designs.run_webs",
     "resume_shape": "tasks.shape.run",
     "bound_of": "tasks.bound.stage",
-    "sweep": "tasks.sweep.interface",
+    "sweep": "tasks.sweep.run",
     "balance_result": "tasks.balance.result",
     "report_balance": "tasks.balance.stage",
     "export_solid": "bodies.solid.files",

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from cranktopo import export_solid, load_scene
-from cranktopo.tasks.drawing.stage import export_drawing
+from cranktopo.tasks.drawing.sheet import export_drawing
 
 out = Path(sys.argv[1] if sys.argv[1:] else "examples/out")
 out.mkdir(parents=True, exist_ok=True)

@@ -18,7 +18,7 @@ from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
 from cranktopo.tasks.sweep.points import points_of
 from cranktopo.tasks.sweep.run import SweptRun, run_sweep
-from cranktopo.tasks.sweep.table import frame_of, write_tables
+from cranktopo.tasks.sweep.text import frame_of, write_tables
 from cranktopo.tasks.sweep.variation import read_option
 from tests.sweep_cases import empty
 
@@ -26,7 +26,7 @@ from tests.sweep_cases import empty
 def plan_of(points: int) -> SweepPlan:
     """So many webs, all of which can be."""
     vary = [read_option("web.width_mm=50:60"), read_option("throw.radius_mm=44:52")]
-    return sweep_plan(["mikron-iiic"], vary, "latin", points)
+    return sweep_plan(["mikron-iiic"], vary, sampling="latin", samples=points)
 
 
 def timed(work: Callable[[], object]) -> float:
@@ -48,7 +48,7 @@ def main(workers: int, points: int) -> None:
     plan = plan_of(points)
     with tempfile.TemporaryDirectory() as folder:
         began = time.perf_counter()
-        done = run_sweep(plan, Workplace(workers), Path(folder) / "run", function=empty)
+        done = run_sweep(plan, Workplace(workers, function=empty), Path(folder) / "run")
         whole = time.perf_counter() - began
         told = timed(partial(written, done, Path(folder)))
     planned = timed(lambda: points_of(plan))

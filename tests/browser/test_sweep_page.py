@@ -23,7 +23,7 @@ from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.sweep.front import front_of, picks_of
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
-from cranktopo.tasks.sweep.web_view import web_view
+from cranktopo.tasks.sweep.stages import web_view
 from tests.sweep_cases import point_result
 
 POINTS, MOST_BYTES, MOST_MS = 500, 10_000_000, 100.0

@@ -17,8 +17,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
-from cranktopo.tasks.drawing.sheet import drawing_figure
-from cranktopo.tasks.drawing.stage import throw_sheets
+from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
 from cranktopo.tasks.drawing.views import Sheet
 from tests.physics.test_two_webs import POCKET, lopsided
 from tests.unit.remodel_cases import WHOLE, known_scene

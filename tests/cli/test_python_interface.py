@@ -75,7 +75,7 @@ def test_a_run_from_its_start_to_its_files(run: OptimisedRun, tmp_path: Path) ->
     found, path = cranktopo.extract_surface(str(run.folder), 3, tmp_path / "three.3mf", "3mf")
     assert (found.iteration, path.stat().st_size > 1000) == (3, True)
     (entry,) = cranktopo.summarise_runs(run.folder.parent)
-    assert (entry["status"], entry["result"]) == ("done", "stopped")
+    assert (entry.status, entry.result) == ("done", "stopped")
     assert cranktopo.clean_runs(("failed",), True, run.folder.parent) == []
 
 

@@ -22,7 +22,7 @@ from cranktopo import sweep
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.sweep.targets import with_picks
+from cranktopo.tasks.compare.stage import with_picks
 from tests import sweep_cases
 from tests.packed_scenes import small_web
 from tests.sweep_cases import HELD, TRACE

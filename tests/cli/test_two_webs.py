@@ -107,7 +107,7 @@ def test_the_page_of_a_comparison_shows_both_webs(two: str) -> None:
     drilled = replace(target, scene=scene_from_dict(data, whole=True))
     volumes = []
     for throw in (target, drilled):
-        shown = compare.half_throws(throw)
+        shown = [(half, mesh) for half, mesh, _ in compare.half_throws(throw)]
         assert [half.name for half, _ in shown] == ["two, first web", "two, second web"]
         assert [half.scene.web.thickness_mm for half, _ in shown] == [19.0, 25.0]
         assert [half.scene.pitch_mm for half, _ in shown] == [114.0, 126.0]

@@ -278,9 +278,9 @@ def test_switched_off() -> None:
 
 
 def test_doctor_tells_of_the_switch(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert doctor.jax_device().value.endswith(", own kernels")
+    assert doctor._jax_device().value.endswith(", own kernels")
     monkeypatch.setenv("CRANKTOPO_KERNELS", "off")
-    assert doctor.jax_device().value.endswith(", no own kernels: switched off by CRANKTOPO_KERNELS=off")
+    assert doctor._jax_device().value.endswith(", no own kernels: switched off by CRANKTOPO_KERNELS=off")
 
 
 def _open_to_all(folder: Path) -> None:

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.tasks.sweep.plan import plan_from_json, sweep_plan
-from cranktopo.tasks.sweep.plan_file import is_plan, read_plan
+from cranktopo.tasks.sweep.plan import SweepPlan, is_plan, read_plan, sweep_plan
 from cranktopo.tasks.sweep.points import original_of, points_of
 from cranktopo.tasks.sweep.variation import read_entry, read_option
 
@@ -59,7 +58,7 @@ def test_a_grid_takes_all_combinations_once_each() -> None:
     assert [tuple(point.varied.values()) for point in points] == [(50, 2), (50, 2.5), (52, 2), (52, 2.5)]
     assert len({point.id for point in points}) == 4
     assert points[1].sha256 == original_of(plan).sha256, "the design's own values are the original"
-    assert points_of(plan_from_json(plan.as_json())) == points
+    assert points_of(SweepPlan.of_json(plan.as_json(), "run")) == points
 
 
 def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
@@ -77,7 +76,7 @@ def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
 def test_a_limit_with_a_range_varies_and_one_without_stays() -> None:
     limits = ["torsion >= 90:130:5 %", "bending >= 95 %"]
     plan = sweep_plan(["mikron-iiic"], stage="shape", minimise="mass", limits=limits)
-    points = points_of(plan_from_json(plan.as_json()))
+    points = points_of(SweepPlan.of_json(plan.as_json(), "run"))
     assert [p.varied for p in points] == [
         {"goal.limits.torsion": f">= {n} %"} for n in (90, 100, 110, 120, 130)
     ]
@@ -126,12 +125,12 @@ def test_what_no_scene_has_stops_everything(vary: str, words: str) -> None:
 def test_samples_fill_the_space_between_the_ends(sampling: str) -> None:
     """One sample in each eighth of the width, every fillet about as often; the same again."""
     vary = [read_option(f"{WIDTH}=44:60"), read_option(f"{FILLET}=2,2.5")]
-    plan = sweep_plan(["mikron-iiic"], vary, sampling, 8)
+    plan = sweep_plan(["mikron-iiic"], vary, sampling=sampling, samples=8)
     points = points_of(plan)
     assert sorted(int((float(p.varied[WIDTH]) - 44) / 2) for p in points) == list(range(8))
     assert [p.varied[FILLET] for p in points].count(2) == 4
     assert points == points_of(plan)
-    assert points[:5] != points_of(sweep_plan(["mikron-iiic"], vary, sampling, 5))[:4]
+    assert points[:5] != points_of(sweep_plan(["mikron-iiic"], vary, sampling=sampling, samples=5))[:4]
 
 
 def test_a_file_says_the_same_as_options(tmp_path: Path) -> None:

@@ -6,9 +6,8 @@ import random
 from typing import Any
 
 from cranktopo.tasks.sweep.fineness import Fineness
-from cranktopo.tasks.sweep.front import front_of
+from cranktopo.tasks.sweep.front import front_of, worth_refining
 from cranktopo.tasks.sweep.points import SweepPoint
-from cranktopo.tasks.sweep.refine import worth_refining
 from cranktopo.tasks.sweep.result import PointResult
 from tests.sweep_cases import point_result
 

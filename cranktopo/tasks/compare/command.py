@@ -96,7 +96,7 @@ def command(
     click.echo(_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found, info)
     if plot is not None:
-        from cranktopo.tasks.compare.plot import plot_stiffness_over_mass
+        from cranktopo.tasks.compare.page import plot_stiffness_over_mass
 
         plot_stiffness_over_mass(found.comparison, plot, bound)
         info(f"plot: {plot}")
@@ -116,12 +116,7 @@ def _text(comparison: Comparison, form: str) -> str:
     if form == "csv":
         return comma_separated(tables.flat_table(comparison))
     printed = markdown if form == "markdown" else terminal
-    shown = [
-        tables.value_table(comparison),
-        tables.percent_table(comparison),
-        tables.published_table(comparison),
-    ]
-    parts = [printed(table) for table in shown if table is not None]
+    parts = [printed(table) for table in tables.comparison_tables(comparison)]
     verdicts = [] if comparison.fatigue is None else ["\n".join(comparison.fatigue.verdicts)]
     goals = [
         f"{name}: {goal_line(goal, comparison.base.name)}\n\n{printed(limits_table(goal))}"

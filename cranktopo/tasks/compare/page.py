@@ -1,11 +1,14 @@
-"""The report of a comparison as content."""
+"""The report of a comparison as content, and its plot as a file."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from cranktopo.base.files import replacing
+from cranktopo.base.formats import PLOTS
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -13,12 +16,12 @@ from cranktopo.report.goal_table import goal_line, limits_table
 from cranktopo.report.page import Fact, FactStatus, Page, Section, assumed_tables, pairs, versions_section
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
+from cranktopo.runs.destination import check_file
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
-from cranktopo.tasks.bound.result import read_bound
-from cranktopo.tasks.compare.plot import scatter_points
+from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.compare.text import percent_table, published_table, value_table
+from cranktopo.tasks.compare.text import comparison_tables
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fea.quantities import (
     BENDING,
@@ -29,7 +32,13 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     Quantity,
 )
-from cranktopo.tasks.fea.scatter import scatter_pictures
+from cranktopo.tasks.fea.scatter import (
+    LABELS,
+    Point,
+    draw_stiffness_over_mass,
+    most_by_label,
+    scatter_pictures,
+)
 from cranktopo.tasks.fea.stress_section import stress_section
 from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
 from cranktopo.tasks.loads.section import loads_section
@@ -52,11 +61,9 @@ class ComparisonRecord:
     Attributes:
         bodies: surfaces of all entries in order, of two different webs both half throws; with stresses where
             they were solved.
-        undercuts: of the same bodies.
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
-        written: when, ISO 8601.
-        bound: beside the entry that is stiffest in torsion per mass, as `bound` of metrics.json.
+        bound: beside the entry that is stiffest in torsion per mass; None where none was asked for.
     """
 
     comparison: Comparison
@@ -69,7 +76,7 @@ class ComparisonRecord:
     command: str
     written: str
     versions: Mapping[str, str | None]
-    bound: Mapping[str, Any] | None = None
+    bound: AnyBound | None = None
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
@@ -77,21 +84,19 @@ def comparison_page(record: ComparisonRecord) -> Page:
     comparison, bodies = record.comparison, record.bodies
     stressed = [(body.mesh, body.stress) for body in bodies if body.stress]
     best = comparison.leading(TORSION_PER_MASS)
-    first = _body_of(comparison, best)
+    # two different webs are two bodies
+    first = best + sum(entry.evaluation.second_web_kg is not None for entry in comparison.entries[:best])
     scene3d = Scene3D(bodies, stress_scales=stress_scales(stressed), first=first) if bodies else None
-    leader = comparison.entries[best].name
+    leader, base = comparison.entries[best].name, comparison.base.name
     others = [e.name for row, e in enumerate(comparison.entries) if row != comparison.baseline]
     return Page(
-        title=f"{', '.join(others)} against {comparison.base.name}",
+        title=f"{', '.join(others)} against {base}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
         headline=_headline(comparison),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
-            *bound_sections(
-                read_bound({"bound": record.bound}),
-                f"{comparison.base.name} and {leader} in the body-fitted evaluation",
-            ),
+            *bound_sections(record.bound, f"{base} and {leader} in the body-fitted evaluation"),
             *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress"),
@@ -103,11 +108,6 @@ def comparison_page(record: ComparisonRecord) -> Page:
         scene3d=scene3d,
         picture=gallery_picture(bodies) if bodies else None,
     )
-
-
-def _body_of(comparison: Comparison, row: int) -> int:
-    """Number of the first body of an entry: two different webs are two bodies."""
-    return row + sum(entry.evaluation.second_web_kg is not None for entry in comparison.entries[:row])
 
 
 def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
@@ -165,12 +165,10 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
 
 
 def _variants(
-    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: Mapping[str, Any] | None
+    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: AnyBound | None
 ) -> Section:
-    tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
-    published = published_table(comparison)
-    if published is not None:
-        tables.append(("Beside published values", published))
+    names = ("Values", "Percent of the baseline", "Beside published values")
+    tables = list(zip(names, comparison_tables(comparison), strict=False))
     if undercuts:
         tables.append(("Release from a die that parts in x = 0", undercut_table(undercuts)))
     return Section(
@@ -179,12 +177,11 @@ def _variants(
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design." + _safety(comparison),
         tuple(tables),
-        scatter_pictures(scatter_points(comparison), comparison.baseline, bound),
+        scatter_pictures(_scatter_points(comparison), comparison.baseline, _curves(bound)),
     )
 
 
 def _goals(comparison: Comparison) -> tuple[Section, ...]:
-    """Return what became of the goals of the designs; nothing where none has one."""
     if not comparison.goals:
         return ()
     base, goals = comparison.base.name, comparison.goals.items()
@@ -248,3 +245,31 @@ def _provenance(record: ComparisonRecord) -> Section:
         "Where this comes from",
         tables=(("Comparison", pairs(rows)), *_assumed(record.comparison)),
     )
+
+
+def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound | None = None) -> None:
+    """Draw stiffness over mass, with the curves of a bound; dashed lines join equal stiffness per mass."""
+    check_file(path, "--plot", PLOTS)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    plots = _scatter_points(comparison)
+    original = {label: points[comparison.baseline] for label, points in plots.items()}
+    most = most_by_label(_curves(bound), original)
+    for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
+        draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=130)
+
+
+def _curves(bound: AnyBound | None) -> Mapping[str, Any] | None:
+    return None if bound is None else bound.as_json()
+
+
+def _scatter_points(comparison: Comparison) -> dict[str, list[Point]]:
+    return {
+        label: [Point(e.name, e.values[MASS.key], e.values[stiffness.key]) for e in comparison.entries]
+        for stiffness, label in LABELS.items()
+    }

@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.schema import Published
+from cranktopo.report.result_table import Cell
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
@@ -27,17 +28,17 @@ class ChangeErrors(Result):
 
 
 class ComparisonResult(Result):
-    """What `compare --format json` prints."""
+    """Output of `compare --format json`."""
 
     schema_version: int = 1
     baseline: str
     evaluations: list[EvaluationResult]
-    percent_of_baseline: list[dict[str, Any]]
+    percent_of_baseline: list[dict[str, Cell]]
     """Rows of the table, by its columns."""
     change_error_percent: list[ChangeErrors]
     best: dict[str, str | None]
     """Name of the best target by column; None where another is within the error estimate."""
-    published: list[dict[str, Any]] | None
+    published: list[dict[str, Cell]] | None
     fatigue: dict[str, Any] | None
     """As `fatigue --json`, where it was assessed."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
@@ -45,12 +46,7 @@ class ComparisonResult(Result):
 
 @dataclass(frozen=True)
 class Entry:
-    """A compared target.
-
-    Attributes:
-        published: what was published for it, if anything.
-        safety: least fatigue safety of its fillets, where it was assessed.
-    """
+    """A compared target, what was published for it, and its smallest fatigue safety, if it was assessed."""
 
     evaluation: Evaluation
     published: Published | None = None
@@ -67,7 +63,7 @@ class Entry:
         return evaluation_values(self.evaluation) | ({} if self.safety is None else {SAFETY.key: self.safety})
 
     def error_percent(self, quantity: Quantity) -> float:
-        """Error estimate of a quantity; 0 where it is exact."""
+        """Return the error estimate of a quantity; 0 where it is exact."""
         return {
             None: 0.0,
             "torsion": self.evaluation.torsion_error_percent,
@@ -82,7 +78,6 @@ class Comparison:
 
     Attributes:
         baseline: position of the entry that counts as 100 %.
-        fatigue: of the entries that have a safety, the baseline among them, where it was assessed.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
     """
 
@@ -93,7 +88,7 @@ class Comparison:
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is compared."""
+        """Quantities that are compared."""
         return COMPARED if self.fatigue is None else (*COMPARED, SAFETY)
 
     @property
@@ -106,11 +101,11 @@ class Comparison:
         return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
 
     def having(self, quantity: Quantity) -> list[int]:
-        """Rows that have a value of a quantity: all of them but of the safety."""
+        """Return the rows that have a value of a quantity: all of them but of the safety."""
         return [row for row, entry in enumerate(self.entries) if quantity.key in entry.values]
 
     def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
-        """Bound of the error of the relative difference between two entries; 0 where it is exact."""
+        """Return the bound of the error of the relative difference between two entries; 0 if it is exact."""
         one, two = self.entries[row], self.entries[other]
         errors = one.error_percent(quantity), two.error_percent(quantity)
         if row == other or quantity.error not in ("torsion", "bending"):
@@ -127,33 +122,23 @@ class Comparison:
         return bool(change >= self.change_error_percent(row, other, quantity))
 
     def leading(self, quantity: Quantity) -> int:
-        """Row with the best value of a quantity, by however little."""
-        value = {
-            row: quantity.better * self.entries[row].values[quantity.key] for row in self.having(quantity)
-        }
-        return max(value, key=lambda row: value[row])
+        """Return the row with the best value of a quantity, by however little."""
+        value = [quantity.better * entry.values.get(quantity.key, 0.0) for entry in self.entries]
+        return max(self.having(quantity), key=lambda row: value[row])
 
     def level(self, quantity: Quantity) -> list[int]:
-        """Rows that the best value of a quantity does not beat by as much as the error estimates."""
+        """Return rows that the best value of a quantity does not beat by as much as the error estimates."""
         best = self.leading(quantity)
         others = (row for row in self.having(quantity) if row != best)
         return [row for row in others if not self.differ(best, row, quantity)]
 
     def best(self, quantity: Quantity) -> int | None:
-        """Row of the best entry; None where another one is within the error estimate."""
+        """Return the row of the best entry; None where another one is within the error estimate."""
         return None if self.level(quantity) else self.leading(quantity)
 
 
 def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
-    """Return a comparison against one of the entries.
-
-    Args:
-        baseline: name of the entry that counts as 100 %.
-        fatigue: of those entries that hold a safety, in the same order.
-
-    Raises:
-        CranktopoError: the baseline is not among the entries, or the supports differ.
-    """
+    """Return a comparison against the entry of this name; raises CranktopoError where there is none."""
     names = [entry.name for entry in entries]
     if baseline not in names:
         raise CranktopoError(
@@ -164,11 +149,7 @@ def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison 
 
 
 def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:
-    """Check that targets with these supports in torsion and in bending can be compared.
-
-    Raises:
-        CranktopoError: they differ.
-    """
+    """Check that targets with these supports in torsion and in bending can be compared."""
     found = dict.fromkeys(supports)
     if len(found) > 1:
         named = "; ".join(f"torsion '{torsion}', bending '{bending}'" for torsion, bending in found)

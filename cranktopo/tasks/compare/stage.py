@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cranktopo.base.progress import Json
-from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
 from cranktopo.design.halves import difference, halves, usual_scale
+from cranktopo.design.loading import builtin_designs
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.load_case import LoadCase
@@ -22,8 +22,11 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
+from cranktopo.runs.directories import RunStore, open_run, runs_named
+from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, shown_results
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.bound_for_result import bounds_for_result
+from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts
@@ -34,8 +37,47 @@ from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
-from cranktopo.tasks.importing.imported_body import half_throw_surface
-from cranktopo.tasks.sweep.targets import with_picks
+from cranktopo.tasks.importing.imported_body import shown_halves
+from cranktopo.tasks.sweep.result import SweepResult
+
+
+def with_picks(targets: Sequence[str]) -> list[str]:
+    """Return the targets as the user types them, every sweep replaced by the webs of its picks, each once.
+
+    Raises:
+        CranktopoError: a sweep that is not finished, or has no webs to compare.
+    """
+    runs = [(text, _sweep(text)) for text in targets]
+    return list(dict.fromkeys(one for text, run in runs for one in (_picked(run) if run else [text])))
+
+
+def _sweep(text: str) -> RunStore | None:
+    path = Path(text)
+    named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
+    if not named and not (path / "manifest.json").is_file():
+        return None
+    run = open_run(text)
+    return run if kind_of(run) == SWEEP else None
+
+
+def _picked(run: RunStore) -> list[str]:
+    data = read_result(run)
+    if data is None:
+        raise CranktopoError(
+            f"run '{run.path}': is not finished.", hint=f"Continue it: {resume_command(run)}"
+        )
+    with shown_results(run):
+        result = SweepResult.of_json(data, f"run '{run.path}'")
+        points = {point.id: point for point in result.points}
+        picked = [points[one] for one in result.picks.values()]
+        found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
+    if not found:
+        raise CranktopoError(
+            f"run '{run.path}': its points have no webs to compare.",
+            hint="Sweep with a stage in place of a function; see its table for what failed.",
+        )
+    return found
+
 
 _RAYS_MM = 1.0
 """Of throws of usual size; others in proportion."""
@@ -64,7 +106,6 @@ def compare_targets(
     Args:
         names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
             them where it is not among them.
-        baseline: the target that counts as 100 %.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
 
@@ -95,11 +136,6 @@ def compare_targets(
 def _evaluated_goals(
     targets: Sequence[Target], entries: Sequence[Entry], baseline: int
 ) -> dict[str, GoalOutcome]:
-    """Return goal and limits of every target that has a goal, but for the baseline, by name of the target.
-
-    Args:
-        entries: of the targets, in their order; percent are of the baseline's values.
-    """
     original = _values(targets[baseline], entries[baseline])
     found = {}
     for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
@@ -115,12 +151,11 @@ def _values(target: Target, entry: Entry) -> dict[str, float]:
     )
 
 
-def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:
+def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> AnyBound | None:
     """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
-    Returns:
-        As `bound` of metrics.json; None where the baseline is no design with an envelope, the targets have
-        other throws or envelopes, the halves of one differ, or the design's effects leave the bound out.
+    None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
+    halves of one differ, or the design's effects leave the bound out.
     """
     comparison, base = found.comparison, found.targets[found.comparison.baseline]
     scene = base.scene
@@ -130,7 +165,7 @@ def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Jso
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
-    return bounds_for_result(scene, reached, None, info).as_json()
+    return bounds_for_result(scene, reached, None, info)
 
 
 def report_comparison(
@@ -138,41 +173,22 @@ def report_comparison(
     path: Path,
     command: Sequence[str] = (),
     stress_progress: Info | None = None,
-    bound: Json | None = None,
+    bound: AnyBound | None = None,
 ) -> None:
-    """Write the page of a comparison as HTML or Markdown.
+    """Write the page of a comparison as HTML or Markdown, with the `bound` drawn over the mass.
 
-    Args:
-        path: .html or .md.
-        stress_progress: where given, all targets are solved for the baseline's load cases too, unless the
-            halves of one differ.
-        bound: from `comparison_bound`, drawn over the mass.
-
-    Raises:
-        CranktopoError: a bad path, or a failed solve of the stresses.
+    With `stress_progress` all are solved for the baseline's load cases, unless the halves of one differ.
     """
     check_report_path(path)
-    write_report(comparison_page(_comparison_record(found, command, stress_progress, bound)), path)
-
-
-def _comparison_record(
-    found: ComparedTargets,
-    command: Sequence[str] = (),
-    stress_progress: Info | None = None,
-    bound: Json | None = None,
-) -> ComparisonRecord:
-    """Return everything that the page of a comparison shows; arguments as `report_comparison`."""
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
-    stress_progress = _unless_halves_differ(found.targets, stress_progress)
-    throws = [half_throws(target) for target in found.targets]
-    shown = [
-        (half, mesh, partner)
-        for each in throws
-        for (half, mesh), partner in zip(each, PARTNERS[len(each)], strict=True)
-    ]
-    return ComparisonRecord(
+    lonely = [target.name for target in found.targets if difference(target.scene)]
+    if stress_progress is not None and lonely:
+        stress_progress(f"no stresses: the halves of {', '.join(lonely)} differ")
+        stress_progress = None
+    shown = [half for target in found.targets for half in half_throws(target)]
+    record = ComparisonRecord(
         comparison=found.comparison,
         bodies=tuple(_body(half, mesh, partner, cases, stress_progress) for half, mesh, partner in shown),
         undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
@@ -185,29 +201,18 @@ def _comparison_record(
         versions=versions(),
         bound=bound,
     )
+    write_report(comparison_page(record), path)
 
 
-def _unless_halves_differ(targets: Sequence[Target], progress: Info | None) -> Info | None:
-    """Return the progress of the stresses; None where they are not solved, and a line that says why."""
-    lonely = [target.name for target in targets if difference(target.scene)]
-    if progress is not None and lonely:
-        progress(f"no stresses: the halves of {', '.join(lonely)} differ")
-        return None
-    return progress
-
-
-def half_throws(target: Target) -> tuple[tuple[Target, SurfaceMesh], ...]:
-    """Half throws and their surfaces, each in its own frame; the one that stands for both where it can."""
+def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:
+    """Return half throws, surfaces and partners in the view; one half where it stands for both."""
     scene = target.scene
-    if not difference(scene):
-        return ((target, _surface(target)),)
-    named = (f"{target.name}, {web} web" for web in ("first", "second"))
-    near, far = halves(scene)
-    surfaces = half_surfaces(scene, coarse_facet_mm(near))
-    return tuple(
-        (replace(target, name=name, scene=half), mesh)
-        for name, half, mesh in zip(named, (near, far), surfaces, strict=True)
-    )
+    meshes = shown_halves(scene, target.file, coarse_facet_mm(scene), target.align)
+    parts = [target]
+    if len(meshes) > 1:
+        names = (f"{target.name}, {web} web" for web in ("first", "second"))
+        parts = [replace(target, name=n, scene=half) for n, half in zip(names, halves(scene), strict=True)]
+    return list(zip(parts, meshes, PARTNERS[len(meshes)], strict=True))
 
 
 def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> DesignUndercuts:
@@ -222,12 +227,6 @@ def _body(
 ) -> ShownBody:
     stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
     return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress, partner)
-
-
-def _surface(target: Target) -> SurfaceMesh:
-    if target.file is not None:
-        return half_throw_surface(target.file, target.scene, target.align)
-    return surface_of(target.scene, "half", coarse_facet_mm(target.scene))
 
 
 def _hashes(targets: Sequence[Target]) -> dict[str, str]:

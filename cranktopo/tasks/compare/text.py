@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cranktopo.design.schema import Published
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
@@ -20,14 +20,9 @@ from cranktopo.tasks.fea.quantities import (
 _PUBLISHED = (MASS, TORSION, TORSION_PER_MASS)
 
 
-def value_table(comparison: Comparison) -> ResultTable:
-    """Absolute values and the error estimates of the stiffnesses, the best of each quantity marked."""
-    columns = {"target": 0}
-    for quantity in comparison.quantities:
-        columns[quantity.column] = quantity.digits
-        if quantity == BENDING:
-            columns |= {f"{kind}_error_percent": 2 for kind in ("torsion", "bending")}
-    rows: tuple[Row, ...] = tuple(
+def _value_table(comparison: Comparison) -> ResultTable:
+    """Return absolute values and the error estimates of the stiffnesses, the best of each quantity marked."""
+    rows = [
         {
             "target": entry.name,
             **{quantity.column: entry.values.get(quantity.key) for quantity in comparison.quantities},
@@ -35,19 +30,14 @@ def value_table(comparison: Comparison) -> ResultTable:
             "bending_error_percent": entry.evaluation.bending_error_percent,
         }
         for entry in comparison.entries
-    )
-    best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
-    return ResultTable(columns, rows, _marks(best))
+    ]
+    columns = {quantity: (quantity.column, quantity.digits) for quantity in comparison.quantities}
+    return _table(comparison, columns, "error_percent", rows)
 
 
-def percent_table(comparison: Comparison) -> ResultTable:
-    """Percent of the baseline, the best of each quantity marked; bounds of the stiffnesses' changes."""
-    columns = {"target": 0}
-    for quantity in comparison.quantities:
-        columns[quantity.percent_column] = 1
-        if quantity == BENDING:
-            columns |= {f"{stiffness.key}_change_error_percent": 2 for stiffness in STIFFNESS}
-    rows: tuple[Row, ...] = tuple(
+def _percent_table(comparison: Comparison) -> ResultTable:
+    """Return percent of the baseline, the best of each marked, and bounds of the changes of stiffness."""
+    rows = [
         {
             "target": entry.name,
             **{
@@ -57,13 +47,25 @@ def percent_table(comparison: Comparison) -> ResultTable:
             **{f"{kind}_change_error_percent": error for kind, error in _change_errors(comparison, row)},
         }
         for row, entry in enumerate(comparison.entries)
-    )
-    best = {quantity.percent_column: comparison.best(quantity) for quantity in comparison.quantities}
-    return ResultTable(columns, rows, _marks(best))
+    ]
+    columns = {quantity: (quantity.percent_column, 1) for quantity in comparison.quantities}
+    return _table(comparison, columns, "change_error_percent", rows)
+
+
+def _table(
+    comparison: Comparison, named: Mapping[Quantity, tuple[str, int]], error: str, rows: Sequence[Row]
+) -> ResultTable:
+    columns, best = {"target": 0}, set()
+    for quantity, (name, digits) in named.items():
+        columns[name] = digits
+        if quantity == BENDING:
+            columns |= {f"{stiffness.key}_{error}": 2 for stiffness in STIFFNESS}
+        row = comparison.best(quantity)
+        best |= set() if row is None else {(row, name)}
+    return ResultTable(columns, tuple(rows), frozenset(best))
 
 
 def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
-    """Bounds of the error of both stiffnesses in percent of the baseline."""
     base = comparison.baseline
     return [
         (q.key, comparison.percent(row, q) / 100 * comparison.change_error_percent(row, base, q))
@@ -71,8 +73,8 @@ def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
     ]
 
 
-def published_table(comparison: Comparison) -> ResultTable | None:
-    """Our percentages, the published ones and their difference; None where nothing was published."""
+def _published_table(comparison: Comparison) -> ResultTable | None:
+    """Return our percentages, the published ones and their difference; None where nothing was published."""
     base = comparison.base.published
     if base is None or not any(e.published for e in comparison.entries if e.published is not base):
         return None
@@ -89,10 +91,15 @@ def published_table(comparison: Comparison) -> ResultTable | None:
     return ResultTable({"target": 0, **dict.fromkeys(names, 1)}, tuple(rows))
 
 
+def comparison_tables(comparison: Comparison) -> list[ResultTable]:
+    """Return values, percentages and, where something was published, published percentages."""
+    tables = (_value_table(comparison), _percent_table(comparison), _published_table(comparison))
+    return [table for table in tables if table is not None]
+
+
 def flat_table(comparison: Comparison) -> ResultTable:
-    """Values, percentages and published percentages side by side: one header for a CSV file."""
-    tables = (value_table(comparison), percent_table(comparison), published_table(comparison))
-    parts = [table for table in tables if table is not None]
+    """Return all tables of a comparison side by side: one header for a CSV file."""
+    parts = comparison_tables(comparison)
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
     rows = zip(*(part.rows for part in parts), strict=True)
     return ResultTable(columns, tuple({k: v for part in row for k, v in part.items()} for row in rows))
@@ -100,12 +107,12 @@ def flat_table(comparison: Comparison) -> ResultTable:
 
 def comparison_result(comparison: Comparison) -> ComparisonResult:
     """Return the comparison as `compare --format json` prints it."""
-    published = published_table(comparison)
+    published = _published_table(comparison)
     best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
     return ComparisonResult(
         baseline=comparison.base.name,
         evaluations=[entry.evaluation.result for entry in comparison.entries],
-        percent_of_baseline=records(percent_table(comparison)),
+        percent_of_baseline=records(_percent_table(comparison)),
         change_error_percent=[
             ChangeErrors(target=entry.name, **dict(_change_errors(comparison, row)))
             for row, entry in enumerate(comparison.entries)
@@ -117,16 +124,11 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
     )
 
 
-def _marks(best: Mapping[str, int | None]) -> frozenset[tuple[int, str]]:
-    return frozenset((row, column) for column, row in best.items() if row is not None)
-
-
 def _published_columns(quantity: Quantity) -> list[str]:
     return [f"{quantity.key}_{kind}_percent" for kind in ("ours", "published", "difference")]
 
 
 def _values(printed: Published) -> dict[str, float]:
-    """Published mass, torsional stiffness and their ratio by key."""
     torsion = printed.torsional_stiffness_kNm_per_rad
     return {
         MASS.key: printed.mass_kg,

@@ -14,6 +14,9 @@ import click
 from cranktopo.cli.group import SuggestingGroup
 from cranktopo.cli.options import designs as complete_designs
 
+_FILE = click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+_FORCE = click.option("--force", is_flag=True, help="Replace an existing file.")
+
 
 @click.group("designs", cls=SuggestingGroup)
 def command() -> None:
@@ -44,8 +47,8 @@ def list_command(as_json: bool) -> None:
 
 @command.command("copy")
 @click.argument("design", shell_complete=complete_designs)
-@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-@click.option("--force", is_flag=True, help="Replace an existing file.")
+@_FILE
+@_FORCE
 def copy_command(design: str, file: Path, force: bool) -> None:
     """Copy DESIGN to FILE (.toml), named after the file: edit it, then give it to any command.
 
@@ -66,10 +69,10 @@ def copy_command(design: str, file: Path, force: bool) -> None:
 
 @command.command("pair")
 @click.argument("design", shell_complete=complete_designs)
-@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@_FILE
 @click.option("--first", metavar="TARGET", help="Design, or run, whose web becomes [web].")
 @click.option("--second", metavar="TARGET", help="Design, or run, whose web becomes [second_web].")
-@click.option("--force", is_flag=True, help="Replace an existing file.")
+@_FORCE
 def pair_command(design: str, file: Path, first: str | None, second: str | None, force: bool) -> None:
     """Copy DESIGN to FILE (.toml) with two webs that were found one by one, by `--web` of the optimisers.
 
@@ -92,9 +95,9 @@ def pair_command(design: str, file: Path, first: str | None, second: str | None,
 
 
 @command.command("new")
-@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@_FILE
 @click.option("--name", help="Name of the design; the file's by default.")
-@click.option("--force", is_flag=True, help="Replace an existing file.")
+@_FORCE
 def new_command(file: Path, name: str | None, force: bool) -> None:
     """Write FILE (.toml), a design with every key: meaning, unit, range and default.
 

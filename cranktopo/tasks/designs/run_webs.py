@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -48,7 +48,7 @@ class _ShapeVerdict(Result):
 
 
 class _Loop(Result):
-    """What of iterate.json tells which web is best."""
+    """Keys of iterate.json that tell which web is best."""
 
     best_step: int | None
     steps: list[LoopWeb] = Field(default_factory=list)
@@ -57,10 +57,9 @@ class _Loop(Result):
 
 @dataclass(frozen=True)
 class WebTarget:
-    """What a target means to a command that works with dimensions.
+    """Meaning of a target to a command that works with dimensions: the scene whose own web is the original.
 
     Attributes:
-        design: the scene whose own web is the original.
         file: scene of the web to begin with, a TOML file; None where that is the design's own web.
         run: where the web comes from; without a file its re-model is still to be made.
     """
@@ -71,15 +70,12 @@ class WebTarget:
 
     @property
     def begun(self) -> Scene | RunStore | None:
-        """What a shape optimisation begins with, as it takes it."""
+        """Start of a shape optimisation, as it takes it."""
         return self.run if self.file is None else load_scene(str(self.file))
 
 
 def web_target(text: str, web: WebName | None = None) -> WebTarget:
-    """Return what a target is: a design, a scene file, a run, or the folder of a re-model.
-
-    Args:
-        web: of a design with two different webs the one that is meant.
+    """Return a target: a design, one of its two webs, a scene file, a run, or the folder of a re-model.
 
     Raises:
         CranktopoError: none of these, a run that is not finished, or two webs and none of them named.
@@ -101,11 +97,7 @@ def web_target(text: str, web: WebName | None = None) -> WebTarget:
 
 
 def parametric_scene(text: str, target: WebTarget) -> Scene:
-    """Return the scene whose web has dimensions.
-
-    Raises:
-        CranktopoError: a run that has no parametric web.
-    """
+    """Return the scene whose web has dimensions; raises CranktopoError for a run without such a web."""
     if target.run is not None and target.file is None:
         raise CranktopoError(
             f"target '{text}': the run has no parametric web, whose dimensions could be changed.",
@@ -115,11 +107,7 @@ def parametric_scene(text: str, target: WebTarget) -> Scene:
 
 
 def _run_web(run: RunStore) -> Path | None:
-    """Scene file of a run's parametric web: its result, its best web, its newest re-model; None without one.
-
-    Raises:
-        CranktopoError: the run is not finished, or found no web.
-    """
+    """Return the scene file of a run's web: its result, its best, its newest re-model; None without one."""
     kind = kind_of(run)
     if not (run.path / RESULT_FILES[kind]).is_file():
         raise CranktopoError(
@@ -140,17 +128,12 @@ def _run_web(run: RunStore) -> Path | None:
 
 
 def _newest_remodel(run: RunStore) -> Path | None:
-    """Scene file of the newest re-model of a run, in it or beside it or under runs/."""
-    found = {file.resolve() for file in _remodels(run)}
+    """Return the scene file of the newest re-model of a run, in it or beside it or under runs/."""
+    places = ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2))
+    found = {file.resolve() for folder, depth in places for file in folder.glob("*/" * depth + REMODEL)}
     made = [file for file in found if read_json(file).get("run") == run.name]
-    if not made:
-        return None
-    return _design_of(max(made, key=lambda file: (file.stat().st_mtime_ns, str(file))).parent)
-
-
-def _remodels(run: RunStore) -> Iterator[Path]:
-    for folder, depth in ((run.path, 1), (run.path.resolve().parent, 1), (RUNS, 1), (RUNS, 2)):
-        yield from folder.glob("*/" * depth + REMODEL)
+    newest = max(made, key=lambda file: (file.stat().st_mtime_ns, str(file)), default=None)
+    return None if newest is None else _design_of(newest.parent)
 
 
 def _design_of(folder: Path) -> Path:

@@ -1,1 +1,1 @@
-"""Whether this machine can do the work."""
+"""Check whether this machine can do the work."""

@@ -6,6 +6,7 @@ Check this machine: Python, JAX, gmsh, memory, extras, optional tools, and how t
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
@@ -34,7 +35,7 @@ def command(as_json: bool) -> int:
     checks = check_machine()
     missing = [check.name for check in checks if check.state == "missing"]
     if as_json:
-        entries = [check.as_json() for check in checks]
+        entries = [asdict(check) for check in checks]
         click.echo(json.dumps({"schema_version": 1, "ready": not missing, "checks": entries}, indent=2))
     else:
         click.echo(_text(checks))

@@ -1,4 +1,4 @@
-"""What `cranktopo doctor` looks at."""
+"""Checks of `cranktopo doctor`."""
 
 from __future__ import annotations
 
@@ -8,26 +8,33 @@ import platform
 import re
 import shutil
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from cranktopo.base.errors import EXTRAS, install_line
 from cranktopo.base.machine import usable_cores
 
 _EXAMPLE = "mikron-iiic"
 """Its default optimisation is what the memory must hold."""
-PYTHON = (3, 11)
+_PYTHON = (3, 11)
 _NEED_GMSH = "evaluate, compare, accuracy, fatigue, shaft, remodel, iterate, export and report --stress"
 _GMSH_LIBRARIES = "apt-get install -y libglu1-mesa libxcursor1 libxft2 libxinerama1"
-
-State = Literal["ok", "missing", "absent"]
+_TOOLS = {
+    "CalculiX": (("ccx",), "tests against a second code are skipped", "apt-get install -y calculix-ccx"),
+    "Chromium": (
+        ("chromium", "chromium-browser", "google-chrome"),
+        "tests of the report in a browser are skipped",
+        "apt-get install -y chromium",
+    ),
+}
+"""Optional programs: their names on the path, any of them, then cost and remedy of a `Check`."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """One thing looked at.
+    """One thing looked at, as `doctor --json` prints it.
 
     Attributes:
         state: ok; missing (needed); absent (optional).
@@ -36,62 +43,29 @@ class Check:
     """
 
     name: str
-    state: State
+    state: Literal["ok", "missing", "absent"]
     value: str
     cost: str = ""
     remedy: str = ""
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the check as `doctor --json` prints it."""
-        return asdict(self)
-
-
-@dataclass(frozen=True)
-class Tool:
-    """An optional program.
-
-    Attributes:
-        programs: names on the path, any of them.
-        cost: what cannot be done without it.
-        remedy: the line that installs it.
-    """
-
-    name: str
-    programs: tuple[str, ...]
-    cost: str
-    remedy: str
-
-
-_TOOLS = (
-    Tool("CalculiX", ("ccx",), "tests against a second code are skipped", "apt-get install -y calculix-ccx"),
-    Tool(
-        "Chromium",
-        ("chromium", "chromium-browser", "google-chrome"),
-        "tests of the report in a browser are skipped",
-        "apt-get install -y chromium",
-    ),
-)
-
 
 def check_machine() -> list[Check]:
     """Return every check, what is needed first."""
-    needed = [python(), *packages(), gmsh(), jax_device(), cores(), memory(), _runs_folder(), cache()]
-    return [*needed, *extras(), *tools()]
+    needed = [python(), *packages(), _gmsh(), _jax_device(), _cores(), memory(), _runs_folder(), _cache()]
+    return [*needed, *extras(), *_tools()]
 
 
 def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
-    """Version of the interpreter."""
-    text = ".".join(str(part) for part in version)
-    if version >= PYTHON:
+    """Check the version of the interpreter."""
+    text, oldest = (".".join(str(part) for part in parts) for parts in (version, _PYTHON))
+    if version >= _PYTHON:
         return Check("Python", "ok", text)
-    least = ".".join(str(part) for part in PYTHON)
-    return Check("Python", "missing", text, "cranktopo does not run", f"install Python {least} or newer")
+    return Check("Python", "missing", text, "cranktopo does not run", f"install Python {oldest} or newer")
 
 
 def packages() -> list[Check]:
     """Return one check that names the installed packages, or one per missing package."""
-    names = _required("")
-    missing = _missing(names)
+    names, missing = _required("")
     if not missing:
         return [Check("packages", "ok", f"all {len(names)} installed")]
     return [
@@ -100,8 +74,7 @@ def packages() -> list[Check]:
     ]
 
 
-def gmsh() -> Check:
-    """Tell whether gmsh finds its system libraries."""
+def _gmsh() -> Check:
     cost = f"no exact solids, no body-fitted evaluation, no STEP: {_NEED_GMSH} fail"
     try:
         module = importlib.import_module("gmsh")
@@ -112,8 +85,7 @@ def gmsh() -> Check:
     return Check("gmsh", "ok", str(module.__version__))
 
 
-def jax_device() -> Check:
-    """Return the devices that the optimiser would run on."""
+def _jax_device() -> Check:
     try:
         import jax
 
@@ -132,13 +104,12 @@ def _kernels() -> str:
     return f"no own kernels: {reason}" if reason else "own kernels"
 
 
-def cores() -> Check:
-    """Cores that this process may use."""
+def _cores() -> Check:
     return Check("cores", "ok", f"{usable_cores()} of {os.cpu_count()}, {platform.machine()}")
 
 
 def memory() -> Check:
-    """Memory that a run may take now."""
+    """Check the memory that a run may take now."""
     from cranktopo.bodies.cells.resolution import available_memory_MiB, optimiser_memory_MiB
     from cranktopo.design.loading import load_scene
 
@@ -151,62 +122,52 @@ def memory() -> Check:
     return Check("memory", "absent", text, cost, "close other programs, or use a larger --resolution-mm")
 
 
-def _runs_folder(folder: Path | None = None) -> Check:
-    """Tell whether runs can be written in the current folder.
-
-    Args:
-        folder: where runs/ is or would be; the current folder by default.
-    """
-    here = folder or Path.cwd()
+def _runs_folder() -> Check:
+    here = Path.cwd()
     free = shutil.disk_usage(here).free / 2**30
     if os.access(here, os.W_OK):
         return Check("runs folder", "ok", f"{here / 'runs'}, {free:.1f} GiB free")
     return Check("runs folder", "absent", f"{here} is not writable", "no runs here", "give --out DIR")
 
 
-def cache() -> Check:
-    """Return the folder of compiled programs."""
+def _cache() -> Check:
     from cranktopo.numerics.precision import cache_folder
 
     folder = cache_folder()
-    state: State = "ok" if _writable(folder) else "absent"
-    return Check("compiled programs", state, str(folder), "every run compiles again", "set XDG_CACHE_HOME")
+    existing = next(path for path in (folder, *folder.parents) if path.exists())
+    told = str(folder), "every run compiles again", "set XDG_CACHE_HOME"
+    return Check("compiled programs", "ok" if os.access(existing, os.W_OK) else "absent", *told)
 
 
 def extras() -> list[Check]:
-    """Packages that some commands alone need."""
+    """Check the packages that some commands alone need."""
     return [_extra(name) for name in EXTRAS]
 
 
 def _extra(name: str) -> Check:
-    names = _required(name)
-    missing = _missing(names)
-    value = f"missing: {', '.join(missing)}" if missing else f"all {len(names)} installed"
-    state: State = "absent" if missing else "ok"
-    return Check(f"extra {name}", state, value, f"no {EXTRAS[name]}", install_line(name))
+    names, missing = _required(name)
+    cost, remedy = f"no {EXTRAS[name]}", install_line(name)
+    if missing:
+        return Check(f"extra {name}", "absent", f"missing: {', '.join(missing)}", cost, remedy)
+    return Check(f"extra {name}", "ok", f"all {len(names)} installed", cost, remedy)
 
 
-def tools() -> list[Check]:
-    """Return the optional programs."""
-    return [_tool(tool) for tool in _TOOLS]
+def _tools() -> list[Check]:
+    found = []
+    for name, (programs, cost, remedy) in _TOOLS.items():
+        path = next((path for program in programs if (path := shutil.which(program))), "")
+        found.append(Check(name, "ok" if path else "absent", path, cost, remedy))
+    return found
 
 
-def _tool(tool: Tool) -> Check:
-    path = next((found for name in tool.programs if (found := shutil.which(name))), None)
-    return Check(tool.name, "ok" if path else "absent", path or "", tool.cost, tool.remedy)
-
-
-def _required(extra: str) -> list[str]:
-    """Packages that an extra requires; those of the core for an empty name."""
+def _required(extra: str) -> tuple[list[str], list[str]]:
+    """Return the packages that an extra requires, the core for an empty name, and which are missing."""
     marked = [
         re.match(r"([\w.-]+)(?:.*extra == ['\"](.+)['\"])?", line)
         for line in metadata.requires("cranktopo") or []
     ]
-    return [found[1] for found in marked if found and (found[2] or "") == extra]
-
-
-def _missing(names: list[str]) -> list[str]:
-    return [name for name in names if not _installed(name)]
+    names = [found[1] for found in marked if found and (found[2] or "") == extra]
+    return names, [name for name in names if not _installed(name)]
 
 
 def _installed(name: str) -> bool:
@@ -215,8 +176,3 @@ def _installed(name: str) -> bool:
     except metadata.PackageNotFoundError:
         return False
     return True
-
-
-def _writable(folder: Path) -> bool:
-    existing = next(path for path in (folder, *folder.parents) if path.exists())
-    return os.access(existing, os.W_OK)

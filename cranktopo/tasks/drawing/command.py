@@ -41,7 +41,7 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
     if assumed:
         click.echo(assumed_text(assumed), err=True)
     if file.suffix.lower() in PLOTS:
-        from cranktopo.tasks.drawing.stage import export_drawing
+        from cranktopo.tasks.drawing.sheet import export_drawing
 
         sheets = export_drawing(scene, file)
         click.echo(f"{file}: workshop drawing, {'A3' if sheets == 1 else 'A2: two sheets A3, one half each'}")

@@ -13,10 +13,15 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.design.halves import web_asymmetry
+from cranktopo.base.units import MM_PER_INCH
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import ThrowBalance
+from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
+from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
@@ -24,11 +29,11 @@ from cranktopo.throw.profile import ProfileWeb
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
+
 _WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
 _TABLE_MM, _TITLE_MM = 112.0, 62.0
 _SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 """Scales of ISO 5455."""
-_MM_PER_INCH = 25.4
 _SHOWN = {
     None: "half of it shown",
     "first": "first half, sheet 1 of 2",
@@ -46,14 +51,7 @@ _NOTES = (
 def write_drawing(
     sheets: Sequence[Sheet], balance: ThrowBalance, paths: Sequence[Path], started: datetime | None = None
 ) -> None:
-    """Draw a throw with its dimensions.
-
-    Args:
-        sheets: its half throw, or both where they differ.
-        balance: its masses, for the title block.
-        paths: files to write; each ending gives its format.
-        started: when the work began that the drawing is a part of, its date; now by default.
-    """
+    """Draw a half throw, or both, into files in the format of their ending, dated `started` or today."""
     import matplotlib as mpl
 
     written = time_of_writing(started)
@@ -69,7 +67,7 @@ def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: date
     from matplotlib.figure import Figure
 
     date = time_of_writing(written)
-    figure = Figure(figsize=(_WIDTH_MM / _MM_PER_INCH, len(sheets) * _HEIGHT_MM / _MM_PER_INCH))
+    figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(sheets) * _HEIGHT_MM / MM_PER_INCH))
     parts = figure.subfigures(len(sheets), 1, squeeze=False)[:, 0]
     for part, sheet in zip(parts, sheets, strict=True):
         _draw(part, sheet, balance, date)
@@ -77,14 +75,17 @@ def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: date
 
 
 def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datetime) -> None:
-    views = (front_view, lengthwise_section, cross_section)
     scale = _scale(sheet)
-    (front, long, across), (x, y) = (sheet.front, sheet.lengthwise, sheet.across), _origin(sheet, scale)
-    places = ((x, y), (x + front.size_mm(scale)[0], y), (x, y - across.size_mm(scale)[1]))
-    for view, room, place in zip(views, (front, long, across), places, strict=True):
-        axes = _axes(figure, place, room.size_mm(scale))
-        axes.set_xlim(*room.x_limits(scale))
-        axes.set_ylim(*room.y_limits(scale))
+    front, long, across = sizes = [room.size_mm(scale) for room in sheet.rooms]
+    # the views stand in the middle of their room
+    x = _BORDER_MM + (_WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - front[0] - long[0]) / 2
+    free_y = _HEIGHT_MM - 2 * _BORDER_MM - max(front[1], long[1]) - across[1]
+    y = _BORDER_MM + free_y / 2 + across[1]
+    views = (front_view, lengthwise_section, cross_section)
+    places = ((x, y), (x + front[0], y), (x, y - across[1]))
+    for view, room, size, place in zip(views, sheet.rooms, sizes, places, strict=True):
+        axes = _axes(figure, place, size)
+        room.set_limits(axes, scale)
         view(axes, sheet, scale)
     page = _axes(figure, (0.0, 0.0), (_WIDTH_MM, _HEIGHT_MM))
     page.set_xlim(0, _WIDTH_MM)
@@ -96,23 +97,12 @@ def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datet
 
 
 def _scale(sheet: Sheet) -> float:
-    """Return the largest standard scale at which all views fit beside the table."""
     for scale in _SCALES:
-        (front_x, front_y), (long_x, long_y), (across_x, across_y) = (
-            room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across)
-        )
-        wide = max(front_x + long_x, across_x) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
-        if wide and max(front_y, long_y) + across_y <= _HEIGHT_MM - 2 * _BORDER_MM:
+        front, long, across = (room.size_mm(scale) for room in sheet.rooms)
+        wide = max(front[0] + long[0], across[0]) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
+        if wide and max(front[1], long[1]) + across[1] <= _HEIGHT_MM - 2 * _BORDER_MM:
             return scale
     return _SCALES[-1]
-
-
-def _origin(sheet: Sheet, scale: float) -> tuple[float, float]:
-    """Lower left corner of the front view on the sheet: the views stand in the middle of their room."""
-    front, long, across = (room.size_mm(scale) for room in (sheet.front, sheet.lengthwise, sheet.across))
-    free_x = _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - front[0] - long[0]
-    free_y = _HEIGHT_MM - 2 * _BORDER_MM - max(front[1], long[1]) - across[1]
-    return _BORDER_MM + free_x / 2, _BORDER_MM + free_y / 2 + across[1]
 
 
 def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, float]) -> Any:
@@ -121,10 +111,8 @@ def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, flo
 
 
 def _table(page: Any, sheet: Sheet) -> None:
-    """Every number that the scene holds of the web: outline first, then its features."""
     lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
-    for feature in sheet.features:
-        lines += feature.lines
+    lines += [line for feature in sheet.features for line in feature.lines]
     size = min(8.0, 8.0 * 60 / max(len(lines), 1))
     left, top = _WIDTH_MM - _BORDER_MM - _TABLE_MM + 4, _HEIGHT_MM - _BORDER_MM - 4
     page.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
@@ -165,7 +153,7 @@ def _outline_lines(scene: Scene) -> list[str]:
 
 
 def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, written: datetime) -> None:
-    """Fields of ISO 7200 in the lower right corner, the notes above them."""
+    """Draw the fields of ISO 7200 in the lower right corner, the notes above them."""
     scene = sheet.scene
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
     web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
@@ -185,12 +173,32 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         page.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
         page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
-    symmetric = () if web_asymmetry(scene) else ("Web symmetric in x.",)
-    turned = (_TURNED,) if sheet.half == "second" else ()
-    notes = "\n".join((*_NOTES, *symmetric, *turned))
+    symmetric = ["Web symmetric in x."] * (not web_asymmetry(scene))
+    notes = "\n".join([*_NOTES, *symmetric, *[_TURNED] * (sheet.half == "second")])
     page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if sheet.body is not None:
-        page.plot([left + 2, left + 12], [bottom + _TITLE_MM + 4] * 2, color=GHOST, lw=1, ls="--")
-        page.text(
-            left + 14, bottom + _TITLE_MM + 4, "body that was re-modelled", fontsize=TEXT_SIZE, va="center"
-        )
+        y = bottom + _TITLE_MM + 4
+        page.plot([left + 2, left + 12], [y] * 2, color=GHOST, lw=1, ls="--")
+        page.text(left + 14, y, "body that was re-modelled", fontsize=TEXT_SIZE, va="center")
+
+
+def export_drawing(scene: Scene, path: Path) -> int:
+    """Write the drawing of a scene's throw (.pdf, .svg or .png) and return how many sheets it has."""
+    sheets = throw_sheets(scene)
+    with replacing(path) as temporary:
+        write_drawing(sheets, throw_balance(scene), [temporary])
+    return len(sheets)
+
+
+def throw_sheets(scene: Scene) -> list[Sheet]:
+    """Return the sheets of a throw: half of it, or both halves where they differ.
+
+    The second half is turned half a turn about the throw direction, so that it too has its main journal on
+    the left and is seen from the crankpin.
+    """
+    if not difference(scene):
+        return [Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))]
+    near, far = halves(scene)
+    first, second = (solid_of(mesh, "half throw") for mesh in half_surfaces(scene))
+    turned = second.mirror((1.0, 0.0, 0.0))
+    return [Sheet(near, first, half="first"), Sheet(mirror_image(far), turned, half="second")]

@@ -37,28 +37,23 @@ class Room:
     paper_mm: tuple[float, float, float, float]
 
     def size_mm(self, scale: float) -> tuple[float, float]:
-        """Width and height on paper."""
+        """Return width and height on paper."""
         left, right, below, above = self.paper_mm
         (x0, x1), (y0, y1) = self.x_mm, self.y_mm
         return scale * (x1 - x0) + left + right, scale * (y1 - y0) + below + above
 
-    def x_limits(self, scale: float) -> tuple[float, float]:
-        """Return what the width shows, mm of the body."""
-        return self.x_mm[0] - self.paper_mm[0] / scale, self.x_mm[1] + self.paper_mm[1] / scale
-
-    def y_limits(self, scale: float) -> tuple[float, float]:
-        """Return what the height shows, mm of the body."""
-        return self.y_mm[0] - self.paper_mm[2] / scale, self.y_mm[1] + self.paper_mm[3] / scale
+    def set_limits(self, axes: Any, scale: float) -> None:
+        """Make axes of this size show the view at a scale."""
+        left, right, below, above = (paper / scale for paper in self.paper_mm)
+        axes.set_xlim(self.x_mm[0] - left, self.x_mm[1] + right)
+        axes.set_ylim(self.y_mm[0] - below, self.y_mm[1] + above)
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is drawn.
+    """Content of a sheet: the exact half throw of a scene, triangulated, and maybe another one as a ghost.
 
-    Attributes:
-        solid: the exact half throw, triangulated.
-        body: another half throw, drawn as a ghost, or None.
-        half: which one of two that differ; None where they are alike.
+    `half` tells which one of two that differ; None where they are alike.
     """
 
     scene: Scene
@@ -68,7 +63,7 @@ class Sheet:
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
-        """How each feature of the web appears."""
+        """Strokes, lines and dimensions of each feature of the web."""
         return [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
 
     @property
@@ -87,30 +82,21 @@ class Sheet:
         return max([self.scene.web.largest_half_width_mm, *added])
 
     @property
-    def front(self) -> Room:
-        """Room of the front view."""
-        half = self.half_width_mm
+    def rooms(self) -> tuple[Room, Room, Room]:
+        """Rooms of the front view, of the section through both axes and of the section across the throw."""
+        wide, half, end = self.half_width_mm, self.scene.web.largest_half_width_mm, self.scene.pitch_mm / 2
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
-        return Room((-half, half), self.y_range_mm, (_GAP_MM + 2.5 * _LINE_MM, text, 2.2 * _GAP_MM, _GAP_MM))
-
-    @property
-    def lengthwise(self) -> Room:
-        """Room of the section through both axes."""
-        side = _GAP_MM + 3.5 * _LINE_MM
-        return Room(
-            (0.0, self.scene.pitch_mm / 2), self.y_range_mm, (side, side, 2.2 * _GAP_MM, 2.2 * _GAP_MM)
+        left, side, beside = (_GAP_MM + lines * _LINE_MM for lines in (2.5, 3.5, 1.5))
+        under = 2.2 * _GAP_MM
+        return (
+            Room((-wide, wide), self.y_range_mm, (left, text, under, _GAP_MM)),
+            Room((0.0, end), self.y_range_mm, (side, side, under, under)),
+            Room((-half, half), self.scene.web_z_mm, (beside, beside, under, 2.5 * _GAP_MM)),
         )
-
-    @property
-    def across(self) -> Room:
-        """Room of the section across the throw."""
-        half = self.scene.web.largest_half_width_mm
-        side = _GAP_MM + 1.5 * _LINE_MM
-        return Room((-half, half), self.scene.web_z_mm, (side, side, 2.2 * _GAP_MM, 2.5 * _GAP_MM))
 
 
 def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
-    """View along the crank axis from the crankpin side: outline with its stations, features."""
+    """Draw the view along the crank axis from the crankpin side: outline with its stations, features."""
     web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
     gap, line = _GAP_MM / scale, _LINE_MM / scale
     low, high = web.y_range_mm(radius)
@@ -120,11 +106,9 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     if sheet.body is not None:
         ghost(axes, sheet.body.project().to_polygons())
     _journals(axes, sheet.scene)
-    for stroke in (stroke for feature in sheet.features for stroke in feature.front):
+    drilled = [drilling.drawing(sheet.scene) for _, drilling in sheet.scene.throw.features()]
+    for stroke in (stroke for feature in (*sheet.features, *drilled) for stroke in feature.front):
         _edges(axes, stroke)
-    for _, drilling in sheet.scene.throw.features():
-        for stroke in drilling.drawing(sheet.scene).front:
-            _edges(axes, stroke)
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
@@ -141,7 +125,7 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
 
 
 def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
-    """Section through both axes: crank axis to the right, throw upward."""
+    """Draw the section through both axes: crank axis to the right, throw upward."""
     scene = sheet.scene
     throw, end, (start, stop) = scene.throw, scene.pitch_mm / 2, scene.web_z_mm
     gap, line, (low, high) = _GAP_MM / scale, _LINE_MM / scale, sheet.y_range_mm
@@ -158,22 +142,17 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     ):
         dimension(axes, (a, edge), (b, edge), (0, -gap if edge == low else gap), text)
     for journal, y, z, side in ((main, 0.0, 0.0, -1), (pin, throw.radius_mm, end, 1)):
-        for number, diameter in enumerate(
-            filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
-        ):
+        diameters = filter(None, (journal.bore_diameter_mm, journal.outer_diameter_mm))
+        for number, diameter in enumerate(diameters):
             ends = (z, y - diameter / 2), (z, y + diameter / 2)
             dimension(axes, *ends, (side * (gap + number * line), 0), f"⌀{diameter:g}")
         if journal.fillet_mm:
-            face = start if side < 0 else stop
-            corner = (
-                face + side * 0.3 * journal.fillet.axial_mm,
-                y + side * (journal.radius_mm + 0.3 * journal.fillet_mm),
-            )
-            place = (corner[0] + side * 0.4 * journal.length_mm / 2, corner[1] + side * 0.55 * gap)
+            across = (start if side < 0 else stop) + side * 0.3 * journal.fillet.axial_mm
+            up = y + side * (journal.radius_mm + 0.3 * journal.fillet_mm)
             axes.annotate(
                 str(journal.fillet),
-                corner,
-                place,
+                (across, up),
+                (across + side * 0.4 * journal.length_mm / 2, up + side * 0.55 * gap),
                 fontsize=TEXT_SIZE,
                 ha="center",
                 va="center",
@@ -186,13 +165,12 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
 
 
 def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
-    """Section where a feature shows best, or half-way between the axes, looking toward the main journal.
+    """Draw a section where a feature shows best, or half-way between the axes, toward the main journal.
 
     x to the right, crank axis downward: what first-angle projection puts below the front view.
     """
     scene, web = sheet.scene, sheet.scene.web
-    start, end = scene.web_z_mm
-    gap = _GAP_MM / scale
+    (start, end), gap = scene.web_z_mm, _GAP_MM / scale
     shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
     y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
     half = float(web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
@@ -220,13 +198,13 @@ def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
 
 
 def _section_x(solid: Manifold) -> list[Array]:
-    """Polygons (z, y) of the section x = 0."""
+    """Return polygons (z, y) of the section x = 0."""
     turned = solid.rotate((0.0, -90.0, 0.0)).slice(0.0)
     return [np.asarray(polygon) * (-1.0, 1.0) for polygon in turned.to_polygons()]
 
 
 def _section_y(solid: Manifold, y_mm: float) -> list[Array]:
-    """Polygons (x, z) of a section across the throw."""
+    """Return polygons (x, z) of a section across the throw."""
     turned = solid.translate((0.0, -y_mm, 0.0)).rotate((-90.0, 0.0, 0.0)).slice(0.0)
     return [np.asarray(polygon) for polygon in turned.to_polygons()]
 
@@ -243,18 +221,17 @@ def _journals(axes: Any, scene: Scene) -> None:
 
 
 def _edges(axes: Any, stroke: Circle | Polyline) -> None:
-    """An edge of a feature, dashed where it is hidden."""
-    style, width = ("--" if stroke.hidden else "-"), 1.0
+    style = "--" if stroke.hidden else "-"
     if isinstance(stroke, Circle):
         x, y = stroke.centre
-        circle(axes, stroke.radius, y, style, width, x=x)
+        circle(axes, stroke.radius, y, style, 1.0, x=x)
         axes.text(x, y, stroke.label, fontsize=TEXT_SIZE, ha="center", va="center")
     else:
-        axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=width, ls=style)
+        axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=1.0, ls=style)
 
 
 def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
-    """Dimensions of a feature; upright ones are moved beyond the ends of the body."""
+    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
         shift = one.shift
         if shift[0] < 0:

@@ -15,8 +15,7 @@ from cranktopo.engine.states import load_cases
 from cranktopo.report.plot import Picture
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import settings_hash, timestamp, versions
-from cranktopo.tasks.drawing.sheet import drawing_figure
-from cranktopo.tasks.drawing.stage import throw_sheets
+from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
 from cranktopo.tasks.fatigue.rule_page import RuleRecord, rule_page
 from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fea.targets import Target

@@ -19,8 +19,7 @@ _TANGENT_MM = 0.02
 _LEAST_MM = 0.05
 _SAMPLES = 7
 _LARGEST_CONDITION = 1e8
-_KEYS = ("main_journal", "crankpin")
-_WORDS = {"main_journal": "main journal", "crankpin": "crankpin"}
+_NAMES = {"main_journal": "main journal", "crankpin": "crankpin"}
 
 
 @dataclass(frozen=True)
@@ -33,20 +32,14 @@ class FilletRing:
 
 
 def with_found_fillets(gmsh: Any, scene: Scene, name: str) -> Scene:
-    """Return the scene with the fillets of the half throw that the open session holds.
-
-    Args:
-        gmsh: the open session, synchronised; its body lies in the frame of `cranktopo.base.frames`.
-        scene: where journals and web faces are.
-        name: of the body in messages.
+    """Return the scene with the fillets of the half throw that the open, synchronised session holds.
 
     Raises:
         CranktopoError: a journal without a round or elliptical fillet that is tangent to it and to the web's
             face.
     """
-    patches = [points for points in _patches(gmsh) if points is not None]
-    throw = scene.throw
-    for key, y in zip(_KEYS, (0.0, throw.radius_mm), strict=True):
+    patches, throw = _patches(gmsh), scene.throw
+    for key, y in zip(_NAMES, (0.0, throw.radius_mm), strict=True):
         rings = [ring for points in patches if (ring := ring_of(points, y)) is not None]
         found = _fillet(scene, key, rings, name)
         axial = None if found.round else found.axial_mm
@@ -56,7 +49,7 @@ def with_found_fillets(gmsh: Any, scene: Scene, name: str) -> Scene:
 
 
 def ring_of(points_mm: Array, axis_y_mm: float) -> FilletRing | None:
-    """The ring about the line x = 0, y = `axis_y_mm` that points (n, 3) lie on; None where there is none.
+    """Return the ring about the line x = 0, y = `axis_y_mm` that points (n, 3) lie on; None without one.
 
     In the half-plane through the axis the points lie on a circle, found by linear least squares
     (I. Kasa, A circle fitting procedure and its error analysis, IEEE Trans. IM 25, 1976), else on an ellipse
@@ -88,9 +81,9 @@ def _ring(out: Array, z: Array, *, round_: bool) -> FilletRing | None:
     return FilletRing(float(a + middle[0]), float(b + middle[1]), section)
 
 
-def _patches(gmsh: Any) -> list[Array | None]:
-    """Points (n, 3) on every face that is neither plane nor cylinder."""
-    found: list[Array | None] = []
+def _patches(gmsh: Any) -> list[Array]:
+    """Return points (n, 3) on every face that is neither plane nor cylinder."""
+    found = []
     for dim, tag in gmsh.model.getEntities(2):
         if gmsh.model.getType(dim, tag) in ("Plane", "Cylinder", "Cone"):
             continue
@@ -113,7 +106,7 @@ def _fillet(scene: Scene, key: str, rings: list[FilletRing], name: str) -> Fille
             return FilletSection(round(radial, 9), round(axial, 9))
         if off < radial:
             near.append((off, foot, top, radial))
-    what = f"{name}: no fillet found at the {_WORDS[key]}"
+    what = f"{name}: no fillet found at the {_NAMES[key]}"
     if near:
         _, foot, top, radius = min(near)
         raise CranktopoError(

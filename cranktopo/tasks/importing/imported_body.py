@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,9 +14,12 @@ from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.bodies.solid.half_surfaces import half_surfaces
 from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, kernel_surface, step_solid
 from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
+from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
@@ -26,6 +29,9 @@ from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
@@ -37,12 +43,10 @@ _ROUNDING = 1e-6
 
 
 def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = False) -> MeshedThrow:
-    """Mesh of the half throw in an STL or STEP file.
+    """Return the mesh of the half throw in an STL or STEP file.
 
-    Args:
-        path: STL or STEP, mm, frame of `cranktopo.base.frames`, z from 0 to half the pitch. A STEP file may
-            also hold the full throw (z to the full pitch).
-        align: move a body that lies elsewhere to where the journals are.
+    The file is in mm in the frame of `cranktopo.base.frames`, z from 0 to half the pitch; a STEP file may
+    also hold the full throw. `align` moves a body that lies elsewhere to where the journals are.
 
     Raises:
         CranktopoError: not watertight, several bodies, not where the journals are, or no valid mesh.
@@ -59,16 +63,9 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
 def mesh_step_for_stress(
     path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool = False
 ) -> tuple[MeshedThrow, Scene]:
-    """Mesh of the half throw in a STEP file, fine in the fillets found on it, and the scene with their radii.
+    """Return the mesh of a STEP file's half throw, fine in the fillets found on it, and the scene with these.
 
-    Args:
-        path: as `mesh_file` takes it.
-        scene: design of its journals.
-        fillet_fraction: element size in a fillet over its radius.
-        align: move a body that lies elsewhere to where the journals are.
-
-    Raises:
-        CranktopoError: as `mesh_file`, or a journal without a fillet.
+    The fraction is the element size in a fillet over its radius; a journal without one raises CranktopoError.
     """
     with cad_session(f"solid of {path}") as gmsh:
         body, half, web_volume, note = _solid(gmsh, path, scene, align)
@@ -80,11 +77,7 @@ def mesh_step_for_stress(
 
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
-    """Return the scene with the fillet radii of the half throw in a STEP file.
-
-    Raises:
-        CranktopoError: as `mesh_step_for_stress`.
-    """
+    """Return the scene with the fillets of the half throw in a STEP file; raises as meshing it for stress."""
     with cad_session(f"solid of {path}") as gmsh:
         _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
@@ -92,7 +85,7 @@ def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
 
 
 def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
-    """Half throw of a STEP file in the open session, in its place; volume in the web; what was done."""
+    """Return the half throw of a STEP file in its place, its volume in the web, and what was done."""
     occ = gmsh.model.occ
     body = [step_solid(gmsh, path, f"'{path}'")]
     low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
@@ -101,18 +94,17 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
         body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
     occ.synchronize()
     surface = solid_of(kernel_surface(gmsh), str(path))
-    scene, lacking = without_bores_left_out(surface, scene)
-    motion = placed(surface, scene, str(path), align)
+    motion, note = _placed(surface, scene, path, align)
     if motion is not None:
         occ.affineTransform(body, motion.affine)
     web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
-    return body, solid_properties(occ, body), web_volume, _note(motion, lacking)
+    return body, solid_properties(occ, body), web_volume, note
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
-    """Leave the half x >= 0 of a body that is its own mirror image; whether that was done."""
+    """Leave the half x >= 0 of a body that is its own mirror image, and tell whether that was done."""
     if scene.effects.lateral_symmetry == "off" or not _sides_alike(occ, body, scene):
         return False
     positive_x(occ, body, scene.pitch_mm)
@@ -142,14 +134,12 @@ def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
 def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) -> DimTags:
     size = 20 * scene.pitch_mm
     box = occ.addBox(-size, -size, start, 2 * size, 2 * size, end - start)
-    kept, _ = occ.intersect(body, [(3, box)])
-    return list(kept)
+    return list(occ.intersect(body, [(3, box)])[0])
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
     surface, note = _half_throw(read_stl(path, str(path)), path, scene, align)
-    body = solid_of(surface, str(path))
-    half = _properties(surface)
+    body, half = solid_of(surface, str(path)), _properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
     if mirrored:
         cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
@@ -161,14 +151,7 @@ def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow
 
 
 def read_half_throw(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """Return the closed surface of the half throw in an STL file, its ends snapped onto their planes.
-
-    Args:
-        align: move a body that lies elsewhere to where the journals are.
-
-    Raises:
-        CranktopoError: unreadable, not watertight, several bodies, or not where the journals are.
-    """
+    """Return the surface of the half throw in an STL file, its ends on their planes."""
     return _half_throw(read_stl(path, str(path)), path, scene, align)[0]
 
 
@@ -190,25 +173,29 @@ def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> 
     vertices = surface.vertices_mm
     _check_unit(path, scene, float(vertices[:, Z].min()), float(vertices[:, Z].max()))
     body = solid_of(SurfaceMesh(vertices, faces), str(path))
-    scene, lacking = without_bores_left_out(body, scene)
-    motion = placed(body, scene, str(path), align)
+    motion, note = _placed(body, scene, path, align)
     if motion is not None:
         vertices = motion.moved(vertices)
-    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), _note(
-        motion, lacking
-    )
+    snapped = _on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm)
+    return SurfaceMesh(snapped, faces), note
 
 
-def _note(motion: Placement | None, lacking: str) -> str:
-    return f"moved to where the journals are: it {motion.words}" if motion else lacking
+def _placed(body: Manifold, scene: Scene, path: Path, align: bool) -> tuple[Placement | None, str]:
+    """Return the motion to where the journals are, if one is needed, and what was done or is to be known."""
+    scene, lacking = without_bores_left_out(body, scene)
+    motion = placed(body, scene, str(path), align)
+    return motion, f"moved to where the journals are: it {motion.words}" if motion else lacking
+
+
+def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
+    """Return the surface of a half throw, of the scene or the file, or of both where they differ."""
+    if difference(scene):
+        return list(half_surfaces(scene, facet_mm))
+    return [half_throw_surface(file, scene, align) if file else surface_of(scene, "half", facet_mm)]
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """Return the closed surface of the half throw in an STL or STEP file, its ends on their planes.
-
-    Raises:
-        CranktopoError: as `mesh_file`.
-    """
+    """Return the surface of the half throw in an STL or STEP file; raises as `mesh_file`."""
     if path.suffix.lower() not in STEP_SUFFIXES:
         return read_half_throw(path, scene, align)
     with cad_session(f"solid of {path}") as gmsh:
@@ -219,13 +206,10 @@ def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> Surface
 
 
 def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:
-    """Points (n, 3) with those near an end plane exactly on it.
+    """Return points (n, 3), those nearer to an end plane than `share` of the pitch exactly on it.
 
     Single precision, in which surfaces are kept, holds few of the planes' heights: what is not put back on
     its plane would lie beside it by the rounding, and carry no support.
-
-    Args:
-        share: what counts as near, over the pitch.
     """
     moved = points_mm.copy()
     z = moved[:, Z]

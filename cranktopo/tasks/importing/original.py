@@ -23,11 +23,7 @@ def original_file(scene: Scene) -> Path | None:
 
 
 def check_original(scene: Scene) -> None:
-    """Check that the original's body is a half throw, lies where the journals are and suits the model.
-
-    Raises:
-        CranktopoError: it does not, or its sides differ where the model has one side only.
-    """
+    """Check that the original's body lies where the journals are and suits a model of one side."""
     path = original_file(scene)
     if path is None:
         return
@@ -42,15 +38,9 @@ def check_original(scene: Scene) -> None:
 
 
 def without_its_fillets(path: Path, scene: Scene) -> SurfaceMesh:
-    """The half throw of a body with sharp corners at its journals, as the surface of a density has them.
+    """Return the half throw of a body with sharp corners at its journals, as the surface of a density has.
 
-    Its web, between the web's faces, stays; journals and bores are those of the scene.
-
-    Args:
-        scene: with the fillets and bores of the body.
-
-    Raises:
-        CranktopoError: it is no half throw where the journals are.
+    Its web stays; journals and bores are those of the scene, which has the fillets and bores of the body.
     """
     name = f"{_KEY} = '{path}'"
     web = web_region(solid_of(half_throw_surface(path, scene), name), scene)

@@ -1,4 +1,4 @@
-"""Does a body from CAD lie where the scene's journals are, and if not, how does it have to be moved?
+"""Place of a body from CAD against the scene's journals, and the motion that puts it there.
 
 Cross-sections tell: at the ends of both journals a body must show a round ring of the journal's diameter and
 bore, centred on its axis. A body that does not fit is tried in the 24 attitudes of a cube; in each one the
@@ -45,28 +45,22 @@ _NEAR = (0.4, 0.9)
 
 @dataclass(frozen=True)
 class Ring:
-    """A cross-section of one journal: centre, diameter of its largest contour and of the hole in that, mm."""
+    """A cross-section of one journal: centre, diameter of its largest contour and of the hole in that, mm.
 
-    x_mm: float
-    y_mm: float
+    The polar moment is over that of a circle of the same area.
+    """
+
+    centre_mm: Array
     outer_mm: float
     bore_mm: float
     polar_ratio: float
-
-    @property
-    def centre_mm(self) -> Array:
-        """(x, y), mm."""
-        return np.array([self.x_mm, self.y_mm])
 
 
 @dataclass(frozen=True)
 class Placement:
     """A rigid motion that puts a body where the scene's journals are: p -> matrix p + shift.
 
-    Attributes:
-        matrix: (3, 3) rotation.
-        shift_mm: (3,).
-        words: what is wrong with the body as it lies, in the words of a message.
+    `words` tell what is wrong with the body as it lies.
     """
 
     matrix: Array
@@ -74,7 +68,7 @@ class Placement:
     words: str
 
     def moved(self, points_mm: Array) -> Array:
-        """Points (n, 3) after the motion."""
+        """Return points (n, 3) after the motion."""
         return np.asarray(points_mm @ self.matrix.T + self.shift_mm)
 
     @property
@@ -84,31 +78,28 @@ class Placement:
 
 
 def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | None:
-    """Check that a half throw lies where the scene says; the motion that puts it there where `align` asks.
-
-    Returns:
-        None for a body that lies right.
+    """Return the motion that puts a half throw in its place, if `align` asks; None where it lies right.
 
     Raises:
-        CranktopoError: it does not: what was found and, where another attitude fits, which one.
+        CranktopoError: it lies elsewhere: what was found and, where another attitude fits, which one.
     """
     found = misfits(body, scene)
     if not found:
         return None
-    where = _find_placement(body, scene)
+    tried = (_settled(body, scene, matrix) for matrix in _attitudes())
+    where = next((motion for motion in tried if motion is not None), None)
     if where is not None and align:
         return where
-    fits = f" It {where.words}." if where else ""
-    hint = (
-        "Add --align to move it there." if where else f"Is '{scene.name}' the design that it was made from?"
-    )
+    fits, hint = "", f"Is '{scene.name}' the design that it was made from?"
+    if where is not None:
+        fits, hint = f" It {where.words}.", "Add --align to move it there."
     raise CranktopoError(f"{name}: does not lie where the throw is: {found[0]}.{fits}", hint=hint)
 
 
 def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
-    """The scene as the body has it, and a note, where it lacks the bores that the effects plan leaves out.
+    """Return the scene as the body has it, and a note where it lacks bores that the effects plan leaves out.
 
-    Surfaces of runs are such bodies: what is not simulated is not in them.
+    Surfaces of runs are such bodies.
     """
     if not misfits(body, scene):
         return scene, ""
@@ -121,7 +112,7 @@ def without_bores_left_out(body: Manifold, scene: Scene) -> tuple[Scene, str]:
 
 
 def misfits(body: Manifold, scene: Scene) -> list[str]:
-    """Return what does not fit the scene's journals, the plainest first; empty for a body that lies right."""
+    """Return all that does not fit the scene's journals, the plainest first."""
     body = _undrilled(body, scene)
     low, high = (float(value) for value in np.array(body.bounding_box())[[2, 5]])
     end = scene.pitch_mm / 2
@@ -131,17 +122,8 @@ def misfits(body: Manifold, scene: Scene) -> list[str]:
     return found or list(_zones(body, scene))
 
 
-def _find_placement(body: Manifold, scene: Scene) -> Placement | None:
-    """Return the simplest rigid motion after which a body fits; None where there is none."""
-    for matrix in _attitudes():
-        motion = _settled(body, scene, matrix)
-        if motion is not None:
-            return motion
-    return None
-
-
 def _undrilled(body: Manifold, scene: Scene) -> Manifold:
-    """The body with the scene's oil drillings closed in both journals: they are no fault of its rings."""
+    """Return the body with the oil drillings closed in both journals: they are no fault of its rings."""
     if not scene.throw.drilling:
         return body
     from cranktopo.bodies.prisms import drillings, journal_halves
@@ -152,7 +134,7 @@ def _undrilled(body: Manifold, scene: Scene) -> Manifold:
 
 
 def _places(scene: Scene) -> Iterator[tuple[str, Journal, float, float]]:
-    """Name, journal, place of its axis along the throw and height of every section that is looked at."""
+    """Return name, journal, its axis along the throw and height of every section that is looked at."""
     for (journal, y), name in zip(scene.throw.journals, ("main journal", "crankpin"), strict=True):
         reach = journal.length_mm / 2 - journal.fillet.axial_mm
         for share in _ENDS:
@@ -167,8 +149,8 @@ def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> 
     if ring is None:
         yield f"{at}: no material"
         return
-    if np.hypot(ring.x_mm, ring.y_mm - y) > place:
-        yield f"{at}: centre at ({ring.x_mm:.2f}, {ring.y_mm:.2f}) mm instead of (0, {y:g})"
+    if np.hypot(ring.centre_mm[0], ring.centre_mm[1] - y) > place:
+        yield f"{at}: centre at ({ring.centre_mm[0]:.2f}, {ring.centre_mm[1]:.2f}) mm instead of (0, {y:g})"
     if abs(ring.outer_mm - journal.outer_diameter_mm) > size:
         yield f"{at}: diameter {ring.outer_mm:.2f} mm instead of {journal.outer_diameter_mm:g}"
     elif abs(ring.bore_mm - journal.bore_diameter_mm) > size:
@@ -178,19 +160,14 @@ def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> 
 
 
 def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
-    """Journals with more or less material than they have between their middle and the web."""
-    first, last = scene.web_z_mm
+    """Tell journals with more or less material than they have between their middle and the web."""
+    (first, last), end = scene.web_z_mm, scene.pitch_mm / 2
     main, pin = (journal for journal, _ in scene.throw.journals)
-    parts = (
-        ("main journal", main, body.trim_by_plane((0.0, 0.0, -1.0), -first), f"z = 0 to {first:g}"),
-        (
-            "crankpin",
-            pin,
-            body.trim_by_plane((0.0, 0.0, 1.0), last),
-            f"z = {last:g} to {scene.pitch_mm / 2:g}",
-        ),
-    )
-    for name, journal, part, where in parts:
+    low, high = body.trim_by_plane((0.0, 0.0, -1.0), -first), body.trim_by_plane((0.0, 0.0, 1.0), last)
+    for name, journal, part, where in (
+        ("main journal", main, low, f"z = 0 to {first:g}"),
+        ("crankpin", pin, high, f"z = {last:g} to {end:g}"),
+    ):
         area = math.pi / 4 * (journal.outer_diameter_mm**2 - journal.bore_diameter_mm**2)
         share = part.volume() / (area * journal.length_mm / 2) - 1
         if abs(share) > _ZONE:
@@ -198,26 +175,19 @@ def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
 
 
 def ring_at(body: Manifold, z_mm: float) -> Ring | None:
-    """The largest contour of a cross-section and the largest hole in it; None where there is no material."""
+    """Return the largest contour of a cross-section and the largest hole in it; None without material."""
     contours = [np.asarray(contour) for contour in body.slice(z_mm).to_polygons()]
     measured = sorted((_moments(contour) for contour in contours), key=lambda m: -m[0])
     if not measured or measured[0][0] <= 0:
         return None
     area, centre, polar = measured[0]
-    hole = max(
-        (-a for a, c, _ in measured if a < 0 and np.hypot(*(c - centre)) < math.sqrt(area)), default=0.0
-    )
-    return Ring(
-        float(centre[0]),
-        float(centre[1]),
-        2 * math.sqrt(area / math.pi),
-        2 * math.sqrt(hole / math.pi),
-        polar / (area**2 / (2 * math.pi)),
-    )
+    near = (-a for a, c, _ in measured if a < 0 and np.hypot(*(c - centre)) < math.sqrt(area))
+    outer, bore = (2 * math.sqrt(size / math.pi) for size in (area, max(near, default=0.0)))
+    return Ring(centre, outer, bore, polar / (area**2 / (2 * math.pi)))
 
 
 def _moments(contour: Array) -> tuple[float, Array, float]:
-    """Area (negative for a hole), centroid and polar moment about it, of a polygon."""
+    """Return area (negative for a hole), centroid and polar moment about it, of a polygon."""
     a, b = contour, np.roll(contour, -1, axis=0)
     cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     area = float(cross.sum() / 2)
@@ -251,45 +221,37 @@ def _settled(body: Manifold, scene: Scene, matrix: Array) -> Placement | None:
     """Return the motion with this attitude once shift, angle about z and tilt are taken from the sections."""
     rotation, shift = matrix, np.zeros(3)
     for _ in range(_ROUNDS):
-        moved = body.transform(np.column_stack([rotation, shift]))
-        step = _correction(moved, scene)
+        step = _correction(body.transform(np.column_stack([rotation, shift])), scene)
         if step is None:
             return None
         turn, move = step
         rotation, shift = turn @ rotation, turn @ shift + move
-    moved = body.transform(np.column_stack([rotation, shift]))
-    if misfits(moved, scene):
+    if misfits(body.transform(np.column_stack([rotation, shift])), scene):
         return None
     return Placement(rotation, shift, _words(matrix, rotation, shift))
 
 
 def _correction(body: Manifold, scene: Scene) -> tuple[Array, Array] | None:
-    """Small rotation and shift that bring the end sections of a body closer to where they should be."""
-    box = np.array(body.bounding_box())
-    low, high = float(box[2]), float(box[5])
-    main, pin = scene.throw.main_journal, scene.throw.crankpin
-    near = [ring_at(body, low + share * (main.length_mm / 2 - main.fillet.axial_mm)) for share in _NEAR]
-    far = ring_at(body, high - 0.5 * (pin.length_mm / 2 - pin.fillet.axial_mm))
-    if near[0] is None or near[1] is None or far is None:
+    """Return a small rotation and shift that bring a body's end sections closer to where they should be."""
+    low, high = (float(value) for value in np.array(body.bounding_box())[[2, 5]])
+    main, pin = (j.length_mm / 2 - j.fillet.axial_mm for j, _ in scene.throw.journals)
+    first, second = (ring_at(body, low + share * main) for share in _NEAR)
+    far = ring_at(body, high - 0.5 * pin)
+    if first is None or second is None or far is None:
         return None
-    rise = (near[1].centre_mm - near[0].centre_mm) / (
-        (_NEAR[1] - _NEAR[0]) * (main.length_mm / 2 - main.fillet.axial_mm)
-    )
-    throw = far.centre_mm - near[1].centre_mm
+    rise = (second.centre_mm - first.centre_mm) / ((_NEAR[1] - _NEAR[0]) * main)
+    throw = far.centre_mm - second.centre_mm
     if np.hypot(*throw) < 0.5 * scene.throw.radius_mm or np.hypot(*rise) > 0.5:
         return None
     tilt = _about("x", math.degrees(math.atan(rise[1]))) @ _about("y", -math.degrees(math.atan(rise[0])))
     turn = _about("z", 90 - math.degrees(math.atan2(throw[1], throw[0]))) @ tilt
     turned = body.transform(np.column_stack([turn, np.zeros(3)]))
     bottom = float(np.array(turned.bounding_box())[2])
-    ring = ring_at(turned, bottom + 0.5 * (main.length_mm / 2 - main.fillet.axial_mm))
-    if ring is None:
-        return None
-    return turn, np.array([-ring.x_mm, -ring.y_mm, -bottom])
+    ring = ring_at(turned, bottom + 0.5 * main)
+    return None if ring is None else (turn, -np.array([*ring.centre_mm, bottom]))
 
 
 def _words(attitude: Array, rotation: Array, shift: Array) -> str:
-    """Return how the body lies now, seen from where it should be."""
     back = rotation.T  # of the body as it lies, against the body as it should lie
     angle = math.degrees(math.acos(max(-1.0, min(1.0, (np.trace(back) - 1) / 2))))
     place = -back @ shift

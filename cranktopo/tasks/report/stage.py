@@ -13,11 +13,10 @@ from cranktopo.tasks.optimise.run_record import read_record
 
 
 def report_run(run: RunStore | str, path: Path | None = None, stress_progress: Info | None = None) -> Path:
-    """Write the report of a finished run and return its file.
+    """Write the report of a finished run, .html or .md, by default report.html in it, and return its file.
 
     Args:
         run: the run directory, or how the user names it.
-        path: .html or .md; report.html in the run by default.
         stress_progress: where given, stresses that the run does not keep yet are solved.
 
     Raises:

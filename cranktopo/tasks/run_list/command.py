@@ -17,6 +17,7 @@ from cranktopo.cli.options import runs as complete_runs
 
 if TYPE_CHECKING:
     from cranktopo.runs.kind import RunKind
+    from cranktopo.tasks.run_list.stage import RunEntry
 
 _STATES = ("done", "interrupted", "failed", "running")
 _ROOT = click.option(
@@ -44,7 +45,9 @@ def list_command(root: Path, as_json: bool) -> None:
 
     entries = summarise_runs(root)
     if as_json:
-        click.echo(json.dumps({"schema_version": 1, "runs": entries}, indent=2))
+        click.echo(
+            json.dumps({"schema_version": 1, "runs": [entry.as_json() for entry in entries]}, indent=2)
+        )
     elif entries:
         click.echo(_table(entries))
     else:
@@ -119,21 +122,15 @@ def clean_command(root: Path, states: tuple[str, ...], yes: bool) -> None:
         click.echo("Add --yes to delete.")
 
 
-def _table(entries: list[dict[str, Any]]) -> str:
+def _table(entries: list[RunEntry]) -> str:
     from cranktopo.report.result_table import text_table
 
     header = ("run", "command", "status", "result", "throw kg", "torsion per kg", "bending per kg")
     rows = []
     for entry in entries:
-        gains = entry.get("gain_of_stiffness_per_mass_percent", {})
-        mass = entry.get("mass_of_throw_kg")
-        row = [
-            entry["run"],
-            entry.get("command", "-"),
-            entry["status"],
-            entry.get("result", "-"),
-            "-" if mass is None else f"{mass:.3f}",
-        ]
+        gains, mass = entry.gain_of_stiffness_per_mass_percent or {}, entry.mass_of_throw_kg
+        row = [entry.run, entry.command or "-", entry.status, entry.result or "-"]
+        row += ["-" if mass is None else f"{mass:.3f}"]
         row += [f"{gains[kind]:+.1f} %" if kind in gains else "-" for kind in ("torsion", "bending")]
         rows.append(row)
     return text_table("llllrrr", header, rows)

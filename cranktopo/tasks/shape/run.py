@@ -36,7 +36,7 @@ from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, working_in
 from cranktopo.tasks.bound.bound_for_result import bound_for_goal
 from cranktopo.tasks.bound.result import read_bound
-from cranktopo.tasks.drawing.stage import export_drawing
+from cranktopo.tasks.drawing.sheet import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file

@@ -113,19 +113,18 @@ def command(
     from cranktopo.tasks.sweep.run import resume_sweep, run_sweep
     from cranktopo.tasks.sweep.text import sweep_summary
 
-    place = Workplace(workers, scheduler)
+    place = Workplace(workers, scheduler, info)
     if resume:
-        done = resume_sweep(resume, place, info)
+        done = resume_sweep(resume, place)
     else:
         plan = _plan(target or DEFAULT_DESIGN, **asked)
-        done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]], info)
+        done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]])
     click.echo(json.dumps(done.result.as_json()) if as_json else sweep_summary(done.result, done.folder))
     return ExitCode.SOLVER if done.failed else ExitCode.DONE
 
 
 def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
-    from cranktopo.tasks.sweep.plan import sweep_plan
-    from cranktopo.tasks.sweep.plan_file import is_plan, read_plan
+    from cranktopo.tasks.sweep.plan import is_plan, read_plan, sweep_plan
     from cranktopo.tasks.sweep.variation import read_option
 
     given = {name: value for name, value in asked.items() if value not in (None, ())}
@@ -139,7 +138,6 @@ def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
 
 
 def _typed() -> str:
-    """Return the first option that says what a sweep is."""
     context = click.get_current_context()
     kept = ("target", "workers", "scheduler", "out", "as_json")
     typed = (

@@ -3,36 +3,107 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
+from cranktopo.bodies.cells.resolution import available_memory_MiB, optimiser_memory_MiB
+from cranktopo.bodies.mesh.memory import evaluation_memory_MiB
+from cranktopo.design.halves import default_element_size_mm
+from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.executor import WorkerPool, compute
+from cranktopo.tasks.sweep.front import worth_refining
 from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, point_result
-from cranktopo.tasks.sweep.plan import SweepPlan
+from cranktopo.tasks.sweep.plan import Stage, SweepPlan
 from cranktopo.tasks.sweep.points import SweepPoint
-from cranktopo.tasks.sweep.progress import Progress
-from cranktopo.tasks.sweep.refine import worth_refining
-from cranktopo.tasks.sweep.result import COARSE, FAILED, FULL, IMPOSSIBLE, VIEW, PointResult
-from cranktopo.tasks.sweep.workers import point_memory_MiB, workers_for
+from cranktopo.tasks.sweep.result import COARSE, DONE, FAILED, FULL, IMPOSSIBLE, VIEW, PointResult
+
+_EVERY_S = 5.0
+
+
+class _Progress:
+    """Lines of progress, one every few seconds; time left by the pace since the start."""
+
+    def __init__(self, points: int, kept: int, info: Info) -> None:
+        self._points, self._done, self._info = points, kept, info
+        self._ends: Counter[str] = Counter()
+        self._told = time.perf_counter()
+        self._first = 0.0
+        if kept:
+            info(f"{kept} of {points} points need no computing")
+
+    def add(self, status: str) -> None:
+        """Count the end of a point."""
+        self._done += 1
+        self._ends[status] += 1
+        now = time.perf_counter()
+        self._first = self._first or now
+        if now - self._told >= _EVERY_S or self._done == self._points:
+            self._told = now
+            bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
+            self._info(", ".join([f"{self._done} of {self._points} points", *bad, *self._time_left(now)]))
+
+    def _time_left(self, now: float) -> list[str]:
+        """Count the points that ended since the first one, which waited for the workers to start."""
+        since, left = self._ends.total() - 1, self._points - self._done
+        return [f"about {_duration(left * (now - self._first) / since)} left"] if since and left else []
+
+
+def _duration(seconds: float) -> str:
+    """Return a time for people: `40 s`, `12 min`, `3 h 20 min`."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
+
+
+_PROGRAM_MIB = 500.0
+"""Of a worker that has loaded everything and computes nothing."""
+_REFINED = 2.0
+"""An estimate leaves out what is refined at fillets."""
+
+
+def _point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
+    size = element_size_mm or default_element_size_mm(scene)
+    evaluation = _PROGRAM_MIB + _REFINED * evaluation_memory_MiB(scene, size)
+    if stage in ("evaluate", "fatigue") or scene.envelope is None:
+        return evaluation
+    cells = optimiser_memory_MiB(scene, scene.optimise.resolution_mm, quarter=False, cases=2)
+    return max(evaluation, cells)
 
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where the points of a sweep are computed; without anything, on all cores of this machine."""
+    """The place where points of a sweep are computed; by default all cores of this machine.
+
+    Attributes:
+        scheduler: address of a Dask scheduler, in place of workers of this machine.
+        info: called with lines of progress.
+        function: in place of the stages: numbers of a scene, by name.
+    """
 
     workers: int | None = None
     scheduler: str | None = None
+    info: Info = lambda _: None
+    function: PointFunction | None = None
+
+    @property
+    def settings(self) -> dict[str, str]:
+        """Settings that results depend on beside the plan."""
+        function = self.function
+        return {} if function is None else {"function": f"{function.__module__}.{function.__qualname__}"}
+
+
+ALL_CORES = Workplace()
 
 
 @dataclass(frozen=True)
 class Computed:
-    """The row of every point in order, and what they are compared with.
+    """The row of every point in order, what they are compared with, and what the page shows of webs, by id.
 
-    Attributes:
-        webs: what the page shows of each web, by id.
-        undecided: ids of points that may be on the front, for which the budget left no time.
+    `undecided` are ids of points that may be on the front, for which the budget left no time.
     """
 
     rows: tuple[PointResult, ...]
@@ -43,27 +114,16 @@ class Computed:
 
 @dataclass(frozen=True)
 class Session:
-    """What computing the points of a sweep takes.
-
-    Attributes:
-        root: run directory, absolute.
-    """
+    """All that computing the points of a sweep takes; `root` is its directory, absolute."""
 
     root: str
     plan: SweepPlan
     place: Workplace
-    info: Info
-    function: PointFunction | None = None
 
     def computed(
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
     ) -> Computed:
-        """Return all rows.
-
-        Args:
-            looks: the same points in the same order as a first look computes them; none where all of them
-                are computed at full accuracy.
-        """
+        """Return all rows; `looks` are the same points as a first look computes them, none without one."""
         if looks:
             return self._front_refined(points, looks, original)
         found = self._results([*points, original])
@@ -73,8 +133,8 @@ class Session:
     def _front_refined(
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
     ) -> Computed:
-        """Rounds of full accuracy until no other point may be on the front, or the time is used."""
-        self.info("first look: all points, coarse")
+        """Compute rounds of full accuracy until no other point may be on the front, or the time is used."""
+        self.place.info("first look: all points, coarse")
         coarse = self._results([*looks, original])
         pairs = [(point, coarse[look.id]) for point, look in zip(points, looks, strict=True)]
         full = {point.id: row for point, row in pairs if point.reason}
@@ -83,31 +143,28 @@ class Session:
         while todo := worth_refining(pairs, full, reference):
             if time.monotonic() >= end:
                 break
-            self.info(f"full accuracy: {len(todo)} points that may be on the front")
+            self.place.info(f"full accuracy: {len(todo)} points that may be on the front")
             full |= self._results(todo, end)
         rows = [
-            _row(point, full[point.id], accuracy=FULL)
-            if point.id in full
-            else _row(point, look, accuracy=COARSE)
+            _row(point, full.get(point.id, look), accuracy=FULL if point.id in full else COARSE)
             for point, look in pairs
         ]
-        names = {point.id: look.id for point, look in zip(points, looks, strict=True)}
+        names = {point.id: look.id for point, look in pairs}
         undecided = tuple(names[point.id] for point in todo)
         return Computed(tuple(rows), _row(original, reference), _webs({**coarse, **full}), undecided)
 
     def _results(self, points: Sequence[SweepPoint], end: float = float("inf")) -> dict[str, PointResult]:
         """Return the result of every point by its id: kept, impossible from the start, or computed now.
 
-        Args:
-            end: time of the monotonic clock at which the rest is left.
+        At `end` of the monotonic clock the rest is left.
         """
-        jobs = [Job(point, self.root, self.function) for point in {p.id: p for p in points}.values()]
+        jobs = [Job(point, self.root, self.place.function) for point in {p.id: p for p in points}.values()]
         found: dict[str, PointResult] = {}
         for job in jobs:
             kept = point_result(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
             if kept is not None:
                 found[job.point.id] = kept
-        progress = Progress(len(jobs), len(found), self.info)
+        progress = _Progress(len(jobs), len(found), self.place.info)
 
         def done(job: Job, result: PointResult) -> None:
             if result.status != FAILED or result.number("seconds") is not None:
@@ -117,16 +174,20 @@ class Session:
 
         left = [job for job in jobs if job.point.id not in found]
         if left:
-            compute(left, self._engine(len(left)), done, self.info, lambda: time.monotonic() >= end)
+            compute(left, self._engine(len(left)), done, self.place.info, lambda: time.monotonic() >= end)
         return found
 
     def _engine(self, points: int) -> WorkerPool:
         plan, place = self.plan, self.place
         if place.scheduler is not None:
             return WorkerPool(scheduler=place.scheduler)
-        memory = max(point_memory_MiB(plan.original, stage, plan.element_size_mm) for stage in plan.stages)
-        workers = workers_for(points, memory, place.workers)
-        return WorkerPool(workers, max(1, usable_cores() // workers))
+        cores, scene = usable_cores(), plan.original
+        asked = place.workers
+        if asked is None:
+            memory = max(_point_memory_MiB(scene, stage, plan.element_size_mm) for stage in plan.stages)
+            asked = min(cores, int(available_memory_MiB() / memory))
+        workers = max(1, min(asked, points))
+        return WorkerPool(workers, max(1, cores // workers))
 
 
 def _webs(found: Mapping[str, PointResult]) -> dict[str, str]:

@@ -40,13 +40,7 @@ _Done = Callable[[Job, PointResult], None]
 
 @dataclass(frozen=True)
 class WorkerPool:
-    """Where jobs run.
-
-    Attributes:
-        workers: processes on this machine.
-        threads: cores that each of them has for itself.
-        scheduler: address of a Dask scheduler in place of workers of our own.
-    """
+    """Processes here, each with so many cores for itself, or the address of a Dask scheduler instead."""
 
     workers: int = 1
     threads: int = 1
@@ -54,22 +48,14 @@ class WorkerPool:
 
 
 def check_packages() -> None:
-    """Load what a sweep takes, Dask for its jobs and pandas with Parquet for its table.
-
-    Raises:
-        CranktopoError: one is missing.
-    """
+    """Check that Dask, for jobs, and pandas with Parquet, for the table, can be loaded."""
     with packages_of("sweep"):
         for name in ("dask", "distributed", "pandas", "pyarrow"):
             import_module(name)
 
 
 def check_scheduler(address: str) -> None:
-    """Check, before anything is written, that a scheduler answers.
-
-    Raises:
-        CranktopoError: no scheduler at the address.
-    """
+    """Check, before anything is written, that a scheduler answers."""
     import distributed
 
     with _quiet(), _connected(distributed, address, _FIRST_S):
@@ -87,12 +73,9 @@ def compute(
     info: Info = lambda _: None,
     enough: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Compute jobs, telling the end of each as it comes.
+    """Compute jobs, telling the end of each as it comes; once `enough` says so, the rest is left.
 
     A lost scheduler is waited for, workers of our own that are all lost are replaced.
-
-    Args:
-        enough: asked after each; once it is so, the rest is left.
 
     Raises:
         CranktopoError: no scheduler, or an output that cannot be written.
@@ -123,17 +106,18 @@ def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], 
     futures = client.map(do_job, jobs, key=list(by_key), retries=_RETRIES, pure=False, batch_size=_BATCH)
     with _given_up(client, futures, own=own):
         for future, result in as_completed(futures, loop=client.loop, with_results=True, raise_errors=False):
-            if future.status == "finished":
-                told(by_key[future.key], result)
-            elif future.status != "error":
+            job = by_key[future.key]
+            if future.status not in ("finished", "error"):
                 raise _LostError
-            else:
+            if future.status == "error":
                 error = result[1]
                 if isinstance(error, CranktopoError):
                     raise error
-                died = isinstance(error, KilledWorker)
-                reason = f"its worker died more than {_DEATHS} times" if died else _told(error)
-                told(by_key[future.key], point_result(by_key[future.key], FAILED, reason))
+                reason = f"{type(error).__name__}: {error}"
+                if isinstance(error, KilledWorker):
+                    reason = f"its worker died more than {_DEATHS} times"
+                result = point_result(job, FAILED, reason)
+            told(job, result)
             future.release()
             if enough():
                 client.cancel(futures, force=True)
@@ -142,7 +126,7 @@ def _submit(client: Any, jobs: Sequence[Job], told: _Done, enough: Callable[[], 
 
 @contextmanager
 def _given_up(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[None]:
-    """Return what is left at the end is cancelled, and all of it once workers of our own are gone.
+    """Cancel what is left at the end, and all of it once workers of our own are gone.
 
     Dask starts a worker again that died, but not one whose start took too long; it would wait for ever.
     """
@@ -170,19 +154,22 @@ def _cancel_without_workers(client: Any, futures: Sequence[Any], over: threading
             return
 
 
-def _told(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"
-
-
 @contextmanager
 def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
-    """Return a connection to the scheduler, to one of our own where no other is asked for."""
     import dask
     import distributed
 
     with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
         if engine.scheduler is None:
-            cluster = stack.enter_context(_closing(_local_cluster(distributed, engine)))
+            # without a limit of memory, because the number of workers was chosen by it
+            cluster = distributed.LocalCluster(
+                n_workers=engine.workers,
+                threads_per_worker=1,
+                memory_limit=0,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL,
+            )
+            stack.enter_context(_closing(cluster))
             client = stack.enter_context(_closing(distributed.Client(cluster, set_as_default=False)))
             client.register_plugin(_pinning(distributed, engine))
         else:
@@ -195,7 +182,7 @@ def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what Dask logs of connections that break; what it means for the sweep is told by the sweep."""
+    """Silence what Dask logs of connections that break; what it means is told by the sweep."""
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -207,38 +194,22 @@ def _quiet() -> Iterator[None]:
             logger.setLevel(level)
 
 
-def _local_cluster(distributed: Any, engine: WorkerPool) -> Any:
-    """Workers on this machine; without a limit of memory, because their number was chosen by it."""
-    return distributed.LocalCluster(
-        n_workers=engine.workers,
-        threads_per_worker=1,
-        memory_limit=0,
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    )
-
-
 def _pinning(distributed: Any, engine: WorkerPool) -> Any:
-    """A plugin that gives every worker cores of its own, so that two of them do not wait for each other.
-
-    It is made here because Dask is loaded late.
-    """
+    """Return a plugin that gives every worker cores of its own; made here because Dask is loaded late."""
 
     class Pinned(distributed.WorkerPlugin):  # type: ignore[misc]
-        """Cores by the number of the worker."""
-
         name = "cranktopo-cores"
 
         def setup(self, worker: Any) -> None:
             """Take the cores; leave Ctrl-C, which a terminal sends to all, to the process that asked."""
-            pin(int(worker.name), engine.threads)
+            _pin(int(worker.name), engine.threads)
             if threading.current_thread() is threading.main_thread():
                 signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     return Pinned()
 
 
-def pin(number: int, threads: int) -> None:
+def _pin(number: int, threads: int) -> None:
     """Let this process run on the cores of worker `number` alone, where the system can do that."""
     if not hasattr(os, "sched_setaffinity"):
         return

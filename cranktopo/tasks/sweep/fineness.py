@@ -1,4 +1,4 @@
-"""How exactly a point is computed: elements of its evaluation, cells of its optimisation."""
+"""Exactness of the points of a sweep: elements of its evaluation, cells of its optimisation."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ class Fineness:
     """Settings that the numbers of a point depend on beside its scene, never on the machine.
 
     Attributes:
-        element_size_mm: of evaluations; None leaves the default.
         accuracy_percent: evaluations are refined until the bound of their error is no larger.
         coarser: factor on elements and cells.
     """
@@ -40,17 +39,13 @@ class Fineness:
         return Fineness(self.element_size_mm, coarser=_COARSER)
 
     def settings(self) -> Mapping[str, Any]:
-        """For the hash of a point; what is as by default is left out, as before it could be set."""
+        """Return settings for the hash of a point, without those as by default, which came later."""
         accuracy = {} if self.accuracy_percent is None else {"accuracy_percent": self.accuracy_percent}
         coarser = {} if self.coarser == 1 else {"coarser": self.coarser}
         return {"element_size_mm": self.element_size_mm, **accuracy, **coarser}
 
     def evaluation(self, target: Target) -> Evaluation:
-        """Return the body-fitted evaluation of a target; what this machine measured earlier has no say in it.
-
-        Raises:
-            CranktopoError: no valid mesh, or a failed solve.
-        """
+        """Return the evaluation of a target; what this machine measured earlier has no say in it."""
         if self.accuracy_percent is not None:
             return evaluate_to(target, ErrorTarget(self.accuracy_percent))[0]
         return evaluate(target, self._element_size_mm(target.scene))
@@ -62,7 +57,7 @@ class Fineness:
         return scene.with_optimise(resolution_mm=self.coarser * scene.optimise.resolution_mm)
 
     def shape_settings(self, usual: ShapeSettings, scene: Scene) -> ShapeSettings:
-        """Cells and elements of a shape optimisation; trials are judged on nothing finer than its result."""
+        """Return settings with cells and elements; trials are judged on nothing finer than the result."""
         size = self._element_size_mm(scene)
         coarse = replace(usual, cell_mm=self.coarser * usual.cell_mm, mesh_mm=self.coarser * usual.mesh_mm)
         return replace(coarse, element_size_mm=size, mesh_mm=max(coarse.mesh_mm, size or 0.0))

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from cranktopo.tasks.sweep.result import PointResult
+from cranktopo.tasks.fea.error_bound import difference_bound_percent
+from cranktopo.tasks.sweep.points import SweepPoint
+from cranktopo.tasks.sweep.result import DONE, ERRORS, PointResult
 
 Rows = Sequence[PointResult]
 OBJECTIVES: Mapping[str, int] = {
@@ -19,35 +21,27 @@ _DIGITS = 4
 """Values that agree in so many digits are equal: another machine's mesh may differ in the fifth."""
 
 
-def front_of(rows: Rows, objectives: Mapping[str, int] | None = None) -> tuple[list[str], list[str]]:
-    """Ids of the points that no other point beats, in the order of the rows, and the quantities compared.
+def front_of(rows: Rows) -> tuple[list[str], list[str]]:
+    """Return the ids of points that no other one beats, in the order of the rows, and what was compared.
 
     A point is beaten by one that is better in a quantity and no worse in the others, all rounded to
     `_DIGITS` digits; of points that are equal in all of them the first counts.
-
-    Args:
-        rows: finished points.
-        objectives: quantities and their better direction; by default those of `OBJECTIVES` that all tell.
     """
     known = {
         name: sign
-        for name, sign in (objectives or OBJECTIVES).items()
+        for name, sign in OBJECTIVES.items()
         if rows and all(_finite(row.number(name)) for row in rows)
     }
     if not known:
         return [], []
-    scores = [tuple(sign * rounded(row.number(name)) for name, sign in known.items()) for row in rows]
+    scores = [tuple(sign * _rounded(row.number(name)) for name, sign in known.items()) for row in rows]
     first = {score: place for place, score in reversed(list(enumerate(scores)))}
     front = [score for score in first if not any(_beats(other, score) for other in first)]
     return [rows[place].id for place in sorted(first[score] for score in front)], list(known)
 
 
 def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
-    """Ids of the points that most users look for; of equal ones the first.
-
-    Args:
-        original: what `lightest that is no softer` refers to.
-    """
+    """Return the ids of the points that most users look for; of equal ones the first."""
     stiff = [row for row in rows if original is not None and _no_softer(row, original)]
     best = {
         "lightest that is no softer": _best(stiff, "mass_kg", -1),
@@ -58,8 +52,7 @@ def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
     return {name: found for name, found in best.items() if found is not None}
 
 
-def rounded(value: float) -> float:
-    """Return a value to `_DIGITS` digits."""
+def _rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
 
 
@@ -67,14 +60,12 @@ def _no_softer(row: PointResult, original: PointResult) -> bool:
     names = ("torsion_Nm_per_rad", "bending_N_per_mm")
     if not all(_finite(one.number(name)) for one in (row, original) for name in names):
         return False
-    return all(rounded(row.number(name)) >= rounded(original.number(name)) for name in names)
+    return all(_rounded(row.number(name)) >= _rounded(original.number(name)) for name in names)
 
 
 def _best(rows: Rows, name: str, sign: int) -> str | None:
     known = [row for row in rows if _finite(row.number(name))]
-    if not known:
-        return None
-    return max(known, key=lambda row: sign * rounded(row.number(name))).id
+    return max(known, key=lambda row: sign * _rounded(row.number(name))).id if known else None
 
 
 def _beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
@@ -83,3 +74,63 @@ def _beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
 
 def _finite(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+_Looks = Sequence[tuple[SweepPoint, PointResult]]
+"""Every point as it is computed at full accuracy, with the result of its coarse first look."""
+_TOLD_APART_PERCENT = 0.2
+"""Twice the largest step of the four digits by which the front tells values apart."""
+_OF_TRIANGLES = "optimise"
+"""The stage whose bodies are surfaces, which meshes replace each in its own way."""
+
+
+def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: PointResult) -> list[SweepPoint]:
+    """Return points that may be on the front at full accuracy and lack it, those that matter most first.
+
+    A point is left out where another one beats it by more than the bound of the error of their difference, or
+    by more than differences were seen to change between the first look and full accuracy. What has no numbers
+    in the first look may have them at full accuracy.
+    """
+    rows = [row.model_copy(update={"id": point.id}) for point, row in looks if row.status == DONE]
+    seen = _seen_percent(looks, full)
+    front, objectives = front_of(rows)
+    leading = [row for row in rows if row.id in set(front)]
+    kept = (row.id for row in rows if not any(_surely_beats(one, row, objectives, seen) for one in leading))
+    picks = picks_of(leading, original).values()
+    unknown = (point.id for point, row in looks if row.status != DONE)
+    order = dict.fromkeys([*picks, *front, *kept, *unknown])
+    points = {point.id: point for point, _ in looks}
+    return [points[one] for one in order if one not in full]
+
+
+def _surely_beats(
+    one: PointResult, other: PointResult, objectives: Sequence[str], seen: Mapping[str, float]
+) -> bool:
+    """Tell whether a point is for certain no worse in any quantity, and better in one, at full accuracy."""
+    leads = [
+        OBJECTIVES[name] * 100 * (one.number(name) / other.number(name) - 1)
+        - _margin_percent(one, other, name, seen)
+        for name in objectives
+    ]
+    return min(leads) >= 0 and max(leads) >= _TOLD_APART_PERCENT
+
+
+def _margin_percent(one: PointResult, other: PointResult, name: str, seen: Mapping[str, float]) -> float:
+    """Return what the relative difference between two first looks may be wrong by."""
+    if name not in ERRORS:
+        return seen[name]
+    errors = (row.number(ERRORS[name]) for row in (one, other))
+    triangles = _OF_TRIANGLES in (one.stage, other.stage)
+    return max(difference_bound_percent(*errors, triangles=triangles), seen[name])
+
+
+def _seen_percent(looks: _Looks, full: Mapping[str, PointResult]) -> dict[str, float]:
+    """Return how much the points that have both accuracies changed in relation to each other, by quantity."""
+    both = [(row, full[point.id]) for point, row in looks if point.id in full]
+    solved = [pair for pair in both if all(row.status == DONE for row in pair)]
+    found = {}
+    for name in OBJECTIVES:
+        values = [(coarse.number(name), fine.number(name)) for coarse, fine in solved]
+        changes = [100 * (fine / coarse - 1) for coarse, fine in values if None not in (coarse, fine)]
+        found[name] = max(changes, default=0.0) - min(changes, default=0.0)
+    return found

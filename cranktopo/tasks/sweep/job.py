@@ -6,7 +6,7 @@ import errno
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -31,12 +31,7 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)
 
 @dataclass(frozen=True)
 class Job:
-    """A point with all that a worker needs to know.
-
-    Attributes:
-        root: directory of the sweep, absolute.
-        function: in place of the stages: numbers of a scene, by name.
-    """
+    """A point with all that a worker needs: absolute directory of the sweep, function in place of a stage."""
 
     point: SweepPoint
     root: str
@@ -74,48 +69,34 @@ def do_job(job: Job) -> PointResult:
         with tempfile.TemporaryDirectory(prefix="cranktopo-point-") as folder:
             return _computed(job, Path(folder))
     try:
-        return _kept_or_computed(job)
+        _make(job.folder)
+        with _alone(job.folder):
+            kept = kept_result(job)
+            if kept is None:
+                kept = _computed(job, job.folder)
+                write_json(job.folder / RESULT, kept.as_json())
+            return kept
     except OSError as error:
         if error.errno in _FULL:
             raise unwritable(job.folder, error) from None
         raise
 
 
-def _kept_or_computed(job: Job) -> PointResult:
-    _make(job.folder)
-    with _alone(job.folder):
-        kept = kept_result(job)
-        if kept is None:
-            kept = _computed(job, job.folder)
-            write_json(job.folder / RESULT, kept.as_json())
-        return kept
-
-
 def point_result(job: Job, status: str, reason: str = "", **numbers: Any) -> PointResult:
-    """Return how a point ended.
-
-    Args:
-        numbers: what its stage told, by name; a stage may say of a web that it is no answer after all.
-    """
+    """Return how a point ended; of the numbers that its stage told one may be another status or reason."""
     point = job.point
-    known = {
-        "id": point.id,
-        "stage": point.stage,
-        "design": point.design,
-        "varied": dict(point.varied),
-        "sha256": point.sha256,
-        "run": "" if point.reason else f"{POINTS}/{point.id}",
-        "status": status,
-        "reason": reason,
-        "version": metadata.version("cranktopo"),
-    }
-    return PointResult(**{**known, **numbers})
+    known = {name: getattr(point, name) for name in ("id", "stage", "design", "varied", "sha256")}
+    run = "" if point.reason else f"{POINTS}/{point.id}"
+    told = {"run": run, "status": status, "reason": reason, "version": metadata.version("cranktopo")}
+    return PointResult(**{**known, **told, **numbers})
 
 
 def _computed(job: Job, folder: Path) -> PointResult:
     began, point = time.perf_counter(), job.point
     try:
-        scene = _named(scene_from_dict(dict(point.tables), point.design, whole=True), point.id)
+        scene = scene_from_dict(dict(point.tables), point.design, whole=True)
+        # a name of its own in tables and run directories
+        scene = scene.model_copy(update={"name": f"{scene.name}-{point.id}"})
         if job.function is not None:
             found = {str(name): value for name, value in job.function(scene).items()}
         else:
@@ -129,11 +110,6 @@ def _computed(job: Job, folder: Path) -> PointResult:
     return point_result(job, DONE, **{**found, "seconds": time.perf_counter() - began})
 
 
-def _named(scene: Scene, identity: str) -> Scene:
-    """Return every point has a name of its own in tables and run directories."""
-    return scene.model_copy(update={"name": f"{scene.name}-{identity}"})
-
-
 def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -144,16 +120,13 @@ def _make(folder: Path) -> None:
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
     """Hold a point; where another worker holds it, as one that was thought dead, wait for its result."""
-    while True:
-        holding = locked(folder)
-        try:
-            holding.__enter__()
-            break
-        except UnwritableError:
-            raise
-        except CranktopoError:
-            time.sleep(_WAIT_S)
-    try:
+    with ExitStack() as stack:
+        while True:
+            try:
+                stack.enter_context(locked(folder))
+                break
+            except UnwritableError:
+                raise
+            except CranktopoError:
+                time.sleep(_WAIT_S)
         yield
-    finally:
-        holding.__exit__(None, None, None)

@@ -12,7 +12,7 @@ from typing import Any
 from cranktopo.report.report_file import TEMPLATES
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import SCRIPT
-from cranktopo.tasks.sweep.result import COARSE, PointResult, SweepResult
+from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
 from cranktopo.tasks.sweep.text import point_words
 
 _FOLDER = Path(__file__).parent
@@ -33,43 +33,36 @@ _SENSES = {
     "fatigue_safety": 1,
 }
 """Quantities of which less (-1) or more (+1) is better, in the order in which the page offers them."""
-_ERRORS = {
-    "torsion_Nm_per_rad": "torsion_error_percent",
-    "torsion_per_mass_Nm_per_rad_kg": "torsion_error_percent",
-    "bending_N_per_mm": "bending_error_percent",
-    "bending_per_mass_N_per_mm_kg": "bending_error_percent",
-}
 _TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "status", "design", "stage")
 
 
 def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     """Return the page as the text of an HTML file.
 
-    Args:
-        webs: bodies by the id of their point, from `packed_web`; those of picks and front go first where
-            the page cannot hold all; without that of the original the page has no 3D view.
+    Of the bodies from `packed_web`, by the id of their point, those of picks and front go first where the
+    page cannot hold all; without that of the original it has no 3D view.
     """
     from jinja2 import Environment, FileSystemLoader
     from markupsafe import Markup
 
     environment = Environment(loader=FileSystemLoader([_TEMPLATES, TEMPLATES]), autoescape=True)
-    sheets = (TEMPLATES / "report.css", _TEMPLATES / "sweep.css")
-    style = "".join(sheet.read_text(encoding="utf-8") for sheet in sheets)
-    numbers = _text(_page_data(data))
-    original = webs.get(data.original.id, "")
+    numbers, original = _text(_page_data(data)), webs.get(data.original.id, "")
     rows = {row.id: row for row in data.points}
-    scripts = [SCRIPT, _SCRIPT] if original else [_SCRIPT]
     return environment.get_template("sweep.html.j2").render(
         data=data,
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives),
         picks=[(name, point_words(data.points, rows[one])) for name, one in data.picks.items()],
-        style=Markup(style),
-        script=Markup("".join(path.read_text(encoding="utf-8") for path in scripts)),
+        style=Markup(_joined(TEMPLATES / "report.css", _TEMPLATES / "sweep.css")),
+        script=Markup(_joined(*[SCRIPT] * bool(original), _SCRIPT)),
         points=Markup(numbers),
         webs=Markup(_text(_fitting(data, webs, _MOST_LETTERS - len(numbers)))),
         original=Markup(original),
         version=metadata.version("cranktopo"),
     )
+
+
+def _joined(*files: Path) -> str:
+    return "".join(file.read_text(encoding="utf-8") for file in files)
 
 
 def _page_data(data: SweepResult) -> dict[str, Any]:
@@ -95,13 +88,13 @@ def _page_data(data: SweepResult) -> dict[str, Any]:
 
 
 def _text(data: object) -> str:
-    """As JSON that may stand in a script element."""
+    """Return JSON that may stand in a script element."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return text.replace("</", "<\\/").replace("<!--", "<\\!--")
 
 
 def _fitting(data: SweepResult, webs: Mapping[str, str], letters: int) -> list[str | None]:
-    """The web of each row, as far as so many letters go: first those of picks and front, then by rows."""
+    """Return the web of each row, as far as so many letters go: picks and front first, then by rows."""
     rows = [row.id for row in data.points]
     kept: dict[str, str] = {}
     for one in dict.fromkeys([*data.picks.values(), *data.front, *rows]):
@@ -112,7 +105,6 @@ def _fitting(data: SweepResult, webs: Mapping[str, str], letters: int) -> list[s
 
 
 def _columns(data: SweepResult) -> list[str]:
-    """Return what varied, what is compared, and the rest, as far as any point tells it."""
     rows = [point.row() for point in data.points]
     told = dict.fromkeys(name for row in rows for name in row)
     apart = [name for name in ("design", "stage") if len({row[name] for row in rows}) > 1]
@@ -124,9 +116,8 @@ def _columns(data: SweepResult) -> list[str]:
 
 def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any]:
     label, unit = ResultTable({}, ()).head(name)
-    error = _ERRORS.get(name)
+    error, sense = ERRORS.get(name), _SENSES.get(name, 0)
     bounds = [bound for row in data.points if (bound := row.number(f"bound_{name}")) is not None]
-    sense = _SENSES.get(name, 0)
     return {
         "name": name,
         "label": label,

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, get_args
+
+from pydantic import ConfigDict
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.reproducible import SEED
+from cranktopo.base.result import Result
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import (
     check_keys,
@@ -22,45 +26,47 @@ from cranktopo.design.loading import (
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.stage import MeshRequest
 from cranktopo.tasks.sweep.fineness import Fineness
-from cranktopo.tasks.sweep.goal_sweep import varied_limits, with_goal_tables
-from cranktopo.tasks.sweep.variation import MOST, STAGE, Variation, as_json, from_json
+from cranktopo.tasks.sweep.variation import (
+    MOST,
+    STAGE,
+    Variation,
+    read_entry,
+    varied_limits,
+    with_goal_tables,
+)
 
 Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 _STAGES: tuple[Stage, ...] = get_args(Stage)
 OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
 """Stages that work on one web, which is that of both halves."""
-_Sampling = Literal["grid", "latin", "sobol"]
-_SAMPLINGS: tuple[_Sampling, ...] = get_args(_Sampling)
-_Refine = Literal["all", "front"]
-REFINE: tuple[_Refine, ...] = get_args(_Refine)
+_CHOICES = {"sampling": ("grid", "latin", "sobol"), STAGE: _STAGES, "refine": ("all", "front")}
+"""Settings that take one of a few words, the first by default."""
 
 
-@dataclass(frozen=True)
-class SweepPlan:
-    """What a sweep consists of; its points follow from it and from nothing else.
+class SweepPlan(Result):
+    """All that a sweep consists of, as its manifest keeps it; its points follow from it alone."""
 
-    Attributes:
-        designs: name of each scene as the user typed it.
-        tables: the tables of each scene as they are written, file names absolute; the first is the original.
-        vary: what varies in every scene.
-        sampling: all combinations, or as many samples of a Latin hypercube or a Sobol sequence.
-        stage: how far a point goes where `stage` does not vary.
-        element_size_mm: of evaluations; None leaves the default.
-        accuracy_percent: evaluations are refined until the bound of their error is no larger.
-        refine: every point at full accuracy, or those alone that a coarse first look does not rule out.
-        budget_s: time for points at full accuracy after the first look.
-    """
+    model_config = ConfigDict(extra="forbid")
 
     designs: tuple[str, ...]
+    """Each scene as the user typed it."""
     tables: tuple[dict[str, Any], ...]
+    """The tables of each scene as they are written, file names absolute; the first is the original."""
     vary: tuple[Variation, ...] = ()
-    sampling: _Sampling = "grid"
+    """What varies in every scene."""
+    sampling: Literal["grid", "latin", "sobol"] = "grid"
+    """All combinations, or as many `samples` of a Latin hypercube or a Sobol sequence."""
     samples: int | None = None
     stage: Stage = "evaluate"
-    element_size_mm: float | None = None
-    accuracy_percent: float | None = None
-    refine: _Refine = "all"
-    budget_s: float | None = None
+    """How far a point goes where `stage` does not vary."""
+    element_size_mm: int | float | None = None
+    """Of evaluations; None leaves the default. An integer stays one, as the hashes of points hold it."""
+    accuracy_percent: int | float | None = None
+    """Evaluations are refined until the bound of their error is no larger."""
+    refine: Literal["all", "front"] = "all"
+    """Every point at full accuracy, or those alone that a coarse first look does not rule out."""
+    budget_s: int | float | None = None
+    """Time for points at full accuracy after the first look."""
     seed: int = SEED
 
     @property
@@ -79,49 +85,22 @@ class SweepPlan:
         varied = {value for variation in self.vary if variation.key == STAGE for value in variation.values}
         return tuple(stage for stage in _STAGES if stage in varied) or (self.stage,)
 
-    def as_json(self) -> dict[str, Any]:
-        """Plain data, from which `plan_from_json` makes the same plan."""
-        return {
-            "designs": list(self.designs),
-            "tables": list(self.tables),
-            "vary": [as_json(variation) for variation in self.vary],
-            "sampling": self.sampling,
-            "samples": self.samples,
-            "stage": self.stage,
-            "element_size_mm": self.element_size_mm,
-            "accuracy_percent": self.accuracy_percent,
-            "refine": self.refine,
-            "budget_s": self.budget_s,
-            "seed": self.seed,
-        }
-
-
-def plan_from_json(data: Mapping[str, Any]) -> SweepPlan:
-    """Return the plan that `as_json` told."""
-    vary = tuple(from_json(entry) for entry in data["vary"])
-    kept = {**data, "designs": tuple(data["designs"]), "tables": tuple(data["tables"]), "vary": vary}
-    return SweepPlan(**kept)
-
 
 def sweep_plan(
     designs: Sequence[str],
     vary: Sequence[Variation] = (),
-    sampling: str = "grid",
-    samples: int | None = None,
-    stage: str = "evaluate",
-    element_size_mm: float | None = None,
-    accuracy_percent: float | None = None,
-    refine: str = "all",
-    budget_s: float | None = None,
+    *,
     minimise: str | None = None,
     maximise: str | None = None,
     limits: Sequence[str] = (),
+    **settings: Any,
 ) -> SweepPlan:
     """Return a plan that was checked: every design is valid, every key exists.
 
     Args:
         designs: TOML paths or names of built-in designs; the first is the original.
         limits: such as `torsion >= 90:130:5 %`, which varies, or `bending >= 95 %`, which stays.
+        settings: further fields of `SweepPlan`.
 
     Raises:
         CranktopoError: no such design or an invalid one, an unknown key, or settings that do not fit.
@@ -130,23 +109,15 @@ def sweep_plan(
         raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
     scenes = [load_scene(design, whole=True) for design in designs]
     fixed, varied = varied_limits(limits)
-    plan = SweepPlan(
-        tuple(designs),
-        tuple(with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs),
-        (*vary, *varied),
-        _one_of("sampling", sampling, _SAMPLINGS),
-        samples,
-        _one_of("stage", stage, _STAGES),
-        element_size_mm,
-        accuracy_percent,
-        _one_of("refine", refine, REFINE),
-        budget_s,
-    )
+    tables = [with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs]
+    for key, words in _CHOICES.items():
+        _check_choice(key, settings.get(key, words[0]), words)
+    plan = SweepPlan(designs=tuple(designs), tables=tuple(tables), vary=(*vary, *varied), **settings)
     _check(plan)
-    if set(plan.stages) & set(OPTIMISED):
-        for scene in scenes:
-            require_equal_halves(scene)
-    if (minimise or maximise or limits) and not set(plan.stages) & set(OPTIMISED):
+    optimised = set(plan.stages) & set(OPTIMISED)
+    for scene in scenes if optimised else ():
+        require_equal_halves(scene)
+    if (minimise or maximise or limits) and not optimised:
         raise _misused(
             f"stage {plan.stage} has no goal",
             f"Add --stage {', '.join(OPTIMISED[:-1])} or {OPTIMISED[-1]}.",
@@ -154,11 +125,10 @@ def sweep_plan(
     return plan
 
 
-def _one_of(key: str, value: str, words: tuple[Any, ...]) -> Any:
+def _check_choice(key: str, value: str, words: Sequence[str]) -> None:
     if value not in words:
         near = suggest(value[:100], list(words))
         raise CranktopoError(f"{key} = {quoted(value)}: unknown choice.", hint=near, code=ExitCode.USAGE)
-    return value
 
 
 def _tables(design: str) -> dict[str, Any]:
@@ -171,28 +141,23 @@ def _check(plan: SweepPlan) -> None:
     if plan.budget_s is not None and plan.refine != "front":
         raise _misused("--budget is time for what a first look does not rule out", "Add --refine front.")
     keys = [variation.key for variation in plan.vary]
-    twice = next((key for key in keys if keys.count(key) > 1), None)
-    if twice is not None:
-        raise _misused(f"{twice} varies twice", "Give all its values at once.")
-    for variation in plan.vary:
-        if variation.key == STAGE:
-            for value in variation.values or ("a range",):
-                _one_of(STAGE, str(value), _STAGES)
+    for key in (key for key in keys if keys.count(key) > 1):
+        raise _misused(f"{key} varies twice", "Give all its values at once.")
+    for stage in (s for one in plan.vary if one.key == STAGE for s in one.values or ("a range",)):
+        _check_choice(STAGE, str(stage), _STAGES)
     _check_sampling(plan)
     for design, tables in zip(plan.designs, plan.tables, strict=True):
-        for variation in plan.vary:
-            if variation.key != STAGE:
-                tables = with_value(tables, variation.key, variation.at(0.0))
+        for variation in (one for one in plan.vary if one.key != STAGE):
+            tables = with_value(tables, variation.key, variation.at(0.0))
         check_keys(tables, design)
 
 
 def _check_sampling(plan: SweepPlan) -> None:
     ranges = [variation.key for variation in plan.vary if variation.ends is not None]
     if plan.sampling != "grid":
-        if plan.samples is None or not 1 <= plan.samples <= MOST:
-            raise _misused(
-                f"sampling {plan.sampling} needs a number of samples up to {MOST}", "Add --samples."
-            )
+        if not 1 <= (plan.samples or 0) <= MOST:
+            what = f"sampling {plan.sampling} needs a number of samples up to {MOST}"
+            raise _misused(what, "Add --samples.")
         if not plan.vary:
             raise _misused("nothing varies", "Add --vary KEY=A:B.")
         return
@@ -200,12 +165,74 @@ def _check_sampling(plan: SweepPlan) -> None:
         raise _misused("samples are of a Latin hypercube or a Sobol sequence", "Add --sampling latin.")
     if ranges:
         raise _misused(f"{ranges[0]} has two ends and no number of values", "Write A:B:N, or add --sampling.")
-    count = len(plan.designs)
-    for variation in plan.vary:
-        count *= len(variation.values)
+    count = len(plan.designs) * math.prod(len(variation.values) for variation in plan.vary)
     if count > MOST:
         raise _misused(f"{count} points are more than {MOST}", "Take fewer values, or --sampling sobol.")
 
 
 def _misused(what: str, hint: str) -> CranktopoError:
     return CranktopoError(f"sweep: {what}.", hint=hint, code=ExitCode.USAGE)
+
+
+_WORDS = ("stage", "sampling", "refine", "minimise", "maximise")
+_NUMBERS = {"element_size_mm": (1e-3, 1e3), "accuracy_percent": (1e-3, 99.0), "budget_s": (1.0, 1e8)}
+"""Keys with their smallest and largest value."""
+_KEYS = ("schema_version", "design", "scenes", "samples", "limits", "vary", *_WORDS, *_NUMBERS)
+
+
+def read_plan(file: Path) -> SweepPlan:
+    """Return the plan in a TOML file: `design` or `scenes`, `[vary]`, and what `sweep_plan` takes by name."""
+    data = parse_toml(design_text(str(file)), str(file))
+    unknown = [key for key in data if key not in _KEYS]
+    if unknown:
+        raise CranktopoError(f"{file}: unknown key {unknown[0]}.", hint=suggest(unknown[0], list(_KEYS)))
+    if data.get("schema_version", 1) != 1:
+        raise invalid(f"{file}: schema_version", data["schema_version"], "must be 1")
+    settings: dict[str, Any] = {key: str(data[key]) for key in _WORDS if key in data}
+    settings |= {key: _number(file, data, key) for key in _NUMBERS if key in data}
+    designs = _designs(file, data)
+    vary, samples, limits = data.get("vary", {}), data.get("samples"), data.get("limits", [])
+    if not isinstance(vary, dict):
+        raise invalid(f"{file}: vary", vary, "must be a table", "Write [vary].")
+    varied = [read_entry(key, entry) for key, entry in _flat(vary)]
+    if samples is not None and (not isinstance(samples, int) or isinstance(samples, bool)):
+        raise invalid(f"{file}: samples", samples, "must be an integer")
+    if not isinstance(limits, list) or not all(isinstance(text, str) for text in limits):
+        raise invalid(f"{file}: limits", limits, "must be a list of texts")
+    return sweep_plan(designs, varied, samples=samples, limits=limits, **settings)
+
+
+def is_plan(text: str) -> bool:
+    """Tell whether what the user typed is the file of a sweep and no design."""
+    path = Path(text)
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return False
+    data = parse_toml(design_text(text), text)
+    return "throw" not in data and bool({"vary", "design", "scenes", "sampling"} & data.keys())
+
+
+def _designs(file: Path, data: Mapping[str, Any]) -> list[str]:
+    given = data.get("scenes", [data["design"]] if "design" in data else [])
+    if ("design" in data) == ("scenes" in data) or not isinstance(given, list):
+        raise CranktopoError(
+            f"{file}: needs either design or scenes.",
+            hint='Write design = "mikron-iiic", or scenes = ["a.toml", "b.toml"].',
+        )
+    paths = [(str(name), file.resolve().parent / str(name)) for name in given]
+    return [str(path) if path.is_file() else name for name, path in paths]
+
+
+def _flat(table: Mapping[str, Any], head: str = "") -> list[tuple[str, Any]]:
+    """Return entries by their whole key, be it `"web.width_mm"`, `web.width_mm` or `[vary.web] width_mm`."""
+    found: list[tuple[str, Any]] = []
+    for key, value in table.items():
+        path = f"{head}{key}"
+        found += _flat(value, f"{path}.") if isinstance(value, dict) else [(path, value)]
+    return found
+
+
+def _number(file: Path, data: Mapping[str, Any], key: str) -> float:
+    value, (low, high) = data[key], _NUMBERS[key]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        raise invalid(f"{file}: {key}", value, f"must be a number >= {low:g} and <= {high:g}")
+    return float(value)

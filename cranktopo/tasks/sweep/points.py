@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 from cranktopo.base.errors import CranktopoError
@@ -25,11 +25,7 @@ class SweepPoint:
 
     Attributes:
         id: beginning of the SHA-256 over scene and settings: the name of its directory.
-        sha256: all of it.
-        varied: value of every key that varies.
-        design: the design that it is a variant of.
         tables: the tables of its scene as they would be written.
-        fineness: how exactly it is computed.
         reason: why no such web can be; empty where it can.
     """
 
@@ -48,9 +44,7 @@ def points_of(
 ) -> tuple[SweepPoint, ...]:
     """Return the points of a plan in order, those that are the same only once.
 
-    Args:
-        settings: what the result depends on beside scene, stage and fineness.
-        fineness: another one than that of the plan.
+    `settings` are what results depend on beside scene, stage and fineness, by default that of the plan.
     """
     found: dict[str, SweepPoint] = {}
     for design, tables in zip(plan.designs, plan.tables, strict=True):
@@ -63,12 +57,11 @@ def points_of(
 def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> SweepPoint:
     """Return the first design as it is, evaluated as far as the points are: what they are compared with."""
     stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
-    original = replace(plan, stage=stage)
+    original = plan.model_copy(update={"stage": stage})
     return _point(original, plan.designs[0], plan.tables[0], {}, settings or {}, plan.fineness)
 
 
 def _varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
-    """Values of every key that varies, point after point."""
     keys = [variation.key for variation in plan.vary]
     if plan.sampling == "grid":
         for values in itertools.product(*(variation.values for variation in plan.vary)):
@@ -79,15 +72,15 @@ def _varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:
 
 
 def _samples(plan: SweepPlan) -> Sequence[Sequence[float]]:
-    """Points of the unit cube; a Sobol sequence is drawn up to a power of two and cut."""
+    """Return points of the unit cube; a Sobol sequence is drawn up to a power of two and cut."""
     from scipy.stats import qmc
 
     count, dimensions = plan.samples or 1, len(plan.vary)
     if plan.sampling == "latin":
-        return cast("list[list[float]]", qmc.LatinHypercube(dimensions, rng=plan.seed).random(count).tolist())
-    sequence = qmc.Sobol(dimensions, rng=plan.seed)
-    drawn = sequence.random_base2(math.ceil(math.log2(count)))
-    return cast("list[list[float]]", drawn[:count].tolist())
+        drawn = qmc.LatinHypercube(dimensions, rng=plan.seed).random(count)
+    else:
+        drawn = qmc.Sobol(dimensions, rng=plan.seed).random_base2(math.ceil(math.log2(count)))[:count]
+    return cast("list[list[float]]", drawn.tolist())
 
 
 def _point(
@@ -105,13 +98,10 @@ def _point(
     scene, reason = _scene(tables, design, whole=stage not in OPTIMISED)
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
-    sha256 = settings_hash(tables if scene is None else _given(scene), known)
+    # without what is as by default, so that keys that a later version adds leave the hash as it is
+    told = tables if scene is None else scene.model_dump(mode="json", exclude_defaults=True)
+    sha256 = settings_hash(told, known)
     return SweepPoint(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
-
-
-def _given(scene: Scene) -> dict[str, Any]:
-    """The scene without what is as by default: keys that a later version adds leave the hash as it is."""
-    return scene.model_dump(mode="json", exclude_defaults=True)
 
 
 def _scene(tables: dict[str, Any], design: str, whole: bool) -> tuple[Scene | None, str]:

@@ -14,6 +14,13 @@ DONE, IMPOSSIBLE, FAILED = "done", "impossible", "failed"
 """How a point ended: with numbers, with a reason why there is no such web, by a failed solve or worker."""
 COARSE, FULL = "coarse", "full"
 """The accuracy at which a point stands, where points are computed coarse first."""
+ERRORS = {
+    "torsion_Nm_per_rad": "torsion_error_percent",
+    "torsion_per_mass_Nm_per_rad_kg": "torsion_error_percent",
+    "bending_N_per_mm": "bending_error_percent",
+    "bending_per_mass_N_per_mm_kg": "bending_error_percent",
+}
+"""Number that holds the error of another one."""
 VIEW = "view"
 """Body of a point as text for the page; no table holds it."""
 

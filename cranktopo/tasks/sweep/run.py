@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,26 +17,27 @@ from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind, working_in
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.sweep.computed import Computed, Session, Workplace
+from cranktopo.tasks.sweep.computed import ALL_CORES, Computed, Session, Workplace
 from cranktopo.tasks.sweep.executor import check_packages, check_scheduler
 from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
-from cranktopo.tasks.sweep.plan import SweepPlan, plan_from_json
+from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
 from cranktopo.tasks.sweep.points import SweepPoint, original_of, points_of
 from cranktopo.tasks.sweep.result import (
     COARSE,
     DONE,
     FAILED,
-    PointResult,
     SweepFiles,
     SweepResult,
     SweepSeconds,
 )
-from cranktopo.tasks.sweep.table import frame_of, write_tables
+from cranktopo.tasks.sweep.text import frame_of, write_tables
+from cranktopo.tasks.sweep.variation import read_entry
 
 if TYPE_CHECKING:
     import pandas
+
 
 TABLE = "table"
 
@@ -60,49 +61,32 @@ class SweptRun:
 
 
 def run_sweep(
-    plan: SweepPlan,
-    place: Workplace | None = None,
-    out: Path | None = None,
-    command: Sequence[str] = (),
-    info: Info = lambda _: None,
-    function: PointFunction | None = None,
+    plan: SweepPlan, place: Workplace = ALL_CORES, out: Path | None = None, command: Sequence[str] = ()
 ) -> SweptRun:
     """Compute all points of a plan in a new run directory; nothing is written before all is checked.
 
     Args:
-        place: workers of this machine, or the address of a Dask scheduler.
         out: run directory; by default a new one under runs/.
         command: the command line, for the manifest.
-        info: called with lines of progress.
-        function: in place of the stages: numbers of a scene, by name.
 
     Raises:
         CranktopoError: bad input, no point that can be, a package missing, or interruption (exit code 130).
     """
     check_packages()
     check_destination(out)
-    points = points_of(plan, _settings(function))
+    points = points_of(plan, place.settings)
     if all(point.reason for point in points):
         raise CranktopoError(f"no point of the sweep can be: {points[0].reason}", hint="Check the values.")
-    if function is not None and plan.refine == "front":
+    if place.function is not None and plan.refine == "front":
         raise invalid("refine", plan.refine, "a function has one accuracy alone", "Leave it out.")
-    if place is not None and place.scheduler is not None:
+    if place.scheduler is not None:
         check_scheduler(place.scheduler)
-    run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **_settings(function)})
-    return _worked(run, plan, points, place or Workplace(), info, function)
+    run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **place.settings})
+    return _worked(run, plan, points, place)
 
 
-def resume_sweep(
-    reference: str,
-    place: Workplace | None = None,
-    info: Info = lambda _: None,
-    function: PointFunction | None = None,
-) -> SweptRun:
-    """Continue a sweep: points that have ended are read, not repeated.
-
-    Args:
-        reference: its run directory.
-        function: the same that it was started with, where it was with one.
+def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:
+    """Continue the sweep of a run directory: points that have ended are read, not repeated.
 
     Raises:
         CranktopoError: no sweep, a changed input, another function, or as `run_sweep`.
@@ -113,40 +97,24 @@ def resume_sweep(
     run.require_same_inputs()
     options = run.manifest()["options"]
     wanted = options.get("function")
-    if wanted != _settings(function).get("function"):
+    if wanted != place.settings.get("function"):
+        hint = "Continue it in Python: resume=DIR with that function."
         raise CranktopoError(
             f"run '{run.path}': was started with {wanted or 'no function'}.",
-            hint="Continue it in Python: resume=DIR with that function."
-            if wanted
-            else "Leave the function out.",
+            hint=hint if wanted else "Leave the function out.",
         )
-    plan = plan_from_json(options[SWEEP])
+    plan = SweepPlan.of_json(options[SWEEP], f"run '{run.path}'")
     run.resume()
-    return _worked(run, plan, points_of(plan, _settings(function)), place or Workplace(), info, function)
+    return _worked(run, plan, points_of(plan, place.settings), place)
 
 
-def _settings(function: PointFunction | None) -> dict[str, Any]:
-    return {} if function is None else {"function": f"{function.__module__}.{function.__qualname__}"}
-
-
-def _worked(
-    run: RunStore,
-    plan: SweepPlan,
-    points: Sequence[SweepPoint],
-    place: Workplace,
-    info: Info,
-    function: PointFunction | None,
-) -> SweptRun:
-    began, original = time.perf_counter(), original_of(plan, _settings(function))
-    settings = _settings(function)
-    looks = points_of(plan, settings, plan.fineness.first_look) if plan.refine == "front" else ()
+def _worked(run: RunStore, plan: SweepPlan, points: Sequence[SweepPoint], place: Workplace) -> SweptRun:
+    began, original = time.perf_counter(), original_of(plan, place.settings)
+    looks = points_of(plan, place.settings, plan.fineness.first_look) if plan.refine == "front" else ()
     with working_in(run, "finished points are kept") as check:
-        session = Session(str(run.path.resolve()), plan, place, info, function)
-        found = session.computed(points, looks, original)
+        found = Session(str(run.path.resolve()), plan, place).computed(points, looks, original)
         check()
-        front, objectives = front_of(_finished(found.rows))
-        files = SweepFiles(**write_tables(frame_of(found.rows, front), run.path, TABLE), page=REPORT)
-        result = _result(run, plan, found, front, objectives, files)
+        result = _result(run, plan, found)
         write_text(run.path / REPORT, sweep_html(result, found.webs))
         seconds = SweepSeconds(total=time.perf_counter() - began)
         result = result.model_copy(update={"seconds": seconds})
@@ -155,35 +123,98 @@ def _worked(
     return SweptRun(run.path, result)
 
 
-def _finished(rows: Sequence[PointResult]) -> list[PointResult]:
-    """Return the points that count for front and picks; coarse numbers have no say."""
-    return [row for row in rows if row.status == DONE and row.number("accuracy") != COARSE]
-
-
-def _result(
-    run: RunStore,
-    plan: SweepPlan,
-    found: Computed,
-    front: Sequence[str],
-    objectives: Sequence[str],
-    files: SweepFiles,
-) -> SweepResult:
-    own = plan.original.model_dump(mode="json")
+def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
+    """Return what `sweep.json` holds, its tables written; coarse numbers have no say in front and picks."""
+    own, rows = plan.original.model_dump(mode="json"), found.rows
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
     original = found.original.model_copy(update={"varied": varied})
-    leading = [row for row in _finished(found.rows) if row.id in set(front)]
+    full = [row for row in rows if row.status == DONE and row.number("accuracy") != COARSE]
+    front, objectives = front_of(full)
+    leading = [row for row in full if row.id in set(front)]
     return SweepResult(
         run=run.name,
         design=plan.designs[0],
-        varied=tuple(variation.key for variation in plan.vary),
+        varied=tuple(varied),
         sampling=plan.sampling,
-        points=found.rows,
-        ends=dict(Counter(row.status for row in found.rows)),
+        points=rows,
+        ends=dict(Counter(row.status for row in rows)),
         original=original,
         objectives={name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
         front=tuple(front),
         picks=picks_of(leading, original if original.status == DONE else None),
         undecided=found.undecided if plan.refine == "front" else None,
-        files=files,
+        files=SweepFiles(**write_tables(frame_of(rows, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),
     )
+
+
+def sweep(
+    design: str | Path | Sequence[str | Path] = "mikron-iiic",
+    vary: Mapping[str, Any] | None = None,
+    stage: str = "evaluate",
+    sampling: str = "grid",
+    samples: int | None = None,
+    element_size_mm: float | None = None,
+    accuracy_percent: float | None = None,
+    refine: str = "all",
+    budget_s: float | None = None,
+    minimise: str | None = None,
+    maximise: str | None = None,
+    limits: Sequence[str] = (),
+    workers: int | None = None,
+    scheduler: str | None = None,
+    out: str | Path | None = None,
+    resume: str | Path | None = None,
+    function: PointFunction | None = None,
+    info: Info = lambda _: None,
+) -> pandas.DataFrame:
+    """Compute many variants of a design and return one row for each.
+
+    In a script it stands below `if __name__ == "__main__":`, because worker processes import the script.
+
+    Args:
+        design: TOML path or name of a built-in design, or several; the first is the original.
+        vary: values by key of the scene: a list, or text as behind `--vary KEY=`.
+        stage: how far each point goes: evaluate, fatigue, optimise, remodel or shape.
+        sampling: grid for all combinations, latin or sobol for so many `samples`.
+        accuracy_percent: evaluations are refined until the bound of their error is no larger.
+        refine: `front` computes all points coarse first, and those alone at full accuracy that may be on the
+            front, within `budget_s` where it is given.
+        minimise, maximise, limits: goal of optimisations; `torsion >= 90:130:5 %` varies its limit.
+        workers: processes on this machine; by default as many as cores and memory allow.
+        scheduler: address of a Dask scheduler to use instead.
+        out: run directory; by default a new one under runs/.
+        resume: run directory to continue; `design`, `vary` and the like are then read there.
+        function: called with the `Scene` of every point in place of a stage; returns numbers by name.
+        info: called with lines of progress.
+
+    Returns:
+        A frame, units in the column names; its `attrs` hold the run directory, the front and the picks.
+
+    Raises:
+        CranktopoError: bad input, a package missing, or interruption.
+    """
+    place = Workplace(workers, scheduler, info, function)
+    if resume is not None:
+        done = resume_sweep(str(resume), place)
+    else:
+        designs = [str(d) for d in ([design] if isinstance(design, str | Path) else design)]
+        varied = [read_entry(key, entry) for key, entry in (vary or {}).items()]
+        plan = sweep_plan(
+            designs,
+            varied,
+            minimise=minimise,
+            maximise=maximise,
+            limits=limits,
+            sampling=sampling,
+            samples=samples,
+            stage=stage,
+            element_size_mm=element_size_mm,
+            accuracy_percent=accuracy_percent,
+            refine=refine,
+            budget_s=budget_s,
+        )
+        done = run_sweep(plan, place, None if out is None else Path(out), ("cranktopo.sweep",))
+    frame = done.frame
+    frame.attrs |= {"run": str(done.folder), "front": list(done.result.front), "picks": done.result.picks}
+    return frame

@@ -1,42 +1,73 @@
-"""How far a point goes: evaluation, fatigue, optimisation, re-model or shape, each judged alike."""
+"""Stages of a point: evaluation, fatigue, optimisation, re-model or shape, each judged alike."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_text
 from cranktopo.base.progress import Json
+from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.design.goal.outcome import GoalOutcome
+from cranktopo.design.halves import halves
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.report.goal_table import broken_limits
+from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
+from cranktopo.report.viewer.small_web import packed_web
 from cranktopo.runs.directories import open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target, simulated
+from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.result import IMPOSSIBLE, VIEW
-from cranktopo.tasks.sweep.web_view import web_view
+
+if TYPE_CHECKING:
+    from cranktopo.tasks.shape.result import ShapeResult
+
+_COARSER = 2
+"""Than what a page shows of a single web: a quarter of the triangles, in half the time."""
+
+
+def web_view(target: Target) -> str:
+    """Return the half throw of a target, or both where they differ, as text that a browser draws."""
+    scene = target.scene
+    meshes = shown_halves(scene, target.file, _COARSER * coarse_facet_mm(scene))
+    shown = zip(meshes, halves(scene), PARTNERS[len(meshes)], strict=False)
+    return packed_web(
+        *(
+            ShownBody(target.name, mesh, half.web_z_mm, half.pitch_mm / 2, partner=partner)
+            for mesh, half, partner in shown
+        )
+    )
+
 
 DESIGN, RUN, REMODEL = "design.toml", "run", "remodel"
 """In the directory of a point: its scene, the run of its optimisation, the web re-modelled of it."""
 COMMAND = ("cranktopo", "sweep")
 """In the manifests of the runs below a sweep; the sweep's own manifest has the whole line."""
-_StageFunction = Callable[[Scene, Path, Fineness], Json]
+_BOUNDED = {
+    "mass": "mass_kg",
+    "torsion": "torsion_Nm_per_rad",
+    "bending": "bending_N_per_mm",
+    "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
+    "bending_per_mass": "bending_per_mass_N_per_mm_kg",
+}
+"""Number of a point that the bound of a quantity is beside."""
 
 
 def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> Json:
-    """What a stage tells of a scene: quantities with units in their names, `target` for `compare`, `view`.
+    """Return what a stage tells of a scene: quantities, units in the names, `target` for `compare`, `view`.
 
-    Args:
-        folder: directory of the point; what an interrupted stage left there is continued.
+    What an interrupted stage left in the directory of the point is continued.
 
     Raises:
         CranktopoError: a web that cannot be, a failed solve, or an optimisation without a body.
@@ -47,7 +78,6 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
 
 
 def _columns_of(entry: EvaluationResult) -> Json:
-    """Return the quantities of an evaluation, units in the names, for the supports of its scene."""
     mass, second = entry.mass_kg.throw, entry.mass_kg.second_web
     torsion, bending = entry.torsion_Nm_per_rad, entry.bending_N_per_mm
     return {
@@ -83,19 +113,16 @@ def _optimised(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     metrics = _densities(scene, folder)
     surface = Target(scene.name, planned_scene(scene), folder / RUN / metrics.files["stl"], folder / RUN)
     judged = _judged(surface, fineness)
-    told = _told(metrics.status, metrics.iterations)
-    return {**judged, **_limits(metrics.goal), **told, "target": RUN, VIEW: web_view(surface)}
+    return {**judged, **_limits(metrics.goal), **_told(metrics), "target": RUN, VIEW: web_view(surface)}
 
 
 def _densities(scene: Scene, folder: Path) -> RunMetrics:
-    """Return the metrics of the density optimisation of a point, begun, continued or finished."""
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 
-    run = folder / RUN
-    metrics = read_metrics(open_run(str(run))) if _is_done(run) else None
+    run, status = folder / RUN, _status(folder / RUN)
+    metrics = read_metrics(open_run(str(run))) if status == "done" else None
     if metrics is None:
-        begun = _begun(run)
-        done = resume_optimisation(str(run)) if begun else optimise_design(scene, run, command=COMMAND)
+        done = resume_optimisation(str(run)) if status else optimise_design(scene, run, command=COMMAND)
         metrics = done.metrics
     if metrics.refusal:
         raise CranktopoError(f"the optimisation has no web: {metrics.refusal}", code=ExitCode.NOT_CONVERGED)
@@ -114,8 +141,7 @@ def _remodelled(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         refit = remodel_run(str(folder / RUN), folder / REMODEL, evaluated=False)
     file = f"{REMODEL}/{refit.files['design']}"
     web = Target(scene.name, simulated(load_scene(str(folder / file))))
-    told = _told(metrics.status, metrics.iterations)
-    return {**_judged(web, fineness), **told, "target": file, VIEW: web_view(web)}
+    return {**_judged(web, fineness), **_told(metrics), "target": file, VIEW: web_view(web)}
 
 
 def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
@@ -124,13 +150,14 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 
     run, wanted = folder / RUN, scene if scene.goal is not None else with_goal(scene, minimise="mass")
-    if _is_done(run):
+    status = _status(run)
+    if status == "done":
         data = ShapeResult.read(run / RESULT_FILES[SHAPE])
+    elif status:
+        data = resume_shape(str(run)).result
     else:
         settings = fineness.shape_settings(shape_settings(wanted), wanted)
-        begun = _begun(run)
-        done = resume_shape(str(run)) if begun else shape_design(wanted, settings, run, command=COMMAND)
-        data = done.result
+        data = shape_design(wanted, settings, run, command=COMMAND).result
     safety = data.values.result.get("fatigue_safety")
     file = f"{RUN}/{data.files['design']}"
     shaped = load_scene(str(folder / file))
@@ -139,13 +166,13 @@ def _shaped(scene: Scene, folder: Path, fineness: Fineness) -> Json:
         **({} if safety is None else {"fatigue_safety": safety}),
         **_limits(data.goal),
         **_bound(data.bound),
-        **_told(data.status, data.iterations),
+        **_told(data),
         "target": file,
         VIEW: web_view(Target(shaped.name, simulated(shaped, fillets=True))),
     }
 
 
-_STAGES: Mapping[Stage, _StageFunction] = {
+_STAGES: Mapping[Stage, Callable[[Scene, Path, Fineness], Json]] = {
     "evaluate": _evaluated,
     "fatigue": _fatigue,
     "optimise": _optimised,
@@ -158,22 +185,17 @@ def _judged(target: Target, fineness: Fineness) -> Json:
     return _columns_of(fineness.evaluation(target).result)
 
 
-def _begun(run: Path) -> bool:
-    return (run / "manifest.json").is_file()
+def _status(run: Path) -> str:
+    """Return how a run ended; nothing where it is still to be begun."""
+    return str(open_run(str(run)).manifest()["status"]) if (run / "manifest.json").is_file() else ""
 
 
-def _is_done(run: Path) -> bool:
-    """Tell whether a run has neither to be begun nor to be continued."""
-    return _begun(run) and open_run(str(run)).manifest()["status"] == "done"
-
-
-def _told(status: str, iterations: int) -> Json:
-    """Return how an optimisation ended."""
-    return {"optimiser_status": status, "iterations": iterations}
+def _told(result: RunMetrics | ShapeResult) -> Json:
+    return {"optimiser_status": result.status, "iterations": result.iterations}
 
 
 def _limits(goal: GoalOutcome | None) -> Json:
-    """Whether every limit of the goal holds, where there is one; a web that breaks one is no answer to it."""
+    """Tell whether every limit of the goal, if any, holds; a web that breaks one is no answer to it."""
     if not goal:
         return {}
     broken = broken_limits(goal)
@@ -185,12 +207,5 @@ def _bound(bound: BoundStatement | NoBound | None) -> Json:
     """Return what no web of the point's envelope can beat, named after its quantity."""
     if not isinstance(bound, BoundStatement) or bound.value is None:
         return {}
-    names = {
-        "mass": "mass_kg",
-        "torsion": "torsion_Nm_per_rad",
-        "bending": "bending_N_per_mm",
-        "torsion_per_mass": "torsion_per_mass_Nm_per_rad_kg",
-        "bending_per_mass": "bending_per_mass_N_per_mm_kg",
-    }
-    name = names.get(bound.quantity)
+    name = _BOUNDED.get(bound.quantity)
     return {} if name is None else {f"bound_{name}": bound.value}

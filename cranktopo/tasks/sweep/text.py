@@ -2,12 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import io
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from cranktopo.base.files import replacing, write_text
 from cranktopo.report.result_table import ResultTable, Row, terminal
 from cranktopo.tasks.sweep.result import COARSE, DONE, PointResult, SweepResult
+
+if TYPE_CHECKING:
+    import pandas
+
+
+_FIRST = ("id", "status", "design", "stage", "accuracy")
+_LAST = ("optimiser_status", "iterations", "limits_hold", "seconds", "reason", "run", "sha256", "version")
+_LEFT_OUT = ("varied", "target")
+
+
+def frame_of(rows: Sequence[PointResult], front: Sequence[str] = ()) -> pandas.DataFrame:
+    """Return one row per point: its keys, its quantities, how it ended, its hash and version."""
+    import pandas as pd
+
+    flat = [_flat(row) | {"on_front": row.id in set(front)} for row in rows]
+    names = list(dict.fromkeys(name for row in flat for name in row))
+    middle = [name for name in names if name not in (*_FIRST, *_LAST)]
+    order = [name for name in (*_FIRST, *middle, *_LAST) if name in names]
+    frame = pd.DataFrame([{name: row.get(name) for name in order} for row in flat], columns=order)
+    return frame.apply(_plain)
+
+
+def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, str]:
+    """Write the frame as CSV and Parquet, and return their names by kind."""
+    files = {"table": f"{stem}.csv", "parquet": f"{stem}.parquet"}
+    text = io.StringIO()
+    frame.to_csv(text, index=False, lineterminator="\n")
+    write_text(folder / files["table"], text.getvalue())
+    with replacing(folder / files["parquet"]) as temporary:
+        frame.to_parquet(temporary, index=False)
+    return files
+
+
+def _flat(point: PointResult) -> dict[str, Any]:
+    """Return what varied beside what came of it; a quantity that is called like a key is the quantity."""
+    told = {name: value for name, value in point.row().items() if name not in _LEFT_OUT}
+    return {**{name: told[name] for name in _FIRST if name in told}, **point.varied, **told}
+
+
+def _plain(column: pandas.Series) -> pandas.Series:
+    """Return a column of words and numbers, as of a key that takes both, is one of words."""
+    kinds = {type(value) for value in column if value is not None and value == value}
+    mixed = len(kinds) > 1 and not kinds <= {int, float}
+    return column.map(lambda value: value if value is None else str(value)) if mixed else column
+
 
 _QUANTITIES = {"mass_kg": 3, "torsion_Nm_per_rad": 0, "bending_N_per_mm": 0, "fatigue_safety": 3}
 _MOST_ROWS = 20
@@ -30,29 +77,24 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
 
 
 def _front_table(data: SweepResult) -> ResultTable:
-    """Return the points of the front, the original first where it is known."""
-    original = data.original
     chosen = [row for row in data.points if row.id in set(data.front)][:_MOST_ROWS]
     known = {name: digits for name, digits in _QUANTITIES.items() if name in chosen[0].numbers}
-    keys = dict.fromkeys(data.varied, 4)
     apart = {"design": 0} if _designs(data.points) > 1 else {}
-    rows: list[Row] = [_row(row, row.id, keys, known) for row in chosen]
-    if original.status == DONE:
-        rows.insert(0, _row(original, "original", keys, known))
-    return ResultTable({"point": 0, **apart, **keys, **known}, tuple(rows))
+    shown = [("original", data.original)] if data.original.status == DONE else []
+    rows: list[Row] = [
+        {
+            "point": name,
+            "design": row.design,
+            **{key: _cell(row.varied.get(key)) for key in data.varied},
+            **{quantity: row.number(quantity) for quantity in known},
+        }
+        for name, row in [*shown, *((row.id, row) for row in chosen)]
+    ]
+    return ResultTable({"point": 0, **apart, **dict.fromkeys(data.varied, 4), **known}, tuple(rows))
 
 
 def _designs(points: Sequence[PointResult]) -> int:
-    """Return how many designs the points are variants of."""
     return len({point.design for point in points})
-
-
-def _row(
-    row: PointResult, name: str, keys: Mapping[str, int], quantities: Mapping[str, int]
-) -> dict[str, Any]:
-    cells = {key: _cell(row.varied.get(key)) for key in keys}
-    told = {quantity: row.number(quantity) for quantity in quantities}
-    return {"point": name, "design": row.design, **cells, **told}
 
 
 def _cell(value: Any) -> str | None:
@@ -68,14 +110,13 @@ def point_words(points: Sequence[PointResult], row: PointResult) -> str:
 
 
 def _reasons(data: SweepResult) -> list[str]:
-    """Return the first reasons why points have no numbers."""
     found = list(dict.fromkeys(f"{row.status}: {row.reason}" for row in data.points if row.reason))
     more = [f"  and {len(found) - _MOST_REASONS} other reasons"] * (len(found) > _MOST_REASONS)
     return [f"  {line}" for line in found[:_MOST_REASONS]] + more
 
 
 def _accuracy(data: SweepResult) -> list[str]:
-    """How many points stand at full accuracy where not all do, and whether that is enough for the front."""
+    """Tell how many points stand at full accuracy where not all do, and whether the front is decided."""
     coarse = sum(row.number("accuracy") == COARSE for row in data.points)
     left = len(data.undecided or ())
     told = f"{len(data.points) - coarse} points at full accuracy, {coarse} coarse"
