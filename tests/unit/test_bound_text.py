@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from cranktopo.tasks.bound.page import bound_picture, bound_sections
 from cranktopo.tasks.bound.result import BoundStatement, read_bound
-from cranktopo.tasks.bound.text import bound_lines, bound_table
+from cranktopo.tasks.bound.text import bound_lines, bound_picture, bound_sections, bound_table
 
 BOUND = {
     "quantity": "mass",

@@ -20,8 +20,7 @@ from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.tasks.shape import stage
-from cranktopo.tasks.shape.mesh_model import MeshResponses
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.refining import Step
 from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
 

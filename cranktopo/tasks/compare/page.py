@@ -17,8 +17,8 @@ from cranktopo.report.sections import assumed_tables, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
-from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import read_bound
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.plot import scatter_points
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import percent_table, published_table, value_table

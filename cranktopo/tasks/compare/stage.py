@@ -24,7 +24,7 @@ from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
-from cranktopo.tasks.bound.bound_for_result import bounds_for_result
+from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts

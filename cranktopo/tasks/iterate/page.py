@@ -17,7 +17,7 @@ from cranktopo.report.png import png
 from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.runs.kind import SHAPE
-from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     BENDING_PER_MASS,

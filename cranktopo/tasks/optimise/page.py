@@ -17,7 +17,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture, study_pictures
 from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
-from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.result import RunSurface
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity

@@ -15,10 +15,16 @@ from cranktopo.design.goal.constraint import Constraint, model_error, without_er
 from cranktopo.tasks.refit.dimensions import with_free, with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.initial_guess import with_stations
-from cranktopo.tasks.shape.candidate import DOUBT, MINIMUM_GAIN, WebCandidate, doubtful
-from cranktopo.tasks.shape.free_bores import free_bores
-from cranktopo.tasks.shape.pocket_places import pocket_starts
-from cranktopo.tasks.shape.refining import Refinement, merit, refined
+from cranktopo.tasks.shape.feature_starts import end_starts, pocket_starts
+from cranktopo.tasks.shape.refining import (
+    DOUBT,
+    MINIMUM_GAIN,
+    Refinement,
+    WebCandidate,
+    doubtful,
+    merit,
+    refined,
+)
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import (
     EVALUATIONS,
@@ -29,9 +35,8 @@ from cranktopo.tasks.shape.search import (
     why_nothing,
 )
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
-from cranktopo.tasks.shape.start import bevel_start, groove_start
+from cranktopo.tasks.shape.start import free_bores
 from cranktopo.tasks.shape.web_model import WebModel
-from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 
 _CLEAR_GAIN = 0.015
@@ -114,8 +119,10 @@ class FeatureSelection:
         return best
 
     def _with_features(self, best: WebCandidate) -> WebCandidate:
-        for part, guess in self._ends(best):
-            best = self._with(best, part, guess)
+        there = {part.label for part in best.layout.parts}
+        for part, guess in end_starts(self.model.scene):
+            if part.label not in there:
+                best = self._with(best, part, guess)
         for bore in [name for name in free_bores(self.model.scene) if name not in best.layout.dimensions]:
             layout, start = with_free(best.layout, best.values, self.model.scene, (bore,))
             best = self._tried(best, layout, start, bore)
@@ -143,15 +150,6 @@ class FeatureSelection:
         cells = self.model.responses(web, best.values, self._cells_goal.quantities)
         found = SearchResult(best.layout, best.values, best.objective, cells)
         return pocket_starts(self.model, found, self._cells_goal.corrected(best.errors), paid)
-
-    def _ends(self, best: WebCandidate) -> Iterator[tuple[FittedFeature, Array]]:
-        there = {part.label for part in best.layout.parts}
-        for bevel in (FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)):
-            if bevel.label not in there and bevel.possible(self.model.scene):
-                yield bevel, bevel_start(self.model.scene, bevel)
-        groove, guess = groove_start(self.model.scene)
-        if groove.label not in there and groove.possible(self.model.scene):
-            yield groove, guess
 
     def _with(self, best: WebCandidate, part: FittedFeature, guess: Array) -> WebCandidate:
         layout, start = with_part(best.layout, best.values, part, guess)

@@ -1,4 +1,4 @@
-"""Quantities of a parametric web on one body-fitted mesh that moves with it, with exact discrete gradients.
+"""Webs on body-fitted elements: evaluation, and quantities on a mesh that moves, with exact gradients.
 
 The elements stay the same while the parameters change, so that a search sees none of the noise of new
 meshes; the gradients are those of these very numbers. A stiffness needs no adjoint solve: its compliance is a
@@ -8,35 +8,107 @@ are algebra on the condensed matrices.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
+from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import Feature
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.condense import RZ, Lateral, Superelement, condense
+from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
+from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.node_gradients import mean_slopes, moments, section_slopes, work_slopes
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.support_stiffness import (
     bending_motion,
     bending_stiffness_N_per_mm,
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
+from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.start import kept_features
+
+_WITH_BODY: tuple[Feature, ...] = ("bores", "fillets")
+
+
+@dataclass(frozen=True)
+class EvaluatedWeb:
+    """A web with its evaluation on the default mesh, fillets included.
+
+    Attributes:
+        evaluation: with the fatigue safety where that is asked for.
+        seconds: what it took now; next to nothing where it was kept.
+    """
+
+    scene: Scene
+    evaluation: EvaluationResult
+    seconds: float
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """Its quantities by name, in the units of the goal's limits."""
+        return goal_values(self.scene, self.evaluation)
+
+
+def evaluated_web(
+    scene: Scene,
+    fatigue: bool,
+    element_size_mm: float | None,
+    name: str,
+    work: Work,
+    file: Path | None = None,
+) -> EvaluatedWeb:
+    """Evaluate a scene's web with its fillets, or the body of a file that stands for it.
+
+    Args:
+        fatigue: whether the fatigue safety is wanted as well, which takes longest.
+        name: under which the work keeps the evaluation.
+
+    Raises:
+        CranktopoError: impossible geometry, or a failed solve.
+    """
+    kept = _WITH_BODY if file else kept_features(scene)
+    target = Target(scene.name, planned_scene(scene, kept), file)
+
+    def make() -> Json:
+        work.info(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
+        if not fatigue:
+            return evaluate(target, element_size_mm).result.as_json()
+        # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
+        field, found = side_by_side(
+            lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
+        )
+        return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
+
+    began = time.perf_counter()
+    evaluation = EvaluationResult.of_json(work.once(name, make), f"evaluation '{name}'")
+    return EvaluatedWeb(scene, evaluation, time.perf_counter() - began)
+
 
 _RESIDUAL = 1e-4
 """Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
@@ -212,3 +284,57 @@ def _work(model: Elasticity, scene: Scene, field: Array) -> Array:
     """Return the derivative of field' K field by the nodes, the section moving rigidly as it does."""
     inner = work_slopes(model, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, field, field)
     return inner + 2 * section_slopes(model, model.stiffness @ field, field)
+
+
+class MeshedWebs:
+    """Webs of a throw on meshes of one element size."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        limits: ManufacturingLimits,
+        element_size_mm: float,
+        fillet_fraction: float | None = None,
+        shares: Mapping[str, float] | None = None,
+    ) -> None:
+        """Say how webs are meshed.
+
+        Args:
+            fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
+            shares: factors by quantity that bring the numbers of the mesh to finer ones.
+        """
+        self.scene, self._limits, self._size = scene, limits, element_size_mm
+        self._fraction, self._shares = fillet_fraction, shares or {}
+
+    def web(self, layout: Layout) -> ParametricWeb:
+        """Return a web of the layout, for its bounds and manufacturing constraints."""
+        return ParametricWeb(layout, self.scene, self._limits, (np.zeros(0),) * 3)
+
+    def responses(
+        self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
+    ) -> MeshResponses:
+        """Return quantities of a web with these values, by default all, and their gradients.
+
+        Raises:
+            CranktopoError: no sound web, no valid mesh, or a failed solve.
+        """
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+        return model.responses(values, quantities).scaled(self._shares)
+
+
+def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
+    """Return factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
+
+    Args:
+        original: its quantities by the latter.
+
+    Raises:
+        CranktopoError: impossible geometry, or a failed solve.
+    """
+    target = Target(scene.name, planned_scene(scene, kept_features(scene)))
+    found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
+    torsion, bending = found.torsion[supports.torsion], found.bending[supports.bending]
+    assert torsion is not None
+    assert bending is not None
+    shares = {"torsion": original["torsion"] / torsion, "bending": original["bending"] / bending}
+    return {**shares, **{f"{name}_per_mass": share for name, share in shares.items()}}

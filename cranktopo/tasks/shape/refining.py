@@ -1,4 +1,4 @@
-"""Dimensions of a web by few webs on body-fitted elements; between two of them the search goes on cells.
+"""The best web so far, and its refinement: few webs on body-fitted elements, searches on cells between.
 
 There the cells stand for the elements, brought to the value and the gradient of the last meshed web, so that
 an optimum of the cells that no longer moves is one of the elements (first-order model management: Alexandrov
@@ -7,7 +7,7 @@ and Lewis, Optimization and Engineering 2, 2001, 413-430).
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,56 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
+
+MINIMUM_GAIN = 2e-3
+"""Gain in the goal, relative to the original, that a feature or a station must bring."""
+DOUBT = 1e-2
+"""Violation of a limit above which no finish will keep it."""
+
+
+@dataclass(frozen=True)
+class WebCandidate:
+    """The best web so far.
+
+    Attributes:
+        values: parameters of the layout, mm or degrees.
+        objective: the goal, with what slightly missed limits cost; smaller is better.
+        violation: by how much it misses its limits, relative; 0 where it keeps them.
+        told: its quantities in the numbers of the evaluation.
+        errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
+        exact: these by body-fitted elements; None while only the cells have told them.
+        solved: webs solved to refine it.
+    """
+
+    layout: Layout
+    values: Array
+    objective: float
+    violation: float
+    told: Mapping[str, float]
+    errors: Mapping[str, float]
+    exact: Quantities | None = None
+    solved: int = 0
+
+    @property
+    def required_merit(self) -> float:
+        """Merit that a web with one feature more must reach to pay."""
+        return np.inf if self.violation > 0 else self.objective - MINIMUM_GAIN
+
+    def gain_over(self, before: WebCandidate) -> float:
+        """Return the gain in the goal; over a web that violates a limit, how much nearer this one comes."""
+        if before.violation > 0 or self.violation > 0:
+            return before.violation - self.violation
+        return before.objective - self.objective
+
+    def pays(self, before: WebCandidate) -> bool:
+        """Tell whether the web is worth its feature more."""
+        return (self.violation == 0 < before.violation) or self.gain_over(before) >= MINIMUM_GAIN
+
+
+def doubtful(violation: float) -> float:
+    """Return a violation; 0 where a finish may still keep the limits, as the merit counts that."""
+    return violation if violation > DOUBT else 0.0
+
 
 _MISSED = 1.0
 """Cost of a relative excess of a limit in the goal when two webs are compared: above usual prices."""

@@ -24,16 +24,19 @@ from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
-from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
-from cranktopo.tasks.shape.free_bores import first_on_cells, not_on_cells
-from cranktopo.tasks.shape.mesh_model import MeshResponses
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs, coarse_shares
+from cranktopo.tasks.shape.mesh_model import (
+    EvaluatedWeb,
+    MeshedWebs,
+    MeshResponses,
+    coarse_shares,
+    evaluated_web,
+)
 from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
 from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 
 _SETTLED = 2e-3
