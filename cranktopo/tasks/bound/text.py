@@ -43,12 +43,12 @@ def bound_summary(found: BoundResult) -> str:
     return "\n".join(lines)
 
 
-def bound_lines(bound: AnyBound | None) -> list[str]:
+def bound_lines(bound: AnyBound | BoundStatement | None) -> list[str]:
     """Return how far a result is from the best possible web, a line for each statement."""
-    return [statement_line(entry) for entry in statements(bound)]
+    return [_statement_line(entry) for entry in _statements(bound)]
 
 
-def statements(bound: AnyBound | None) -> list[BoundStatement | NoBound]:
+def _statements(bound: AnyBound | BoundStatement | None) -> list[BoundStatement | NoBound]:
     """Return the bounds beside a result, none where they were not asked for."""
     if bound is None:
         return []
@@ -56,7 +56,7 @@ def statements(bound: AnyBound | None) -> list[BoundStatement | NoBound]:
     return [entry for entry in found if isinstance(entry, NoBound) or entry.reached_percent is not None]
 
 
-def statement_line(bound: BoundStatement | NoBound) -> str:
+def _statement_line(bound: BoundStatement | NoBound) -> str:
     """Return how far a result is from what no web can beat in one quantity."""
     if isinstance(bound, NoBound):
         return f"no bound: {bound.none}"
@@ -120,13 +120,13 @@ def _table(found: BoundResult) -> ResultTable:
 _COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}
 
 
-def bound_sections(bound: AnyBound | None, model: str) -> tuple[Section, ...]:
+def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple[Section, ...]:
     """Return one section, none where no bound was asked for; `model` judged original and result."""
-    told = statements(bound)
+    told = _statements(bound)
     if not told:
         return ()
     known = [entry for entry in told if isinstance(entry, BoundStatement) and entry.value is not None]
-    lines = (statement_line(entry) for entry in told)
+    lines = (_statement_line(entry) for entry in told)
     text = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
     return (
         Section(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
@@ -17,7 +16,7 @@ from cranktopo.report.sections import assumed_tables, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
-from cranktopo.tasks.bound.result import read_bound
+from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.plot import scatter_points
 from cranktopo.tasks.compare.result import Comparison
@@ -59,7 +58,7 @@ class ComparisonRecord:
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
         written: when, ISO 8601.
-        bound: beside the entry that is stiffest in torsion per mass, as `bound` of metrics.json.
+        bound: beside the entry that is stiffest in torsion per mass.
     """
 
     comparison: Comparison
@@ -72,7 +71,7 @@ class ComparisonRecord:
     command: str
     written: str
     versions: Mapping[str, str | None]
-    bound: Mapping[str, Any] | None = None
+    bound: AnyBound | None = None
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
@@ -92,8 +91,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
         sections=(
             _variants(comparison, record.undercuts, record.bound),
             *bound_sections(
-                read_bound({"bound": record.bound}),
-                f"{comparison.base.name} and {leader} in the body-fitted evaluation",
+                record.bound, f"{comparison.base.name} and {leader} in the body-fitted evaluation"
             ),
             *_goals(comparison),
             _accuracy(comparison),
@@ -168,7 +166,7 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
 
 
 def _variants(
-    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: Mapping[str, Any] | None
+    comparison: Comparison, undercuts: Sequence[DesignUndercuts], bound: AnyBound | None
 ) -> Section:
     tables = [("Values", value_table(comparison)), ("Percent of the baseline", percent_table(comparison))]
     published = published_table(comparison)
@@ -182,7 +180,7 @@ def _variants(
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design." + _safety(comparison),
         tuple(tables),
-        scatter_pictures(scatter_points(comparison), comparison.baseline, bound),
+        scatter_pictures(scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),
     )
 
 

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
 from cranktopo.runs.destination import check_file
+from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.fea.quantities import MASS
 from cranktopo.tasks.fea.scatter import LABELS, Point, draw_stiffness_over_mass, most_by_label
 
 
-def plot_stiffness_over_mass(
-    comparison: Comparison, path: Path, bound: Mapping[str, Any] | None = None
-) -> None:
+def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound | None = None) -> None:
     """Draw torsional and bending stiffness over mass; dashed lines join equal stiffness per mass.
 
     Args:
@@ -33,7 +30,10 @@ def plot_stiffness_over_mass(
     figure = Figure(figsize=(11, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
     plots = scatter_points(comparison)
-    most = most_by_label(bound, {label: points[comparison.baseline] for label, points in plots.items()})
+    most = most_by_label(
+        bound.stiffest if bound else {},
+        {label: points[comparison.baseline] for label, points in plots.items()},
+    )
     for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
     with replacing(path) as temporary:

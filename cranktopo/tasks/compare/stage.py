@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cranktopo.base.progress import Json
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.bodies.solid.half_surfaces import half_surfaces
 from cranktopo.bodies.undercuts import half_throw_undercuts
@@ -24,6 +23,7 @@ from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
+from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
@@ -116,11 +116,11 @@ def _values(target: Target, entry: Entry) -> dict[str, float]:
     )
 
 
-def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Json | None:
+def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> AnyBound | None:
     """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
     Returns:
-        As `bound` of metrics.json; None where the baseline is no design with an envelope, the targets have
+        None where the baseline is no design with an envelope, the targets have
         other throws or envelopes, the halves of one differ, or the design's effects leave the bound out.
     """
     comparison, base = found.comparison, found.targets[found.comparison.baseline]
@@ -131,7 +131,7 @@ def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Jso
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
-    return bounds_for_result(scene, reached, None, info).as_json()
+    return bounds_for_result(scene, reached, None, info)
 
 
 def report_comparison(
@@ -139,7 +139,7 @@ def report_comparison(
     path: Path,
     command: Sequence[str] = (),
     stress_progress: Info | None = None,
-    bound: Json | None = None,
+    bound: AnyBound | None = None,
 ) -> None:
     """Write the page of a comparison as HTML or Markdown.
 
@@ -160,7 +160,7 @@ def _comparison_record(
     found: ComparedTargets,
     command: Sequence[str] = (),
     stress_progress: Info | None = None,
-    bound: Json | None = None,
+    bound: AnyBound | None = None,
 ) -> ComparisonRecord:
     """Return everything that the page of a comparison shows; arguments as `report_comparison`."""
     scene = found.targets[found.comparison.baseline].scene

@@ -113,7 +113,7 @@ def _variants(metrics: RunMetrics) -> Section:
                 ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
             ),
         ),
-        scatter_pictures(points, 0, None if metrics.bound is None else metrics.bound.as_json()),
+        scatter_pictures(points, 0, metrics.bound.stiffest if metrics.bound else {}),
     )
 
 

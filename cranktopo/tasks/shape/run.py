@@ -40,7 +40,7 @@ from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind
 from cranktopo.runs.status import working_in
-from cranktopo.tasks.bound.result import read_bound
+from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.stage import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
@@ -262,11 +262,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         optimum = optimise_shape(scene, goal, settings, work, start)
         judge = optimum.judge_seconds
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
-        bound = (
-            work.once("bound", lambda: bound_for_goal(scene, goal, settings.cell_mm, info).as_json())
-            if plan(scene, goal=goal)["bound"].state == "on"
-            else None
-        )
+        bound = _bound(scene, goal, settings.cell_mm, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
         info("writing the solid and the drawing")
         files = _write(run, scene, optimum)
@@ -276,7 +272,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         found = assemble_result(scene, optimum, begin, seconds)
         reached = {"reached_percent": found.goal.reached_percent}
         more = {
-            "bound": bound and read_bound({"bound": bound | reached}),
+            "bound": bound and bound.model_copy(update=reached),
             "assumed": tuple(run.manifest().get("assumed", ())),
             "files": {**files, "report": REPORT},
         }
@@ -286,6 +282,13 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         write_report(page, run.path / REPORT)
     run.log(f"{found.status}: {found.stop_reason}")
     return ShapedRun(run.path, found)
+
+
+def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
+    if plan(scene, goal=goal)["bound"].state != "on":
+        return None
+    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm, work.info).as_json())
+    return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
 
 
 def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:
