@@ -48,26 +48,12 @@ _REFINED = Refinement(3, 12, 5.0, 1.5e-3)
 
 
 def _trial_text(trial: FeatureTrial) -> str:
-    """Return one line of progress."""
     if trial.objective is None:
         return f"{trial.step}: no web that keeps limits and rules"
     gain = "" if trial.gain_percent is None else f", gain {trial.gain_percent:+.2f} %"
     violation = f", a limit missed by {trial.missed_percent:.2f} %" if trial.missed_percent else ""
     out = "" if trial.kept else ", left out"
     return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{violation}{gain}{out}"
-
-
-def _no_web(reached: str) -> CranktopoError:
-    """Return the error where no web keeps the limits.
-
-    Args:
-        reached: what the nearest web reaches of each.
-    """
-    return CranktopoError(
-        f"shape: no web found that keeps all limits. The nearest, in percent of the original: {reached}.",
-        hint="Loosen a limit, enlarge the envelope, or allow a smaller wall or radius.",
-        code=ExitCode.CRITERION_NOT_MET,
-    )
 
 
 class FeatureSelection:
@@ -81,23 +67,17 @@ class FeatureSelection:
         original: Mapping[str, float],
         work: Work,
     ) -> None:
-        """Say what is wanted of a web.
+        """Take the goal and the original in the numbers of the elements, which judge the webs of the cells.
 
         Args:
-            elements: webs on body-fitted elements, which judge those of the cells.
             goals: in the numbers of the cells, and in those of the elements.
-            original: quantities of the original web in the latter.
         """
         self.model, self.trials = model, list[FeatureTrial]()
         self._elements, self._original, self._work = elements, original, work
         self._cells_goal, self._goal = goals
 
     def first(self, layout: Layout, start: Array) -> WebCandidate:
-        """Return the best web of the start's layout by cells; the nearest to its limits if none keeps them.
-
-        Raises:
-            CranktopoError: no web keeps the rules (exit code 6).
-        """
+        """Return the best web of a layout by cells; the nearest to its limits if none keeps them."""
         name = self._name
         found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, {})
         self._note("outline", layout, found, None, found is not None, solved)
@@ -109,12 +89,18 @@ class FeatureSelection:
         """Return the web with every feature that pays: bevels and a groove, then pockets, then more stations.
 
         Raises:
-            CranktopoError: no web keeps the limits (exit code 6).
+            CranktopoError: no web keeps the limits.
         """
         best = self._with_features(best)
         if best.violation > DOUBT:
-            raise _no_web(
-                ", ".join(_required_and_reached(r, best.told, self._original) for r in self._goal.limits)
+            reached = ", ".join(
+                _required_and_reached(r, best.told, self._original) for r in self._goal.limits
+            )
+            raise CranktopoError(
+                "shape: no web found that keeps all limits. The nearest, in percent of the original: "
+                f"{reached}.",
+                hint="Loosen a limit, enlarge the envelope, or allow a smaller wall or radius.",
+                code=ExitCode.CRITERION_NOT_MET,
             )
         return best
 
@@ -220,11 +206,7 @@ class FeatureSelection:
         return f"trial-{len(self.trials) + 1:02d}"
 
     def _refined(self, web: WebCandidate, name: str, required_merit: float = np.inf) -> WebCandidate:
-        """Return a web of the cells, refined on body-fitted elements; one that was refined as it is.
-
-        Args:
-            worth: merit without hope of which the web is not refined further.
-        """
+        """Return a web of the cells, refined on body-fitted elements; one that was refined as it is."""
         if web.exact is not None:
             return web
 
@@ -258,7 +240,7 @@ class FeatureSelection:
         )
 
     def _errors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
-        """Return by how much the cells overrate each quantity of the goal for a web whose truth is known."""
+        """Return by how much the cells overrate each quantity of the goal."""
         cells = self.model.responses(self.model.web(layout), values, ()).values
         return {
             name: model_error(name, self._told(name, cells[name], {}), truth[name])
@@ -274,16 +256,14 @@ class FeatureSelection:
         kept: bool,
         solved: int,
     ) -> None:
-        gain = None if found is None or before is None else 100 * found.gain_over(before)
-        objective, violation = (None, 0.0) if found is None else (found.objective, 100 * found.violation)
         trial = FeatureTrial(
             step=step,
             parameters=len(layout.names),
-            objective=objective,
-            gain_percent=gain,
+            objective=found and found.objective,
+            gain_percent=100 * found.gain_over(before) if found and before else None,
             kept=kept,
             evaluations=solved,
-            missed_percent=violation,
+            missed_percent=100 * found.violation if found else 0.0,
         )
         self.trials.append(trial)
         self._work.info(_trial_text(trial))

@@ -184,7 +184,6 @@ class FilletSafety:
     """Fatigue safety of the fillets.
 
     Attributes:
-        minimum: the least of all nodes.
         smooth: 1 over the p-norm of 1 / safety; below the least, by a factor that hardly changes.
         gradients: derivative of `smooth` by the nodes, (3, nodes).
     """
@@ -198,11 +197,7 @@ class FilletFatigue:
     """Safety by local stress analysis over the extreme load states of a scene."""
 
     def __init__(self, scene: Scene) -> None:
-        """Find the load states.
-
-        Raises:
-            CranktopoError: the scene does not tell the loads.
-        """
+        """Find the load states, which the scene must tell."""
         enabled, kinds = load_kinds(scene, "extremes")
         self.scene, self.kinds = scene, kinds
         self.history: LoadHistory = load_history(scene, "extremes", enabled)
@@ -215,13 +210,10 @@ class FilletFatigue:
     def safety(
         self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
     ) -> FilletSafety:
-        """Return the safety of the fillets on a mesh.
-
-        Args:
-            scene: with the fillets of the mesh.
-            bend, twist: symmetric and antisymmetric condensation.
-        """
-        fields = self._fields(bend, twist)
+        """Return the safety of the fillets on a mesh, by symmetric and antisymmetric condensation."""
+        pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
+        by_kind = {**pushed, "torsion": twisted(twist, self.scene)}
+        fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)
         mirrored = bend.parts == 2
@@ -246,11 +238,6 @@ class FilletFatigue:
     @property
     def _elastic(self) -> tuple[float, float]:
         return self.scene.material.E_GPa * MPA_PER_GPA, self.scene.material.poisson
-
-    def _fields(self, bend: Superelement, twist: Superelement) -> list[UnitField]:
-        pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
-        found = {**pushed, "torsion": twisted(twist, self.scene)}
-        return [found[kind] for kind in self.kinds]
 
     def _smooth(
         self, scene: Scene, surface: Surface, stress: SurfaceStress, loads: list[Array]

@@ -53,17 +53,10 @@ from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.start import kept_features
 
-_WITH_BODY: tuple[Feature, ...] = ("bores", "fillets")
-
 
 @dataclass(frozen=True)
 class EvaluatedWeb:
-    """A web with its evaluation on the default mesh, fillets included.
-
-    Attributes:
-        evaluation: with the fatigue safety where that is asked for.
-        seconds: what it took now; next to nothing where it was kept.
-    """
+    """A web with its evaluation on the default mesh, fillets included, and the time that took now."""
 
     scene: Scene
     evaluation: EvaluationResult
@@ -86,13 +79,13 @@ def evaluated_web(
     """Evaluate a scene's web with its fillets, or the body of a file that stands for it.
 
     Args:
-        fatigue: whether the fatigue safety is wanted as well, which takes longest.
+        fatigue: find the fatigue safety as well, which takes longest.
         name: under which the work keeps the evaluation.
 
     Raises:
         CranktopoError: impossible geometry, or a failed solve.
     """
-    kept = _WITH_BODY if file else kept_features(scene)
+    kept: tuple[Feature, ...] = ("bores", "fillets") if file else kept_features(scene)
     target = Target(scene.name, planned_scene(scene, kept), file)
 
     def make() -> Json:
@@ -125,14 +118,13 @@ class MeshResponses(Quantities):
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
         """Return the same with every quantity times its share, by default 1."""
-        share = {name: shares.get(name, 1.0) for name in self.values}
         return MeshResponses(
-            {name: share[name] * value for name, value in self.values.items()},
-            {name: share[name] * slope for name, slope in self.gradients.items()},
+            {name: shares.get(name, 1.0) * value for name, value in self.values.items()},
+            {name: shares.get(name, 1.0) * slope for name, slope in self.gradients.items()},
         )
 
     def calibrated(self, truth: Mapping[str, float]) -> MeshResponses:
-        """Return with the values of a truth; slopes in proportion, but as they are for what may be 0."""
+        """Return the same with the values of a truth; slopes in proportion, but not of what may be 0."""
         both = self.values.keys() & truth.keys()
         signed = {name for name in both if quantity_named(name).signed}
         found = self.scaled({name: truth[name] / self.values[name] for name in both - signed})
@@ -156,7 +148,7 @@ class MeshModel:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
 
         Raises:
-            CranktopoError: they make no sound web, or there is no valid mesh.
+            CranktopoError: no sound web, or no valid mesh.
         """
         require_equal_halves(scene)
         sized = scene_at(scene, layout, values)
@@ -171,11 +163,9 @@ class MeshModel:
         self._smoothing = 0.0
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
-        """Return quantities of the web with these values, and their gradients.
+        """Return the wanted quantities of the web with these values, by default all, and their gradients.
 
-        Args:
-            quantities: those that are wanted, by default all; masses cost next to nothing and are always
-                there, fatigue safety where the mesh was made for it.
+        Masses are always there, fatigue safety where the mesh was made for it.
 
         Raises:
             CranktopoError: the mesh folds, or a failed solve.
@@ -196,7 +186,6 @@ class MeshModel:
     def _solved(
         self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
     ) -> _ByNodes:
-        """Return what needs displacements, of the quantities that are wanted."""
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
 
@@ -216,31 +205,27 @@ class MeshModel:
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
-        """Return the block of a stiffness."""
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         side: Lateral = "even" if mirrored else "none"
-        return condense(model, scene, "symmetric", side, self._spin(model), _RESIDUAL)
+        spin = None
+        if self._fatigue is not None and self._fatigue.spins:
+            density = density_tonne_per_mm3(self.scene.material.density_kg_m3)
+            spin = centrifugal_force(model, density)[:, None]
+        return condense(model, scene, "symmetric", side, spin, _RESIDUAL)
 
     def _model(self, mesh: TetMesh) -> Elasticity:
         material = self.scene.material
         return assemble(mesh, material.E_GPa * MPA_PER_GPA, material.poisson)
 
-    def _spin(self, model: Elasticity) -> Array | None:
-        """Return nodal forces of the centrifugal load, if the fatigue safety needs them."""
-        if self._fatigue is None or not self._fatigue.spins:
-            return None
-        return centrifugal_force(model, density_tonne_per_mm3(self.scene.material.density_kg_m3))[:, None]
-
     def _masses(self, model: Elasticity) -> _ByNodes:
         """Return mass, inertia and unbalance of the throw and gradients, exact where the mesh was made."""
         kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
         integrals, gradients = moments(model)
-        names = ("mass", "unbalance", "inertia")
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        return dict(zip(names, pairs, strict=True))
+        return dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
 
 
 def _exact(meshed: MeshedThrow) -> Array:
@@ -250,11 +235,7 @@ def _exact(meshed: MeshedThrow) -> Array:
 
 
 def _torsion_gradient(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
-    """Return the torsional stiffness, N m/rad, with the scene's support, and its derivative by the nodes.
-
-    Args:
-        block: antisymmetric condensation.
-    """
+    """Return the torsional stiffness, N m/rad, and its derivative by the nodes, by antisymmetry."""
     support = scene.supports.torsion
     spring = support_spring(scene, support)
     value = torsional_stiffness_Nm_per_rad(block, support, spring)
@@ -265,11 +246,7 @@ def _torsion_gradient(model: Elasticity, scene: Scene, block: Superelement) -> t
 
 
 def _bending_gradient(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
-    """Return the bending stiffness, N/mm, with the scene's support, and its derivative by the nodes.
-
-    Args:
-        block: symmetric condensation.
-    """
+    """Return the bending stiffness, N/mm, and its derivative by the nodes, by symmetry."""
     support = scene.supports.bending
     spring = support_spring(scene, support)
     value = bending_stiffness_N_per_mm(block, support, spring)
@@ -297,12 +274,7 @@ class MeshedWebs:
         fillet_fraction: float | None = None,
         shares: Mapping[str, float] | None = None,
     ) -> None:
-        """Say how webs are meshed.
-
-        Args:
-            fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
-            shares: factors by quantity that bring the numbers of the mesh to finer ones.
-        """
+        """Take the size of the elements, and factors by quantity that bring their numbers to finer ones."""
         self.scene, self._limits, self._size = scene, limits, element_size_mm
         self._fraction, self._shares = fillet_fraction, shares or {}
 
@@ -323,14 +295,7 @@ class MeshedWebs:
 
 
 def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
-    """Return factors by quantity that bring the original web on a coarse mesh to a finer evaluation.
-
-    Args:
-        original: its quantities by the latter.
-
-    Raises:
-        CranktopoError: impossible geometry, or a failed solve.
-    """
+    """Return factors by quantity that bring the original web on a coarse mesh to its finer evaluation."""
     target = Target(scene.name, planned_scene(scene, kept_features(scene)))
     found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
     torsion, bending = found.torsion[supports.torsion], found.bending[supports.bending]

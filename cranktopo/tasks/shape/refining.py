@@ -31,13 +31,11 @@ class WebCandidate:
     """The best web so far.
 
     Attributes:
-        values: parameters of the layout, mm or degrees.
         objective: the goal, with what slightly missed limits cost; smaller is better.
         violation: by how much it misses its limits, relative; 0 where it keeps them.
         told: its quantities in the numbers of the evaluation.
         errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
         exact: these by body-fitted elements; None while only the cells have told them.
-        solved: webs solved to refine it.
     """
 
     layout: Layout
@@ -95,12 +93,7 @@ class Refinement:
 
 @dataclass(frozen=True)
 class Refined:
-    """The best meshed web of a refinement.
-
-    Attributes:
-        found: its quantities on its mesh.
-        solved: webs solved on cells and on meshes.
-    """
+    """The best meshed web of a refinement, and how many webs were solved on cells and on meshes."""
 
     values: Array
     found: Quantities
@@ -110,12 +103,7 @@ class Refined:
 
 @dataclass(frozen=True)
 class Step:
-    """The web that a search beside an exact one ends in.
-
-    Attributes:
-        merit: what it promises.
-        solved: webs solved on cells.
-    """
+    """The web that a search on cells beside an exact one ends in, and the merit that it promises."""
 
     values: Array
     merit: float
@@ -129,12 +117,7 @@ class CorrectedSurrogate:
     """
 
     def __init__(self, webs: WebSolver, at: Array, rough: Quantities, exact: Quantities) -> None:
-        """Match at a web.
-
-        Args:
-            at: (n,) its parameters.
-            rough, exact: its quantities in both models.
-        """
+        """Match at the web with the parameters `at`, (n,)."""
         self.scene = webs.scene
         self._webs, self._at, self._rough, self._exact = webs, at, rough, exact
 
@@ -175,11 +158,10 @@ def refined(
     extent: Refinement,
     required_merit: float = np.inf,
 ) -> Refined:
-    """Return the best web near a start by meshed webs, as few as can be.
+    """Return the best web near a start by meshed webs, as few as can be; the goal is in their numbers.
 
     Args:
-        goal: in the numbers of the meshed webs.
-        required_merit: The web stays as it is once the next search promises less, where only that share of
+        required_merit: the web stays as it is once the next search promises less, where only that share of
             its promise counts that the search before kept.
 
     Raises:
@@ -221,12 +203,7 @@ def stepped(
     work: Work,
     effort: SearchBudget,
 ) -> Step:
-    """Return the best web by cells that are brought to the truth of one web; that web where none is better.
-
-    Args:
-        at: (n,) parameters of the web that is known exactly.
-        exact: its quantities.
-    """
+    """Return the best web by cells brought to the truth of one web; that web where none is better."""
     rough = cells.responses(cells.web(layout), at, goal.quantities)
     matched, private = CorrectedSurrogate(cells, at, rough, exact), Work(work.info, {}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)

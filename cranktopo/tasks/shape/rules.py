@@ -82,10 +82,7 @@ class EnvelopeClearance:
     def _outside(self, envelope: Envelope, points: Array) -> tuple[Array, Array]:
         """Return excesses (constraints, n) and their derivatives by each point (constraints, n, 2)."""
         known = envelope.outside_mm(points)
-        if known is not None:
-            return known
-        x, y, distance = self._field
-        return _interpolated(x, y, distance, points)
+        return _interpolated(*self._field, points) if known is None else known
 
     @cached_property
     def _field(self) -> tuple[Array, Array, Array]:
@@ -154,7 +151,12 @@ class Rules:
     def violation_text(self) -> str:
         """Names of the rules that it breaks and by how much, the worst first."""
         worst = sorted(self.violations_mm.items(), key=lambda item: (-round(item[1], 3), item[0]))
-        return ", ".join(f"'{name}' is broken by {_amount(name, over)}" for name, over in worst)
+        amounts = (
+            f"{over:.2f} mm" if rule_unit(name) == "mm" else f"{100 * over:.0f} %" for name, over in worst
+        )
+        return ", ".join(
+            f"'{name}' is broken by {amount}" for (name, _), amount in zip(worst, amounts, strict=True)
+        )
 
 
 def rule_unit(name: str) -> str:

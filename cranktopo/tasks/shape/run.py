@@ -68,20 +68,160 @@ from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_se
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
 
-_PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
-_COMPARED = ("mass", "torsion", "bending", "torsion_per_mass", "bending_per_mass", "inertia", "unbalance")
+_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
+"""Tables of a scene that a shape optimisation uses."""
+_KEPT = "work.json"
+_BEGUN = "begun"
+"""Key of the scene whose web the search began with, among the manifest's options."""
+_FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing": "drawing.pdf"}
 
 
-def assemble_result(
-    scene: Scene, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
-) -> ShapeResult:
-    """Return the content of shape.json without bound, assumptions and files.
+@dataclass(frozen=True)
+class ShapedRun:
+    """A finished shape optimisation; `result` is the content of shape.json."""
+
+    folder: Path
+    result: ShapeResult
+
+
+def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
+    """Return settings that suit a throw of any size."""
+    usual, scale = ShapeSettings(), usual_scale(scene)
+    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=limits or usual_limits(scene))
+
+
+def shape_design(
+    scene: Scene,
+    settings: ShapeSettings | None = None,
+    out: Path | None = None,
+    design_toml: str | None = None,
+    command: Sequence[str] = (),
+    info: Info = lambda _: None,
+    begun: Scene | RunStore | None = None,
+) -> ShapedRun:
+    """Optimise the dimensions of a scene's web in a new run; nothing is written before all is validated.
 
     Args:
-        scene: the design.
-        start: parameters of the web that the search began with, by name.
-        seconds: wall time by part.
+        design_toml: text of the design as the user wrote it; by default written from the scene.
+        command: the command line, for the manifest.
+        begun: scene whose web the search begins with, or a run whose re-model is made for it; by default the
+            design itself. Percent limits refer to the design's own web in any case.
+
+    Raises:
+        CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
+    check_destination(out)
+    check_device()
+    check_original(scene)
+    _goal(scene)
+    if scene.envelope is None:
+        raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
+    settings = settings or shape_settings(scene)
+    assumed = assumptions(scene, _TABLES)
+    if assumed:
+        info(assumed_text(assumed))
+    if isinstance(begun, RunStore):
+        begun = _remodelled(begun, settings.limits, info)
+    start = scene_start(scene, settings.limits, begun)
+    if start.left_out:
+        info(f"left out of the start: {'; '.join(start.left_out)}")
+    begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
+    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings), **begin})
+    return _worked(run, scene, settings, start, info)
+
+
+def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
+    """Continue an interrupted shape optimisation: finished searches and evaluations are read, not repeated.
+
+    Raises:
+        CranktopoError: not such a run, a changed input, or as `shape_design`.
+    """
+    run = open_run(reference)
+    require_kind(run, SHAPE)
+    run.require_same_inputs()
+    options = run.manifest()["options"]
+    data, begun = options[SHAPE], options.get(_BEGUN)
+    settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
+    scene = design_from_run(run)
+    first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
+    run.resume()
+    return _worked(run, scene, settings, scene_start(scene, settings.limits, first), info)
+
+
+def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene:
+    """Return the parametric web fitted to a density optimisation that has none yet."""
+    info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
+    made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
+    return load_scene(str(Path(made.folder or ".") / made.files["design"]))
+
+
+def _goal(scene: Scene) -> Goal:
+    return require_goal(scene, "shape optimisation", "torsion_per_mass")
+
+
+def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:
+    began, goal = time.perf_counter(), _goal(scene)
+    with working_in(run, "finished searches are kept") as check, double_precision():
+        work = Work(info, KeptWork(run.path / _KEPT), check)
+        optimum = optimise_shape(scene, goal, settings, work, start)
+        judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
+        seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
+        bound = _bound(scene, goal, settings.cell_mm, work)
+        seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
+        info("writing the solid and the drawing")
+        _write(run, scene, optimum)
+        seconds["total"] = time.perf_counter() - began
+        layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
+        begin = dict(zip(layout.names, map(float, values), strict=True))
+        found = _assembled(scene, optimum, begin, seconds)
+        reached = {"reached_percent": found.goal.reached_percent}
+        more = {
+            "bound": bound and bound.model_copy(update=reached),
+            "assumed": tuple(run.manifest().get("assumed", ())),
+            "files": {**_FILES, "report": REPORT},
+        }
+        found = found.model_copy(update=more)
+        write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
+        page = shape_page(found, run.manifest(), scene, _bodies(run, scene, optimum))
+        write_report(page, run.path / REPORT)
+    run.log(f"{found.status}: {found.stop_reason}")
+    return ShapedRun(run.path, found)
+
+
+def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
+    if plan(scene, goal=goal)["bound"].state != "on":
+        return None
+    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm, work.info).as_json())
+    return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
+
+
+def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> None:
+    """Write scene, exact solids and drawing of the best web."""
+    shaped, goal = optimum.result.web.scene, optimum.goal
+    heading = f"Web of {scene.name} with the best dimensions for: {goal.sense} {goal.quantity}."
+    write_text(run.path / _FILES["design"], toml_text(shaped, heading))
+    export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
+    export_solid(shaped, "half", run.path / _FILES["stl"])
+    export_drawing(shaped, run.path / _FILES["drawing"])
+
+
+def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
+    file = original_file(scene)
+    before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
+    found = read_stl(run.path / _FILES["stl"])
+    shown = (("result", found, optimum.result.web.scene), ("original web", before, scene))
+    return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)
+
+
+_PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
+_STIFFNESSES = ("torsion", "bending", "torsion_per_mass", "bending_per_mass")
+_COMPARED = ("mass", *_STIFFNESSES, "inertia", "unbalance", "fatigue_safety")
+
+
+def _assembled(
+    scene: Scene, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
+) -> ShapeResult:
+    """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
     goal, result, original = optimum.goal, optimum.result, optimum.original
     table, on_cells = _sensitivities(scene, optimum), goal_on_cells(goal)
     return ShapeResult(
@@ -137,13 +277,12 @@ def _changes(optimum: ShapeOptimum) -> dict[str, float]:
     values, original = optimum.result.web.values, optimum.original.values
     return {
         name: 100 * (values[name] / original[name] - 1)
-        for name in (*_COMPARED, "fatigue_safety")
+        for name in _COMPARED
         if values.get(name) and original[name]
     }
 
 
 def _sensitivities(scene: Scene, optimum: ShapeOptimum) -> SensitivityTable:
-    """Return what a millimetre is worth, what holds each dimension, and the worst case."""
     web, values, original = optimum.web, optimum.result.values, optimum.original.values
     goal = optimum.stated, optimum.responses, original
     holders = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
@@ -159,158 +298,3 @@ def _reason(optimum: ShapeOptimum) -> str:
     worst = max(told, key=lambda limit: limit.violation or 0.0)
     label, percent = QUANTITIES[worst.quantity].label, 100 * (worst.violation or 0.0)
     return f"{label} misses its limit by {percent:.2f} % by the evaluation, best of {count} webs"
-
-
-_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
-"""Tables of a scene that a shape optimisation uses."""
-_KEPT = "work.json"
-_BEGUN = "begun"
-"""Key of the scene whose web the search began with, among the manifest's options."""
-_FILES = {"design": "web.toml", "step": "web.step", "stl": "web.stl", "drawing": "drawing.pdf"}
-
-
-@dataclass(frozen=True)
-class ShapedRun:
-    """A finished shape optimisation; `result` is the content of shape.json."""
-
-    folder: Path
-    result: ShapeResult
-
-
-def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
-    """Return settings that suit a throw of any size."""
-    usual, scale = ShapeSettings(), usual_scale(scene)
-    kept = limits or usual_limits(scene)
-    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
-
-
-def shape_design(
-    scene: Scene,
-    settings: ShapeSettings | None = None,
-    out: Path | None = None,
-    design_toml: str | None = None,
-    command: Sequence[str] = (),
-    info: Info = lambda _: None,
-    begun: Scene | RunStore | None = None,
-) -> ShapedRun:
-    """Optimise the dimensions of a scene's web in a new run; nothing is written before all is validated.
-
-    Args:
-        scene: the design with its goal.
-        out: run directory; by default a new one under runs/.
-        design_toml: text of the design as the user wrote it; by default written from the scene.
-        command: the command line, for the manifest.
-        begun: scene whose web the search begins with, or a run whose re-model is made for it; by default the
-            design itself. Percent limits refer to the design's own web in any case.
-
-    Raises:
-        CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
-    """
-    check_destination(out)
-    check_device()
-    check_original(scene)
-    _goal(scene)
-    if scene.envelope is None:
-        raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
-    settings = settings or shape_settings(scene)
-    assumed = assumptions(scene, _TABLES)
-    if assumed:
-        info(assumed_text(assumed))
-    if isinstance(begun, RunStore):
-        begun = _remodelled(begun, settings.limits, info)
-    start = scene_start(scene, settings.limits, begun)
-    if start.left_out:
-        info(f"left out of the start: {'; '.join(start.left_out)}")
-    begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
-    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings), **begin})
-    return _worked(run, scene, settings, start, info)
-
-
-def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
-    """Continue an interrupted shape optimisation: finished searches and evaluations are read, not repeated.
-
-    Raises:
-        CranktopoError: not such a run, a changed input, or as `shape_design`.
-    """
-    run = open_run(reference)
-    require_kind(run, SHAPE)
-    run.require_same_inputs()
-    options = run.manifest()["options"]
-    data, begun = options[SHAPE], options.get(_BEGUN)
-    settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
-    scene = design_from_run(run)
-    first = None if begun is None else scene_from_dict(begun, str(run.path / "manifest.json"))
-    run.resume()
-    return _worked(run, scene, settings, scene_start(scene, settings.limits, first), info)
-
-
-def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene:
-    """Return the parametric web fitted to a density optimisation that has none yet."""
-    info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
-    made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
-    return load_scene(str(Path(made.folder or ".") / made.files["design"]))
-
-
-def _goal(scene: Scene) -> Goal:
-    return require_goal(scene, "shape optimisation", "torsion_per_mass")
-
-
-def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:
-    began, goal = time.perf_counter(), _goal(scene)
-    with working_in(run, "finished searches are kept") as check, double_precision():
-        work = Work(info, KeptWork(run.path / _KEPT), check)
-        optimum = optimise_shape(scene, goal, settings, work, start)
-        judge = optimum.judge_seconds
-        seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
-        bound = _bound(scene, goal, settings.cell_mm, work)
-        seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
-        info("writing the solid and the drawing")
-        files = _write(run, scene, optimum)
-        seconds["total"] = time.perf_counter() - began
-        layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
-        begin = dict(zip(layout.names, map(float, values), strict=True))
-        found = assemble_result(scene, optimum, begin, seconds)
-        reached = {"reached_percent": found.goal.reached_percent}
-        more = {
-            "bound": bound and bound.model_copy(update=reached),
-            "assumed": tuple(run.manifest().get("assumed", ())),
-            "files": {**files, "report": REPORT},
-        }
-        found = found.model_copy(update=more)
-        write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
-        page = shape_page(found, run.manifest(), scene, _bodies(run, scene, optimum))
-        write_report(page, run.path / REPORT)
-    run.log(f"{found.status}: {found.stop_reason}")
-    return ShapedRun(run.path, found)
-
-
-def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
-    if plan(scene, goal=goal)["bound"].state != "on":
-        return None
-    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm, work.info).as_json())
-    return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
-
-
-def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:
-    """Return scene, exact solids and drawing of the best web; returns their names by kind."""
-    shaped = optimum.result.web.scene
-    heading = (
-        f"Web of {scene.name} with the best dimensions for: {optimum.goal.sense} {optimum.goal.quantity}."
-    )
-    write_text(run.path / _FILES["design"], toml_text(shaped, heading))
-    export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
-    export_solid(shaped, "half", run.path / _FILES["stl"])
-    export_drawing(shaped, run.path / _FILES["drawing"])
-    return dict(_FILES)
-
-
-def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
-    """Return the result and the original, the half throw of each."""
-    file = original_file(scene)
-    before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
-    result = optimum.result.web.scene
-    shown = (
-        ("result", read_stl(run.path / _FILES["stl"]), result),
-        ("original web", before, scene),
-    )
-    return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)

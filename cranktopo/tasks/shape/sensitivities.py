@@ -28,14 +28,7 @@ def dimension_sensitivities(
     original: Mapping[str, float],
     holders: Sequence[tuple[str, ...]],
 ) -> tuple[DimensionSensitivity, ...]:
-    """Return every dimension of a web with what it is worth on body-fitted elements.
-
-    Args:
-        values: (n,) of its parameters.
-        found: its quantities and their gradients.
-        original: quantities of the original web.
-        holders: of each parameter, by `held_by`.
-    """
+    """Return every dimension of a web with what it is worth; `holders` by `active_constraints`."""
     told = [name for name in _SHOWN if name in found.gradients and original.get(name)]
     percent = {name: 100 * found.gradients[name] / original[name] for name in told}
     return tuple(
@@ -56,11 +49,7 @@ def dimension_sensitivities(
 
 
 def sensitivity_table(found: Sequence[DimensionSensitivity], tolerance: float) -> SensitivityTable:
-    """Return the dimensions with the worst case.
-
-    Args:
-        tolerance: of every dimension, mm or degrees.
-    """
+    """Return the dimensions with the worst case within a tolerance, mm or degrees."""
     worst = {"tolerance": tolerance, **worst_case_percent(found, tolerance)}
     return SensitivityTable(parameters=tuple(found), worst_case_percent=worst)
 

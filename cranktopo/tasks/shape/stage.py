@@ -46,7 +46,7 @@ _FINISH = SearchBudget(20, 0.8, nearest=True)
 _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
 _FREE_ROUNDS = 3
-"""So many times the finishes where dimensions are free that the cells do not know."""
+"""So many times the finishes for free dimensions that cells do not know, which move a little in each."""
 _SAFE, _SURE = 5e-4, 2e-3
 """Part of a limit that the search keeps in reserve beside a web that keeps them all, and beside another."""
 _SCATTER = 5e-3
@@ -60,7 +60,7 @@ class ShapeSettings:
     Attributes:
         cell_mm: cells on which features are chosen.
         mesh_mm: elements on which trials are judged and gradients taken.
-        rounds: most finishes, each followed by an evaluation; three times as many with free dimensions.
+        rounds: most finishes; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
     """
 
@@ -76,7 +76,6 @@ class ShapeRound:
     """A web that was found, and its evaluation.
 
     Attributes:
-        values: its parameters, mm or degrees.
         excess_percent: how far each limit of the goal is missed by the evaluation, %; 0 or less is kept.
         evaluations: webs solved to find it.
     """
@@ -104,8 +103,6 @@ class ShapeOptimum:
     Attributes:
         stated: the goal in the units of the evaluation.
         rounds: webs that were evaluated, in their order; the first is that of the cells.
-        best: position of the best of them.
-        trials: features and stations that were tried.
         responses: quantities of the best web as the evaluation tells them, with their exact gradients.
     """
 
@@ -124,11 +121,6 @@ class ShapeOptimum:
         """The best round."""
         return self.rounds[self.best]
 
-    @property
-    def judge_seconds(self) -> float:
-        """Time that the evaluations on the default mesh took."""
-        return sum(web.seconds for web in (self.original, *(found.web for found in self.rounds)))
-
 
 def optimise_shape(
     scene: Scene,
@@ -138,9 +130,6 @@ def optimise_shape(
     start: WebRead | None = None,
 ) -> ShapeOptimum:
     """Return the best web of the family for a goal; call inside `double_precision()`.
-
-    Args:
-        start: web to begin with; by default the scene's own, `scene_start`.
 
     Raises:
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
@@ -205,15 +194,11 @@ class _LocalRefinement:
             self._anchor = (web, found)
         return self._anchor[1]
 
-    @property
-    def _maximum_rounds(self) -> int:
-        """Dimensions that the cells do not know only move in the finishes, a little in each."""
-        return self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
-
     def rounds(self, start: Array) -> tuple[ShapeRound, ...]:
         """Return the web of the cells and those of the finishes, until they keep limits and settle."""
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
-        for number in range(1, self._maximum_rounds + 1):
+        maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+        for number in range(1, maximum + 1):
             before = rounds[_best(rounds, self._goal)]
             try:
                 found = self._finished(before, number, effort, violation)
@@ -236,8 +221,7 @@ class _LocalRefinement:
     ) -> ShapeRound | None:
         """Return the best web near one that was evaluated, by its gradients; None where none promises to pay.
 
-        Args:
-            missed: part of a limit that the last webs found beside it missed; kept in reserve as well.
+        What the last webs found beside it missed of a limit, `violation`, is kept in reserve as well.
         """
 
         def make() -> Json:

@@ -44,9 +44,7 @@ def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STA
 def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None = None) -> WebRead:
     """Return a web in the family: exactly where it is one of the family, else its outline sampled.
 
-    Args:
-        begun: scene of the web to begin with, by default the scene itself; of its throw only the free
-            dimensions are taken over.
+    Of the throw of another scene to begin with only the free dimensions are taken over.
     """
     found = read_web(begun or scene, outline_start(begun or scene, limits))
     if begun is None:
@@ -83,10 +81,7 @@ def free_bores(scene: Scene) -> tuple[DimensionName, ...]:
 def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[DimensionName, ...]:
     """Return the free dimensions to begin with that cells know: bores and those of the counterweight.
 
-    The bore of a solid journal is tried as a feature is.
-
-    Args:
-        begun: dimensions that are not those of the scene, mm or degrees.
+    The bore of a solid journal is tried as a feature is. `begun` has those that are not the scene's.
     """
     there = (name for name in free_bores(scene) if begun.get(name, own_dimension_mm(scene, name)))
     return (*there, *_of_counterweight(scene))

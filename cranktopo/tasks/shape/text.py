@@ -68,11 +68,7 @@ def worst_case_table(worst_case_percent: Mapping[str, float]) -> ResultTable:
 
 
 def sensitivity_text(found: SensitivityTable | ShapeResult, whole: str) -> list[str]:
-    """Return both tables and the worst case for a terminal.
-
-    Args:
-        whole: what the percentages refer to.
-    """
+    """Return both tables and the worst case for a terminal; percentages refer to `whole`."""
     held = held_table(found.parameters)
     return [
         f"What a millimetre (degree) is worth, % of {whole}:",
@@ -156,16 +152,12 @@ def rounds_table(found: ShapeResult) -> ResultTable:
         {
             "web": f"finish {number}" if number else "of the cells",
             **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
-            "limits missed by": _violation_text(web.excess_percent),
+            "limits missed by": f"{worst:.2f} %" if worst > _KEPT_PERCENT else "-",
         }
         for number, web in enumerate(found.rounds)
+        for worst in [max(web.excess_percent, default=0.0)]
     )
     return ResultTable(columns, rows)
-
-
-def _violation_text(excess_percent: Sequence[float]) -> str:
-    worst = max(excess_percent, default=0.0)
-    return "-" if worst <= _KEPT_PERCENT else f"{worst:.2f} %"
 
 
 def named_first(found: ShapeResult) -> tuple[str, ...]:

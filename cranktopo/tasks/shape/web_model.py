@@ -6,7 +6,7 @@ boundary cell is partly full, not penalised) -> displacements -> responses. Call
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import jax
@@ -45,9 +45,6 @@ def domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
     """Return the cells of the design space with free bores filled; the pin is loaded outside its own.
 
     A counterweight that changes is no fixed part of them.
-
-    Raises:
-        CranktopoError: no envelope, or one that does not touch a journal.
     """
     free = free_bores(scene)
     if any(map(is_of_counterweight, free_dimensions(scene))):
@@ -153,11 +150,6 @@ class WebModel:
         """Return webs on these cells, solved one after another."""
         return SolvedWebs(self)
 
-    @property
-    def layers(self) -> slice:
-        """Layers of the web along z."""
-        return slice(*self.domain.web_layers)
-
     def fill(self, web: ParametricWeb, values: Array) -> Array:
         """Return the fill of the web's cells (nx, ny, nw), 0 to 1."""
         return smooth_step(web.inside_mm(values)[0], self.domain.grid.largest_edge_mm)[0]
@@ -172,14 +164,16 @@ class WebModel:
         """
         inside, which = web.inside_mm(values)
         fill, slope = smooth_step(inside, self.domain.grid.largest_edge_mm)
-        design, layers = self.domain.design_fraction[:, :, self.layers], self.layers
+        layers = slice(*self.domain.web_layers)
+        design = self.domain.design_fraction[:, :, layers]
         moduli, solid = self.domain.passive_fraction.copy(), self.domain.passive_fraction.copy()
         moduli[:, :, layers] += design * (CONTRAST + (1 - CONTRAST) * fill)
         solid[:, :, layers] += design * fill
         left, by_bores = self.bores.left(web.layout, values)
         stiff = 1 - (1 - CONTRAST) * (1 - left)
         solved = _solved(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
-        found, by_moduli, by_solid = map(np.asarray, gradients(self.model, self._functions, solved, {}))
+        functions = tuple(response.value for response in self.known.values())
+        found, by_moduli, by_solid = map(np.asarray, gradients(self.model, functions, solved, {}))
         by_fill = ((1 - CONTRAST) * stiff * by_moduli + left * by_solid)[..., layers] * design
         by_cell = dict(zip(self.known, by_fill, strict=True))
         pulled = {
@@ -192,10 +186,6 @@ class WebModel:
                 pulled[name][web.layout.names.index(bore)] += (rest * thinner).sum()
         named = dict(zip(self.known, map(float, found), strict=True))
         return Responses(named, pulled, by_cell, fill, solved.displacements)
-
-    @property
-    def _functions(self) -> tuple[Callable[[Design], jax.Array], ...]:
-        return tuple(response.value for response in self.known.values())
 
 
 class SolvedWebs:
