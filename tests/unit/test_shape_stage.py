@@ -22,6 +22,7 @@ from cranktopo.engine.cases import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.refining import Step
+from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
@@ -55,7 +56,7 @@ class Told:
         self.finishes += 1
         if self.finishes == self.fails_at:
             raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
-        return Step(at + 0.01, self.promised, 5)
+        return Step(at + 0.01, Quantities({}, {}), self.promised, 5)
 
     def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
         self.goals.append(goals[0])

@@ -36,26 +36,20 @@ from cranktopo.tasks.bound.webs import AdmissibleDensities
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel
 
+_at_sections = jax.jit(section_coordinates)
 ROUNDING = 128 * float(np.finfo(np.float64).eps)
 """Above the rounding, over the sum of the terms' sizes, of an energy from the displacements of eight corners,
 of a pairwise sum of up to 1e9 terms, and of displacements on a rigid section."""
 
 
-@dataclass(frozen=True)
-class Energies:
-    """Of every web with densities rho: compliances >= constant - sum of gains * rho.
+def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> tuple[Array, Array]:
+    """Return what displacements (cases, 3, nodes...), mm, within the supports prove; rounded to be safe.
 
-    Attributes:
-        constant: (cases,), N mm.
-        gains: energies of full cells (cases, nx, ny, nw), N mm; not negative.
+    Of every web with densities rho: compliances >= constant - sum of gains * rho.
+
+    Returns:
+        Constant (cases,) and gains, the energies of full cells (cases, nx, ny, nw), not negative; N mm.
     """
-
-    constant: Array
-    gains: Array
-
-
-def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> Energies:
-    """Return what displacements (cases, 3, nodes...), mm, within the supports prove; rounded to be safe."""
     blocks = layer_blocks(model.lattice)
     factor = model.modulus_MPa / model.share
     cells = factor * (
@@ -65,17 +59,13 @@ def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> Ener
     web = cells[..., webs.layers] * webs.design
     soft = webs.fixed * cells
     works = factor * np.asarray(model.forces) * np.asarray(u)
-    springs = factor * _spring_energies(model, u)
+    at = np.asarray(_at_sections(model.supports, u))
+    springs = factor * np.asarray(np.einsum("bm,bmn,bn->b", at, np.asarray(model.supports.springs), at))
     sides = (1, 2, 3)
     parts = np.stack([soft.sum(axis=sides), CONTRAST * web.sum(axis=sides), springs])
     sizes = 2 * np.abs(works).sum(axis=(1, 2, 3, 4)) + np.abs(parts).sum(axis=0)
     constant = 2 * works.sum(axis=(1, 2, 3, 4)) - parts.sum(axis=0) - ROUNDING * sizes
-    return Energies(constant, (1 - CONTRAST) * web)
-
-
-def _spring_energies(model: ThrowModel, u: jax.Array) -> Array:
-    at = np.asarray(_at_sections(model.supports, u))
-    return np.asarray(np.einsum("bm,bmn,bn->b", at, np.asarray(model.supports.springs), at))
+    return constant, (1 - CONTRAST) * web
 
 
 @jax.jit
@@ -92,9 +82,6 @@ def _sizes(blocks: jax.Array, u: jax.Array) -> jax.Array:
 
     sizes: jax.Array = jax.lax.map(of_case, u)
     return sizes
-
-
-_at_sections = jax.jit(section_coordinates)
 
 
 _CUTS = 60
@@ -131,7 +118,7 @@ class LinearUnderestimator:
 def underestimator_of(
     webs: AdmissibleDensities,
     cases: Sequence[str],
-    proven: Energies,
+    proven: tuple[Array, Array],
     original: Mapping[str, float],
     reference_compliances: Mapping[str, float],
 ) -> LinearUnderestimator:
@@ -139,8 +126,9 @@ def underestimator_of(
     cells = np.array([reference_compliances[case] for case in cases])
     sums = tuple(webs.amounts)
     scale = np.concatenate([cells, [original[name] or 1.0 for name in sums]])
-    base = np.concatenate([proven.constant, [webs.fixed_amounts[name] for name in sums]])
-    rows = np.concatenate([-proven.gains, np.stack([webs.amounts[name] for name in sums])])
+    constant, gains = proven
+    base = np.concatenate([constant, [webs.fixed_amounts[name] for name in sums]])
+    rows = np.concatenate([-gains, np.stack([webs.amounts[name] for name in sums])])
     rows = rows / scale[:, None, None, None]
     sizes = np.abs(base / scale) + np.abs(rows).sum(axis=(1, 2, 3))
     return LinearUnderestimator((*cases, *sums), base / scale, rows, sizes, webs)

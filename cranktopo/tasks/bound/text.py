@@ -20,14 +20,8 @@ _ABOUT = "proven for every web in the envelope, whatever its topology, in the ce
 
 def bound_summary(found: BoundResult) -> str:
     """Return what `cranktopo bound` prints."""
-    lines = [
-        f"{found.design}: {goal_words(found.goal)}",
-        "",
-        terminal(_table(found)),
-        "",
-        _claim(found),
-        _error(found),
-    ]
+    head = f"{found.design}: {goal_words(found.goal)}"
+    lines = [head, "", terminal(_table(found)), "", _claim(found), _error(found)]
     lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in found.goal.dropped]
     if found.process != "free":
         lines.append(
@@ -49,7 +43,6 @@ def bound_lines(bound: AnyBound | BoundStatement | None) -> list[str]:
 
 
 def _statements(bound: AnyBound | BoundStatement | None) -> list[BoundStatement | NoBound]:
-    """Return the bounds beside a result, none where they were not asked for."""
     if bound is None:
         return []
     found = bound.statements if isinstance(bound, BoundStatements) else (bound,)
@@ -57,7 +50,6 @@ def _statements(bound: AnyBound | BoundStatement | None) -> list[BoundStatement 
 
 
 def _statement_line(bound: BoundStatement | NoBound) -> str:
-    """Return how far a result is from what no web can beat in one quantity."""
     if isinstance(bound, NoBound):
         return f"no bound: {bound.none}"
     percent, reached = bound.percent_of_original, bound.reached_percent
@@ -79,12 +71,9 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
 
 def bound_table(bound: BoundStatement) -> ResultTable:
     """Return original, result and bound of a statement that has one, in percent of the original."""
-    rows = (
-        ("original", 100.0),
-        ("result", bound.reached_percent),
-        ("bound", bound.percent_of_original),
-    )
-    return ResultTable({"web": 0, "percent": 1}, tuple({"web": web, "percent": value} for web, value in rows))
+    webs = {"original": 100.0, "result": bound.reached_percent, "bound": bound.percent_of_original}
+    rows = tuple({"web": web, "percent": percent} for web, percent in webs.items())
+    return ResultTable({"web": 0, "percent": 1}, rows)
 
 
 def _claim(found: BoundResult) -> str:
@@ -103,18 +92,17 @@ def _error(found: BoundResult) -> str:
 
 
 def _table(found: BoundResult) -> ResultTable:
-    bound, relaxed, own = found.bound, found.variable_stiffness, found.original[found.bound.quantity]
-    unit = bound.unit
-    rows: list[Row] = [
-        {"web": "original", "value": value_text(own, unit), "percent": 100.0},
-        {
-            "web": "cells of any stiffness",
-            "value": value_text(relaxed.value, unit),
-            "percent": relaxed.percent_of_original,
-        },
-        {"web": "bound", "value": value_text(bound.value, unit), "percent": bound.percent_of_original},
-    ]
-    return ResultTable({"web": 0, "value": 0, "percent": 1}, tuple(rows if bound.possible else rows[:1]))
+    bound, relaxed = found.bound, found.variable_stiffness
+    webs = (
+        ("original", found.original[bound.quantity], 100.0),
+        ("cells of any stiffness", relaxed.value, relaxed.percent_of_original),
+        ("bound", bound.value, bound.percent_of_original),
+    )
+    rows: tuple[Row, ...] = tuple(
+        {"web": web, "value": value_text(value, bound.unit), "percent": percent}
+        for web, value, percent in (webs if bound.possible else webs[:1])
+    )
+    return ResultTable({"web": 0, "value": 0, "percent": 1}, rows)
 
 
 _COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}

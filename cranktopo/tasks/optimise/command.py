@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.completion import designs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import (
     DEFAULT_DESIGN,
     bound_option,
     percent,
     refuse_beside_resume,
+    run_options,
     seconds,
     web_option,
     with_bound_option,
@@ -82,10 +83,7 @@ if TYPE_CHECKING:
 )
 @bound_option
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
-@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option(
-    "--resume", metavar="RUN", shell_complete=runs, help="Continue an interrupted, stopped or killed run."
-)
+@run_options("Continue an interrupted, stopped or killed run.")
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
 @verbosity_options
 def command(design: str | None, out: Path | None, resume: str | None, as_json: bool, **options: Any) -> int:

@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs_and_runs, runs
+from cranktopo.cli.completion import designs_and_runs
 from cranktopo.cli.goal_options import goal_options, with_goal_options
 from cranktopo.cli.options import (
     DEFAULT_DESIGN,
     bound_option,
     limit_options,
     refuse_beside_resume,
+    run_options,
     web_option,
     with_bound_option,
 )
@@ -35,13 +36,7 @@ if TYPE_CHECKING:
 @goal_options
 @limit_options
 @bound_option
-@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option(
-    "--resume",
-    metavar="RUN",
-    shell_complete=runs,
-    help="Continue an interrupted optimisation; finished searches are kept.",
-)
+@run_options("Continue an interrupted optimisation; finished searches are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print shape.json.")
 @verbosity_options
 def command(

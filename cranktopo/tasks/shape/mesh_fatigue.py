@@ -9,7 +9,6 @@ already, brings the derivative back to the nodes: every step of `numerics.tetrah
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -179,20 +178,6 @@ _STEP = 1e-6
 """Step of central differences of a node's used strength, of the largest stress."""
 
 
-@dataclass(frozen=True)
-class FilletSafety:
-    """Fatigue safety of the fillets.
-
-    Attributes:
-        smooth: 1 over the p-norm of 1 / safety; below the least, by a factor that hardly changes.
-        gradients: derivative of `smooth` by the nodes, (3, nodes).
-    """
-
-    minimum: float
-    smooth: float
-    gradients: Array
-
-
 class FilletFatigue:
     """Safety by local stress analysis over the extreme load states of a scene."""
 
@@ -209,8 +194,13 @@ class FilletFatigue:
 
     def safety(
         self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
-    ) -> FilletSafety:
-        """Return the safety of the fillets on a mesh, by symmetric and antisymmetric condensation."""
+    ) -> tuple[float, float, Array]:
+        """Return the safety of the fillets on a mesh, by symmetric and antisymmetric condensation.
+
+        Returns:
+            The least; 1 over the p-norm of 1 / safety, which is below it by a factor that hardly changes; the
+            derivative of the latter by the nodes, (3, nodes).
+        """
         pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
         by_kind = {**pushed, "torsion": twisted(twist, self.scene)}
         fields = [by_kind[kind] for kind in self.kinds]
@@ -233,7 +223,7 @@ class FilletFatigue:
             return sum(found, np.zeros_like(gradients))
 
         one, other = side_by_side(lambda: through(True), lambda: through(False))
-        return FilletSafety(minimum, smooth, gradients + one + other)
+        return minimum, smooth, gradients + one + other
 
     @property
     def _elastic(self) -> tuple[float, float]:

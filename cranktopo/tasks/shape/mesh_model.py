@@ -199,9 +199,9 @@ class MeshModel:
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if safety and twist and bend:
-            fillets = safety.safety(model, scene, bend, twist)
-            self._smoothing = self._smoothing or fillets.minimum / fillets.smooth
-            found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.gradients
+            minimum, smooth, gradients = safety.safety(model, scene, bend, twist)
+            self._smoothing = self._smoothing or minimum / smooth
+            found["fatigue_safety"] = self._smoothing * smooth, self._smoothing * gradients
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:

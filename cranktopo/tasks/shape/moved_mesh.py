@@ -64,7 +64,7 @@ class MovedMesh:
     """A mesh of the web, numbered as scikit-fem does, and how it moves with the web's parameters."""
 
     def __init__(self, mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> None:
-        self.mesh, self.values = numbered(mesh), np.asarray(values, dtype=np.float64)
+        self.mesh, self.values = _numbered(mesh), np.asarray(values, dtype=np.float64)
         self._faces = web_faces(scene, layout, mirrored=mesh.mirrored)
         moving = (-np.inf, np.inf) if move_journals(layout.dimensions) else scene.web_z_mm
         self._surface, self._triangles, self._on, self._still = _surface_nodes(
@@ -210,7 +210,7 @@ class _Net:
         return result
 
 
-def numbered(mesh: TetMesh) -> TetMesh:
+def _numbered(mesh: TetMesh) -> TetMesh:
     """Return the mesh with its nodes numbered as scikit-fem numbers them, corners first."""
     from skfem import MeshTet2
 

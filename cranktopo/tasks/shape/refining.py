@@ -92,20 +92,11 @@ class Refinement:
 
 
 @dataclass(frozen=True)
-class Refined:
-    """The best meshed web of a refinement, and how many webs were solved on cells and on meshes."""
+class Step:
+    """A web of a refinement with its quantities and merit, and how many webs were solved to find it."""
 
     values: Array
     found: Quantities
-    merit: float
-    solved: int
-
-
-@dataclass(frozen=True)
-class Step:
-    """The web that a search on cells beside an exact one ends in, and the merit that it promises."""
-
-    values: Array
     merit: float
     solved: int
 
@@ -157,7 +148,7 @@ def refined(
     work: Work,
     extent: Refinement,
     required_merit: float = np.inf,
-) -> Refined:
+) -> Step:
     """Return the best web near a start by meshed webs, as few as can be; the goal is in their numbers.
 
     Args:
@@ -169,7 +160,7 @@ def refined(
     """
     web = meshed.web(layout)
     found = meshed.responses(web, start, goal.quantities)
-    best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
+    best, solved, reach = Step(start, found, merit(goal, found.values), 1), 1, extent.reach
     kept_share = 1.0
     for _ in range(extent.steps):
         effort = SearchBudget(extent.evaluations, reach, nearest=True)
@@ -185,7 +176,7 @@ def refined(
             reach *= SHORTER
             continue
         solved += 1
-        now = Refined(step.values, found, merit(goal, found.values), solved)
+        now = Step(step.values, found, merit(goal, found.values), solved)
         gain = best.merit - now.merit
         if gain <= 0:
             reach *= SHORTER
@@ -208,6 +199,6 @@ def stepped(
     matched, private = CorrectedSurrogate(cells, at, rough, exact), Work(work.info, {}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     if values is None:
-        return Step(at, merit(goal, exact.values), solved + 1)
-    promised = matched.responses(matched.web(layout), values, goal.quantities).values
-    return Step(values, merit(goal, promised), solved + 2)
+        return Step(at, exact, merit(goal, exact.values), solved + 1)
+    promised = matched.responses(matched.web(layout), values, goal.quantities)
+    return Step(values, promised, merit(goal, promised.values), solved + 2)

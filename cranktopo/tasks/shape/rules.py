@@ -151,12 +151,7 @@ class Rules:
     def violation_text(self) -> str:
         """Names of the rules that it breaks and by how much, the worst first."""
         worst = sorted(self.violations_mm.items(), key=lambda item: (-round(item[1], 3), item[0]))
-        amounts = (
-            f"{over:.2f} mm" if rule_unit(name) == "mm" else f"{100 * over:.0f} %" for name, over in worst
-        )
-        return ", ".join(
-            f"'{name}' is broken by {amount}" for (name, _), amount in zip(worst, amounts, strict=True)
-        )
+        return ", ".join(f"'{name}' is broken by {_amount(name, over)}" for name, over in worst)
 
 
 def rule_unit(name: str) -> str:

@@ -40,70 +40,6 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.start import free_bores
 
-
-def domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
-    """Return the cells of the design space with free bores filled; the pin is loaded outside its own.
-
-    A counterweight that changes is no fixed part of them.
-    """
-    free = free_bores(scene)
-    if any(map(is_of_counterweight, free_dimensions(scene))):
-        scene = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
-    filled = build_domain(with_dimensions(scene, dict.fromkeys(free, 0.0)), resolution_mm)
-    if "pin_bore" not in free:
-        return filled
-    widest = with_dimensions(scene, {"pin_bore": (free_range_mm(scene, "pin_bore") or (0.0, 0.0))[1]})
-    pin = build_domain(widest, resolution_mm, "envelope", filled.extent, filled.grid).pin
-    return replace(filled, pin=pin)
-
-
-class FreeBores:
-    """The free bores of a scene on its cells; a bore runs through its journal and the web."""
-
-    def __init__(self, scene: Scene, domain: Domain) -> None:
-        self.names = free_bores(scene)
-        self._scene, self._domain = scene, domain
-
-    def left(self, layout: Layout, values: Array) -> tuple[Array, dict[str, Array]]:
-        """Return the share of each cell that they leave, (nx, ny, nz), and its derivatives, 1/mm.
-
-        A solid journal whose bore the layout lacks stays solid.
-        """
-        scene = scene_at(self._scene, layout, values)
-        rests = {name: self._rest(scene, name) for name in self.names if own_dimension_mm(scene, name)}
-        left, gradients = np.ones(self._domain.grid.cells), dict[str, Array]()
-        for name, (rest, _) in rests.items():
-            left *= rest
-            if name in layout.dimensions:
-                others = [other for key, (other, _) in rests.items() if key != name]
-                gradients[name] = np.prod([rests[name][1], *others], axis=0)
-        return left, gradients
-
-    def _rest(self, scene: Scene, name: DimensionName) -> tuple[Array, Array]:
-        """Return what one bore leaves of each cell, and its derivative by the diameter."""
-        grid, (start, end) = self._domain.grid, self._domain.web_layers
-        main = name == "journal_bore"
-        journal, axis = scene.throw.journals[0 if main else 1]
-        x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm))
-        step = grid.largest_edge_mm
-        radius, by_radius = _stepped_radius(journal.bore_radius_mm, step)
-        rest, slope = smooth_step(np.hypot(x[:, None], y[None, :] - axis) - radius, step)
-        bored = np.arange(grid.cells[2]) < end if main else np.arange(grid.cells[2]) >= start
-        return np.where(bored, rest[:, :, None], 1.0), np.where(
-            bored, -slope[:, :, None] * by_radius / 2, 0.0
-        )
-
-
-def _stepped_radius(radius_mm: float, step_mm: float) -> tuple[float, float]:
-    """Return the step's radius at which a hole takes its true area, and its derivative by the hole's radius.
-
-    A step of half-width h about a circle of radius r takes pi (r2 + 0.2 h2).
-    """
-    square, more = radius_mm**2, 0.2 * step_mm**2
-    far = np.sqrt(square + more)
-    return float(square / far), float(radius_mm * (2 - square / far**2) / far)
-
-
 _TOLERANCE = 1e-5
 """Relative residual of the search; the error of a compliance is its square."""
 _TOLERANCE_ORIGINAL = 1e-8
@@ -128,10 +64,11 @@ class Responses(Quantities):
 class WebModel:
     """The cells of a throw whose web has a layout's dimensions.
 
+    Fillets and another thickness are not on the cells, their gradients are 0.
+
     Attributes:
         known: every quantity that its load cases allow.
         original: those of the scene's own web on the same cells.
-        bores: the free ones; fillets and another thickness are not on the cells, their gradients are 0.
     """
 
     scene: Scene
@@ -140,7 +77,6 @@ class WebModel:
     model: ThrowModel
     known: Mapping[str, Response]
     original: dict[str, float]
-    bores: FreeBores
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout on the cells between the web faces."""
@@ -169,7 +105,7 @@ class WebModel:
         moduli, solid = self.domain.passive_fraction.copy(), self.domain.passive_fraction.copy()
         moduli[:, :, layers] += design * (CONTRAST + (1 - CONTRAST) * fill)
         solid[:, :, layers] += design * fill
-        left, by_bores = self.bores.left(web.layout, values)
+        left, by_bores = _left_by_bores(self.scene, self.domain, web.layout, values)
         stiff = 1 - (1 - CONTRAST) * (1 - left)
         solved = _solved(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
         functions = tuple(response.value for response in self.known.values())
@@ -212,14 +148,14 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     Raises:
         CranktopoError: no envelope, or a failed solve.
     """
-    domain = domain_without_free_bores(scene, resolution_mm)
+    domain = _domain_without_free_bores(scene, resolution_mm)
     effects = plan(scene).enabled - set(LOAD_TYPES) | set(MAIN_KINDS)
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}
-    return WebModel(scene, limits, domain, model, known, original, FreeBores(scene, domain))
+    return WebModel(scene, limits, domain, model, known, original)
 
 
 def _solved(
@@ -229,3 +165,59 @@ def _solved(
     u = solve(model, relative, guess=guess, tolerance=tolerance).displacements
     works = compliances(model, u)
     return Design(relative, jnp.asarray(solid), works, works, u)
+
+
+def _domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
+    """Return the cells of the design space with free bores filled; the pin is loaded outside its own.
+
+    A counterweight that changes is no fixed part of them.
+    """
+    free = free_bores(scene)
+    if any(map(is_of_counterweight, free_dimensions(scene))):
+        scene = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    filled = build_domain(with_dimensions(scene, dict.fromkeys(free, 0.0)), resolution_mm)
+    if "pin_bore" not in free:
+        return filled
+    widest = with_dimensions(scene, {"pin_bore": (free_range_mm(scene, "pin_bore") or (0.0, 0.0))[1]})
+    pin = build_domain(widest, resolution_mm, "envelope", filled.extent, filled.grid).pin
+    return replace(filled, pin=pin)
+
+
+def _left_by_bores(
+    scene: Scene, domain: Domain, layout: Layout, values: Array
+) -> tuple[Array, dict[str, Array]]:
+    """Return the share of each cell that free bores leave, (nx, ny, nz), and its derivatives, 1/mm.
+
+    A bore runs through its journal and the web. A solid journal whose bore the layout lacks stays solid.
+    """
+    sized = scene_at(scene, layout, values)
+    rests = {n: _left_by_bore(sized, domain, n) for n in free_bores(scene) if own_dimension_mm(sized, n)}
+    left, gradients = np.ones(domain.grid.cells), dict[str, Array]()
+    for name, (rest, _) in rests.items():
+        left *= rest
+        if name in layout.dimensions:
+            others = [other for key, (other, _) in rests.items() if key != name]
+            gradients[name] = np.prod([rests[name][1], *others], axis=0)
+    return left, gradients
+
+
+def _left_by_bore(scene: Scene, domain: Domain, name: DimensionName) -> tuple[Array, Array]:
+    grid, (start, end), main = domain.grid, domain.web_layers, name == "journal_bore"
+    journal, axis = scene.throw.journals[0 if main else 1]
+    x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm))
+    step = grid.largest_edge_mm
+    radius, by_radius = _stepped_radius(journal.bore_radius_mm, step)
+    rest, slope = smooth_step(np.hypot(x[:, None], y[None, :] - axis) - radius, step)
+    bored = np.arange(grid.cells[2]) < end if main else np.arange(grid.cells[2]) >= start
+    by_diameter = np.where(bored, -slope[:, :, None] * by_radius / 2, 0.0)
+    return np.where(bored, rest[:, :, None], 1.0), by_diameter
+
+
+def _stepped_radius(radius_mm: float, step_mm: float) -> tuple[float, float]:
+    """Return the step's radius at which a hole takes its true area, and its derivative by the hole's radius.
+
+    A step of half-width h about a circle of radius r takes pi (r2 + 0.2 h2).
+    """
+    square, more = radius_mm**2, 0.2 * step_mm**2
+    far = np.sqrt(square + more)
+    return float(square / far), float(radius_mm * (2 - square / far**2) / far)

@@ -14,9 +14,9 @@ import click
 from click.core import ParameterSource
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.cli.completion import designs, runs
+from cranktopo.cli.completion import designs
 from cranktopo.cli.goal_options import goal_options
-from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, seconds
+from cranktopo.cli.options import DEFAULT_DESIGN, percent, refuse_beside_resume, run_options, seconds
 from cranktopo.cli.parameters import CELL_MM, Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 
@@ -70,13 +70,7 @@ if TYPE_CHECKING:
 @click.option(
     "--scheduler", metavar="ADDRESS", help="A Dask scheduler to use instead, such as tcp://10.0.0.5:8786."
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option(
-    "--resume",
-    metavar="RUN",
-    shell_complete=runs,
-    help="Continue a sweep; finished points are kept.",
-)
+@run_options("Continue a sweep; finished points are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print sweep.json.")
 @verbosity_options
 def command(
