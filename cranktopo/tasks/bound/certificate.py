@@ -107,6 +107,10 @@ class LinearUnderestimator:
     sizes: Array
     webs: AdmissibleDensities
 
+    def weights_of(self, quantity: str) -> Array:
+        """Return the weights that pick one of the quantities."""
+        return np.array([float(name == quantity) for name in self.names])
+
     def minimum(self, weights: Array) -> tuple[float, Array]:
         """Return a lower bound of a weighted sum of the quantities over all webs, and these there."""
         gains = -np.tensordot(weights, self.rows, 1)

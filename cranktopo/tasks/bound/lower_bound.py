@@ -38,7 +38,7 @@ from cranktopo.tasks.bound.certificate import (
     supporting_lines,
     underestimator_of,
 )
-from cranktopo.tasks.bound.webs import LINEAR, AdmissibleDensities, ConvexProblem, convex_problem, webs_of
+from cranktopo.tasks.bound.webs import AdmissibleDensities, ConvexProblem, convex_problem, webs_of
 from cranktopo.tasks.density.assess import assess_original
 from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.material import CONTRAST
@@ -239,10 +239,11 @@ class _DensitySearch:
 
     def __init__(self, model: BoundModel, problem: ConvexProblem, start: Array | None) -> None:
         self._model, self._problem = model, problem
-        self._goal = _at(model, problem.quantity)
         self._weights = np.ones(len(problem.constraints))
         self.density = np.full(model.webs.design.shape, _START) if start is None else start
         self.u, self.underestimator = self._solved()
+        self._goal = self.underestimator.weights_of(problem.quantity)
+        self._mass = self.underestimator.weights_of("mass")
         self.values: list[float] = []
         self._refuted = False
 
@@ -255,7 +256,7 @@ class _DensitySearch:
 
     def step(self) -> None:
         """Improve the densities once."""
-        goal, mass = self._goal, _at(self._model, "mass")
+        goal, mass = self._goal, self._mass
         if self._problem.per_mass:
             goal = self._told(mass) * goal + self._told(goal) * mass
         self._weights = self._improve(goal, self._problem.constraints, self._weights)
@@ -275,7 +276,7 @@ class _DensitySearch:
 
     def _proof_per_mass(self) -> Certificate:
         """Return lines from displacements at the best mass, then at those where the lines leave most room."""
-        mass, constraints = _at(self._model, "mass"), self._problem.constraints
+        mass, constraints = self._mass, self._problem.constraints
         kept = [index for index, c in enumerate(constraints) if c.quantity != "mass"]
         others = [constraints[index] for index in kept]
         slope, reached = self._told(self._goal) / self._told(mass), self.values[-1]
@@ -311,8 +312,3 @@ class _DensitySearch:
         """Return a weighted sum of the quantities of the present densities."""
         underestimator = self.underestimator
         return float(weights @ (underestimator.base + np.tensordot(underestimator.rows, self.density, 3)))
-
-
-def _at(model: BoundModel, quantity: str) -> Array:
-    names = (*model.model.case_names, *LINEAR)
-    return np.array([float(name == quantity) for name in names])

@@ -118,11 +118,7 @@ def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float, info: Info) -> Boun
 
 
 def model_for_result(scene: Scene, goal: Goal | None, info: Info) -> BoundModel:
-    """Build the cells that `bounds_for_result` computes on; the web itself need not be known.
-
-    Raises:
-        CranktopoError: as `bound_model`.
-    """
+    """Build the cells that `bounds_for_result` computes on; the web itself need not be known."""
     with double_precision():
         return _model(scene, goal, bound_cell_mm(scene), info)
 
@@ -156,7 +152,7 @@ def stiffness_percent(model: BoundModel, bound: Bound, masses_percent: Sequence[
     The bound is tightest at its own mass; its displacements prove all of the curve.
     """
     underestimator = model.underestimator(bound.displacements)
-    goal = np.array([float(name == bound.problem.quantity) for name in underestimator.names])
+    goal = underestimator.weights_of(bound.problem.quantity)
     found = []
     for percent in masses_percent:
         no_heavier = Constraint("mass", "<=", percent / 100)

@@ -32,7 +32,6 @@ from cranktopo.tasks.shape.search import (
     WebSolver,
     multipliers_of,
     search_on_cells,
-    why_nothing,
 )
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.tasks.shape.start import free_bores
@@ -78,11 +77,15 @@ class FeatureSelection:
 
     def first(self, layout: Layout, start: Array) -> WebCandidate:
         """Return the best web of a layout by cells; the nearest to its limits if none keeps them."""
-        name = self._name
+        name = self._name("trial")
         found, solved = self._on_cells(layout, start, 2 * EVALUATIONS, {})
         self._note("outline", layout, found, None, found is not None, solved)
         if found is None:
-            raise why_nothing(name, self._work)
+            raise CranktopoError(
+                f"shape: no web can be made near the one to begin with: {self._work.kept[name]['why']}.",
+                hint="Enlarge the envelope, allow a smaller wall or radius, or begin with another web.",
+                code=ExitCode.CRITERION_NOT_MET,
+            )
         return found
 
     def select(self, best: WebCandidate) -> WebCandidate:
@@ -93,9 +96,7 @@ class FeatureSelection:
         """
         best = self._with_features(best)
         if best.violation > DOUBT:
-            reached = ", ".join(
-                _required_and_reached(r, best.told, self._original) for r in self._goal.limits
-            )
+            reached = ", ".join(_reached(one, best.told, self._original) for one in self._goal.limits)
             raise CranktopoError(
                 "shape: no web found that keeps all limits. The nearest, in percent of the original: "
                 f"{reached}.",
@@ -114,7 +115,7 @@ class FeatureSelection:
             best = self._tried(best, layout, start, bore)
         for _ in range(_MAXIMUM_POCKETS):
             with self._leaving_out("pockets"):
-                best = self._refined(best, f"before-{len(self.trials) + 1:02d}")
+                best = self._refined(best, self._name("before"))
             before = best
             for part, guess in self._pockets(best):
                 best = self._with(best, part, guess)
@@ -165,9 +166,8 @@ class FeatureSelection:
             found = None
         if found is None or not MINIMUM_GAIN <= found.gain_over(best) < _CLEAR_GAIN:
             return found, solved, best
-        number = len(self.trials) + 1
-        best = self._refined(best, f"before-{number:02d}")
-        found = self._refined(found, f"refined-{number:02d}", best.required_merit)
+        best = self._refined(best, self._name("before"))
+        found = self._refined(found, self._name("refined"), best.required_merit)
         return found, solved + found.solved, best
 
     @contextmanager
@@ -183,17 +183,13 @@ class FeatureSelection:
     ) -> tuple[WebCandidate | None, int]:
         """Return the best web of a layout by cells with these errors, and how many webs were solved."""
         goal = self._cells_goal.corrected(errors)
-        found, solved = search_on_cells(
-            self.model, layout, start, goal, self._name, self._work, evaluations, True
-        )
+        name = self._name("trial")
+        found, solved = search_on_cells(self.model, layout, start, goal, name, self._work, evaluations, True)
         if found is None:
             return None, solved
-        told = {
-            name: self._told(name, value, errors)
-            for name, value in found.responses.values.items()
-            if name in self._original
-        }
-        objective = merit(goal, found.responses.values)
+        values = found.responses.values
+        told = {name: self._told(name, values[name], errors) for name in values if name in self._original}
+        objective = merit(goal, values)
         return WebCandidate(layout, found.values, objective, doubtful(found.violation), told, errors), solved
 
     def _told(self, name: str, value: float, errors: Mapping[str, float]) -> float:
@@ -201,9 +197,8 @@ class FeatureSelection:
         told = without_error(name, value, model_error(name, self.model.original[name], self._original[name]))
         return without_error(name, told, errors[name]) if name in errors else told
 
-    @property
-    def _name(self) -> str:
-        return f"trial-{len(self.trials) + 1:02d}"
+    def _name(self, kind: str) -> str:
+        return f"{kind}-{len(self.trials) + 1:02d}"
 
     def _refined(self, web: WebCandidate, name: str, required_merit: float = np.inf) -> WebCandidate:
         """Return a web of the cells, refined on body-fitted elements; one that was refined as it is."""
@@ -224,28 +219,16 @@ class FeatureSelection:
             }
 
         kept = self._work.once(name, make)
-        exact = Quantities(
-            kept["quantities"], {name: np.array(slope) for name, slope in kept["slopes"].items()}
-        )
-        values = np.array(kept["values"])
-        return WebCandidate(
-            web.layout,
-            values,
-            kept["objective"],
-            doubtful(float(self._goal.violations(exact.values).max(initial=0.0))),
-            exact.values,
-            self._errors(web.layout, values, exact.values),
-            exact,
-            kept["solved"],
-        )
-
-    def _errors(self, layout: Layout, values: Array, truth: Mapping[str, float]) -> dict[str, float]:
-        """Return by how much the cells overrate each quantity of the goal."""
-        cells = self.model.responses(self.model.web(layout), values, ()).values
-        return {
+        slopes = {name: np.array(slope) for name, slope in kept["slopes"].items()}
+        truth, values = kept["quantities"], np.array(kept["values"])
+        violation = doubtful(float(self._goal.violations(truth).max(initial=0.0)))
+        cells = self.model.responses(self.model.web(web.layout), values, ()).values
+        errors = {
             name: model_error(name, self._told(name, cells[name], {}), truth[name])
             for name in set(self._cells_goal.quantities)
         }
+        found = web.layout, values, kept["objective"], violation, truth, errors
+        return WebCandidate(*found, Quantities(truth, slopes), kept["solved"])
 
     def _note(
         self,
@@ -269,7 +252,7 @@ class FeatureSelection:
         self._work.info(_trial_text(trial))
 
 
-def _required_and_reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
+def _reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
     """Return a limit with what a web reaches of it."""
     whole = original[limit.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)

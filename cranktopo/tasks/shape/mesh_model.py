@@ -146,9 +146,6 @@ class MeshModel:
 
         Args:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
-
-        Raises:
-            CranktopoError: no sound web, or no valid mesh.
         """
         require_equal_halves(scene)
         sized = scene_at(scene, layout, values)

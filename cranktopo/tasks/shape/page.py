@@ -57,8 +57,7 @@ def shape_page(
 
 
 def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
-    change = found.change_percent[key]
-    error = _change_error_percent(found, key)
+    change, error = found.change_percent[key], _change_error_percent(found, key)
     label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
     shown = f"{change:+.1f} %" if not error else f"{change:+.1f} +-{error:.1g} %"
     if abs(change) <= error:
@@ -111,15 +110,14 @@ def _dimensions(found: ShapeResult) -> Section:
 
 def _search(found: ShapeResult) -> Section:
     name = found.goal_on_cells.quantity.name
-    told = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
+    sought = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
+    stand_in = "" if name == found.goal.quantity.name else sought
     return Section(
         "search",
         "How it was found",
         f"{found.evaluations} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        "limits, and each result was evaluated on the default mesh; a ring marks the best."
-        + told
-        * (name != found.goal.quantity.name),
+        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{stand_in}",
         (("What was tried", feature_trials_table(found)), ("Webs evaluated on the way", rounds_table(found))),
         (
             picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, found),

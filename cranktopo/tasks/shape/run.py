@@ -67,6 +67,7 @@ from cranktopo.tasks.shape.search_goal import goal_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 
 _TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
@@ -214,8 +215,6 @@ def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBo
 
 
 _PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
-_STIFFNESSES = ("torsion", "bending", "torsion_per_mass", "bending_per_mass")
-_COMPARED = ("mass", *_STIFFNESSES, "inertia", "unbalance", "fatigue_safety")
 
 
 def _assembled(
@@ -277,7 +276,7 @@ def _changes(optimum: ShapeOptimum) -> dict[str, float]:
     values, original = optimum.result.web.values, optimum.original.values
     return {
         name: 100 * (values[name] / original[name] - 1)
-        for name in _COMPARED
+        for name in QUANTITIES_TOLD
         if values.get(name) and original[name]
     }
 

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers, multipliers
@@ -146,10 +146,7 @@ def best_values(
 ) -> tuple[Array | None, int]:
     """Return parameters of the best web of a layout near a start, and how many webs were solved.
 
-    The start may break rules and limits. None when no web that keeps them was found.
-
-    Raises:
-        CranktopoError: a failed solve.
+    The start may break rules and limits. None when no web that keeps them was found; the work then says why.
     """
 
     def make() -> Json:
@@ -187,15 +184,6 @@ def search_on_cells(
     # Solved anew from nothing, so that a continued optimisation sees the very same numbers.
     found = model.responses(model.web(layout), values, goal.quantities)
     return SearchResult(layout, values, goal.objective(found.values), found, _violation(goal, found)), solved
-
-
-def why_nothing(name: str, work: Work) -> CranktopoError:
-    """Return the error where a search found no web that can be made, near its limits or not."""
-    return CranktopoError(
-        f"shape: no web can be made near the one to begin with: {work.kept[name]['why']}.",
-        hint="Enlarge the envelope, allow a smaller wall or radius, or begin with another web.",
-        code=ExitCode.CRITERION_NOT_MET,
-    )
 
 
 def multipliers_of(

@@ -93,11 +93,7 @@ class WebModel:
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str], guess: jax.Array | None = None
     ) -> Responses:
-        """Return all quantities of the web with these values, and the gradients of some by the parameters.
-
-        Raises:
-            CranktopoError: the solve failed.
-        """
+        """Return all quantities of the web with these values, and the gradients of some by the parameters."""
         inside, which = web.inside_mm(values)
         fill, slope = smooth_step(inside, self.domain.grid.largest_edge_mm)
         layers = slice(*self.domain.web_layers)
