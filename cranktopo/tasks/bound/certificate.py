@@ -37,7 +37,7 @@ from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel
 
 _at_sections = jax.jit(section_coordinates)
-ROUNDING = 128 * float(np.finfo(np.float64).eps)
+_ROUND_OFF = 128 * float(np.finfo(np.float64).eps)
 """Above the rounding, over the sum of the terms' sizes, of an energy from the displacements of eight corners,
 of a pairwise sum of up to 1e9 terms, and of displacements on a rigid section."""
 
@@ -54,7 +54,7 @@ def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> tupl
     factor = model.modulus_MPa / model.share
     cells = factor * (
         np.asarray(strain_energy_densities(jnp.asarray(blocks), u))
-        + ROUNDING * np.asarray(_sizes(jnp.asarray(np.abs(blocks).sum(axis=0)), u))
+        + _ROUND_OFF * np.asarray(_sizes(jnp.asarray(np.abs(blocks).sum(axis=0)), u))
     )
     web = cells[..., webs.layers] * webs.design
     soft = webs.fixed * cells
@@ -64,7 +64,7 @@ def energies(model: ThrowModel, webs: AdmissibleDensities, u: jax.Array) -> tupl
     sides = (1, 2, 3)
     parts = np.stack([soft.sum(axis=sides), CONTRAST * web.sum(axis=sides), springs])
     sizes = 2 * np.abs(works).sum(axis=(1, 2, 3, 4)) + np.abs(parts).sum(axis=0)
-    constant = 2 * works.sum(axis=(1, 2, 3, 4)) - parts.sum(axis=0) - ROUNDING * sizes
+    constant = 2 * works.sum(axis=(1, 2, 3, 4)) - parts.sum(axis=0) - _ROUND_OFF * sizes
     return constant, (1 - CONTRAST) * web
 
 
@@ -115,7 +115,7 @@ class LinearUnderestimator:
         """Return a lower bound of a weighted sum of the quantities over all webs, and these there."""
         gains = -np.tensordot(weights, self.rows, 1)
         most, density = self.webs.best(gains)
-        value = float(weights @ self.base) - most - ROUNDING * float(np.abs(weights) @ self.sizes)
+        value = float(weights @ self.base) - most - _ROUND_OFF * float(np.abs(weights) @ self.sizes)
         return value, self.base + np.tensordot(self.rows, density, 3)
 
 
@@ -162,7 +162,7 @@ def _certificate_at(
     np.add.at(normal, at, weights * signs)
     value, quantities = underestimator.minimum(normal)
     price = weights * signs * limits
-    found = value - float(price.sum()) - ROUNDING * float(np.abs(price).sum())
+    found = value - float(price.sum()) - _ROUND_OFF * float(np.abs(price).sum())
     return Certificate(found, weights), signs * (quantities[at] - limits)
 
 
@@ -218,11 +218,11 @@ def _widened(box: Array, *points: Array) -> bool:
 
 _LINES = 13
 _SPAN = 3.0
-_ROUNDING = 1e-12
+_PRODUCT_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
-class SupportingLine:
+class _SupportingLine:
     """Every web has compliance + slope * mass >= offset, proven by the weights of the constraints."""
 
     slope: float
@@ -237,7 +237,7 @@ def supporting_lines(
     constraints: Sequence[Constraint],
     first: Array,
     slope: float,
-) -> list[SupportingLine]:
+) -> list[_SupportingLine]:
     """Return lines below the pairs of mass and compliance of every web that keeps the constraints.
 
     Args:
@@ -249,11 +249,11 @@ def supporting_lines(
     for t in (0.0, *(slope * np.geomspace(1 / _SPAN, _SPAN, _LINES))):
         certificate = best_certificate(underestimator, goal + t * mass, constraints, weights)
         weights = weights if np.isinf(certificate.value) else certificate.weights
-        lines.append(SupportingLine(float(t), certificate.value, weights))
+        lines.append(_SupportingLine(float(t), certificate.value, weights))
     return lines
 
 
-def minimum_product(lines: Sequence[SupportingLine], low: float, high: float) -> tuple[Certificate, float]:
+def minimum_product(lines: Sequence[_SupportingLine], low: float, high: float) -> tuple[Certificate, float]:
     """Return a lower bound of compliance times mass between two masses, and the slope that suits its corner.
 
     A convex curve through the corner on which no other product is smaller has that slope.
@@ -271,7 +271,7 @@ def minimum_product(lines: Sequence[SupportingLine], low: float, high: float) ->
     worst = int(np.argmin(products))
     slope = float(above[:, worst].max() / masses[worst])
     line = lines[int(np.argmax(above[:, worst]))]
-    return Certificate(float(products[worst]) * (1 - _ROUNDING), line.weights), slope
+    return Certificate(float(products[worst]) * (1 - _PRODUCT_ROUND_OFF), line.weights), slope
 
 
 def mass_range(

@@ -45,7 +45,7 @@ from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import solve
 
-MINIMUM_DENSITY = 1e-3
+_MINIMUM_DENSITY = 1e-3
 """Least density while the displacements are sought, so that cells can come back."""
 _MOVE = 0.3
 _LARGEST_WEIGHT = 1e3
@@ -65,7 +65,7 @@ def next_densities(
         underestimator: of the displacements of the web with these densities.
         cases: number of load cases, whose compliances come first among the quantities.
     """
-    low, high = np.maximum(density - _MOVE, MINIMUM_DENSITY), np.minimum(density + _MOVE, 1.0)
+    low, high = np.maximum(density - _MOVE, _MINIMUM_DENSITY), np.minimum(density + _MOVE, 1.0)
     gains, amounts = -underestimator.rows[:cases] * density**2, underestimator.rows[cases:]
     base = underestimator.base.copy()
     base[:cases] += 2 * np.tensordot(underestimator.rows[:cases], density, 3)
@@ -95,7 +95,7 @@ def next_densities(
     return densities(weights)[0], weights
 
 
-Progress = Callable[[str], None]
+_Progress = Callable[[str], None]
 _STEPS = 40
 _TOLERANCE = 1e-2
 """Relative residual of the solves: loose, as the proof asks for any displacements."""
@@ -193,7 +193,7 @@ class Bound:
 
 
 def prove(
-    model: BoundModel, goal: Goal, progress: Progress = lambda _: None, start: Array | None = None
+    model: BoundModel, goal: Goal, progress: _Progress = lambda _: None, start: Array | None = None
 ) -> Bound:
     """Return the bound of a goal, from densities (nx, ny, nw) or uniform ones; inside `double_precision()`.
 
@@ -231,7 +231,7 @@ def prove(
 
 def densities_on_cells(coarse: BoundModel, density: Array, fine: BoundModel) -> Array:
     """Return densities of some cells (nx, ny, nw) on those of another model of the scene."""
-    return np.maximum(on_cells(coarse.domain, density, fine.domain), MINIMUM_DENSITY)
+    return np.maximum(on_cells(coarse.domain, density, fine.domain), _MINIMUM_DENSITY)
 
 
 class _DensitySearch:

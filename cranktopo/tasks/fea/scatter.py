@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 LABELS = {TORSION: f"{TORSION.label}, kN m/rad", BENDING: f"{BENDING.label}, kN/mm"}
 """Of the axes of the stiffnesses."""
-Curves = Mapping[str, Sequence[float | None]]
+_Curves = Mapping[str, Sequence[float | None]]
 """Of a bound over the mass, by quantity and unit."""
 _MARKERS = "osD^vP*X"
 _CLOSEST_LINES, _MOST_LINES = 0.1, 9
@@ -73,7 +73,7 @@ def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
     return [stiffness for mass, stiffness in pairs if min(masses) <= mass <= max(masses)]
 
 
-def most_by_label(curves: Curves, baseline: Mapping[str, Point]) -> dict[str, Most]:
+def most_by_label(curves: _Curves, baseline: Mapping[str, Point]) -> dict[str, Most]:
     """Return the curves of a bound by the label of their stiffness, over the original in each plot."""
     found = {}
     for stiffness, label in LABELS.items():
@@ -121,7 +121,7 @@ def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, 
 
 
 def scatter_pictures(
-    points: Mapping[str, Sequence[Point]], baseline: int, curves: Curves
+    points: Mapping[str, Sequence[Point]], baseline: int, curves: _Curves
 ) -> tuple[Picture, ...]:
     """Stiffness over mass, one plot per stiffness.
 

@@ -253,7 +253,6 @@ class FeatureSelection:
 
 
 def _reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:
-    """Return a limit with what a web reaches of it."""
     whole = original[limit.quantity]
     unit, size = (" %", 100 / whole) if whole > 0 else ("", 1.0)
     required, reached = size * limit.bound, size * told[limit.quantity]

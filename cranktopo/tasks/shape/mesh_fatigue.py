@@ -280,7 +280,6 @@ class FilletFatigue:
 
 
 def _at(stress: SurfaceStress, nodes: NDArray[np.intp]) -> SurfaceStress:
-    """Return the stresses at some of the nodes."""
     return SurfaceStress(
         stress.stress_MPa[:, nodes], stress.depth_MPa_per_mm[:, nodes], stress.jump_MPa[:, nodes]
     )

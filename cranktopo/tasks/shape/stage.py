@@ -139,8 +139,7 @@ def optimise_shape(
     own = None if scene.original is None else Path(scene.original.file)
     original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
-    cases = cells.model.cases
-    chosen_for = goal_on_cells(goal)
+    cases, chosen_for = cells.model.cases, goal_on_cells(goal)
     if chosen_for != goal:
         work.info(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
     known = {name: original.values[name] for name in cells.original if name in original.values}
@@ -153,16 +152,14 @@ def optimise_shape(
     selection = FeatureSelection(cells, coarse, goals, original.values, work)
     start = start or scene_start(scene, settings.limits)
     told = first_on_cells(scene, start.sizes)
-    candidate = selection.select(
-        selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
-    )
+    outline = selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
+    candidate = selection.select(outline)
     stated = search_goal_of(goal, original.values, original.values, cases)
     layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
     finish = _LocalRefinement(cells, stated, layout, original, settings, work)
     rounds = finish.rounds(first)
-    best = _best(rounds, stated)
+    best, web = _best(rounds, stated), cells.web(layout)
     found = finish.anchored(rounds[best])
-    web = cells.web(layout)
     paid = multipliers_of(scene, web, rounds[best].values, found, stated)
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
 

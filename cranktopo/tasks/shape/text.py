@@ -17,7 +17,7 @@ from cranktopo.tasks.shape.result import (
     ShapeResult,
 )
 
-Parameters = Sequence[DimensionSensitivity]
+_Parameters = Sequence[DimensionSensitivity]
 QUANTITIES_TOLD = {quantity.key: quantity for quantity in COMPARED} | {"fatigue_safety": SAFETY}
 """Quantities of a shape result by their keys in shape.json."""
 _KILO_UNITS = {
@@ -35,7 +35,7 @@ _LOOSE_PERCENT = 30.0
 _MOVES = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
 
 
-def dimensions_table(parameters: Parameters) -> ResultTable:
+def dimensions_table(parameters: _Parameters) -> ResultTable:
     """Return each dimension with its value, and the change of each quantity per mm or degree."""
     quantities = list(parameters[0].per_unit) if parameters else []
     starts = [p.start if isinstance(p, ShapeParameter) else None for p in parameters]
@@ -48,7 +48,7 @@ def dimensions_table(parameters: Parameters) -> ResultTable:
     return ResultTable(columns, tuple(rows))
 
 
-def held_table(parameters: Parameters) -> ResultTable:
+def held_table(parameters: _Parameters) -> ResultTable:
     """Return each rule, bound or limit with the dimensions that it holds."""
     held: dict[str, list[str]] = {}
     for parameter in parameters:
@@ -181,7 +181,6 @@ def multiplier_doubt(found: ShapeResult) -> str:
 
 
 def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
-    """Yield what is moved, and what the goal makes of it."""
     name = found.goal.quantity.name.replace("_", " ")
     for price in found.prices:
         way, cost = "less" if price.sense == "<=" else "more", price.goal_percent_per_percent

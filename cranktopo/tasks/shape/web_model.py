@@ -82,9 +82,9 @@ class WebModel:
         """Return a web of the layout on the cells between the web faces."""
         return ParametricWeb(layout, self.scene, self.limits, centres_mm(self.domain))
 
-    def webs(self) -> SolvedWebs:
+    def webs(self) -> _SolvedWebs:
         """Return webs on these cells, solved one after another."""
-        return SolvedWebs(self)
+        return _SolvedWebs(self)
 
     def fill(self, web: ParametricWeb, values: Array) -> Array:
         """Return the fill of the web's cells (nx, ny, nw), 0 to 1."""
@@ -120,7 +120,7 @@ class WebModel:
         return Responses(named, pulled, by_cell, fill, solved.displacements)
 
 
-class SolvedWebs:
+class _SolvedWebs:
     """Webs on cells, each solved from the displacements of the one before."""
 
     def __init__(self, model: WebModel) -> None:
