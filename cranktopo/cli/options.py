@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -149,6 +151,15 @@ web_option = click.option(
 bound_option = click.option(
     "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."
 )
+
+
+def run_options(resumed: str) -> Callable[[Any], Any]:
+    """Return what adds --out, for the directory of a run, and --resume with its help to a command."""
+    out = click.option(
+        "--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/."
+    )
+    resume = click.option("--resume", metavar="RUN", shell_complete=runs, help=resumed)
+    return lambda function: out(resume(function))
 
 
 def with_bound_option(scene: Scene, no_bound: bool) -> Scene:

@@ -19,9 +19,10 @@ from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.feature_starts import bevel_start
 from cranktopo.tasks.shape.search import EVALUATIONS, SearchResult, search_on_cells
 from cranktopo.tasks.shape.search_goal import search_goal_of
-from cranktopo.tasks.shape.start import bevel_start, outline_start
+from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.face_pocket import FittedBox

@@ -21,8 +21,7 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
-from cranktopo.tasks.shape.mesh_model import MeshResponses
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at
 from cranktopo.tasks.shape.search import SearchBudget, best_values, search_on_cells, shaped_scene
 from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of

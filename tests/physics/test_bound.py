@@ -15,16 +15,15 @@ from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.bound.bound_for_result import stiffest, stiffness_percent
 from cranktopo.tasks.bound.certificate import (
     LinearUnderestimator,
     best_certificate,
     energies,
     underestimator_of,
 )
-from cranktopo.tasks.bound.convex_problem import STIFFNESSES
-from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
-from cranktopo.tasks.bound.sizing import next_densities
+from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, next_densities, prove
+from cranktopo.tasks.bound.stage import stiffest, stiffness_percent
+from cranktopo.tasks.bound.webs import STIFFNESSES
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.response import solve
 from tests.physics.bound_cases import (

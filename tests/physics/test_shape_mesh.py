@@ -20,8 +20,8 @@ from cranktopo.tasks.fatigue.stress_model import Quality, StressModel, images_of
 from cranktopo.tasks.fea.node_gradients import centrifugal_slopes
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.shape.mesh_fatigue import stress_adjoint
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
-from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
 
 WEBS = {"every-feature": full_web, "solid-journals": solid_web}

@@ -15,7 +15,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.mesh_model import MeshedWebs
 from cranktopo.tasks.shape.refining import CorrectedSurrogate, Refinement, merit, refined
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.throw.bevel import FittedBevel

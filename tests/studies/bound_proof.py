@@ -27,9 +27,10 @@ from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, pr
 from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.shape.feature_starts import bevel_start
 from cranktopo.tasks.shape.search import search_on_cells
 from cranktopo.tasks.shape.search_goal import search_goal_of
-from cranktopo.tasks.shape.start import bevel_start, outline_start
+from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.bound_cases import (

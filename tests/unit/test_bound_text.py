@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from cranktopo.tasks.bound.page import bound_picture, bound_sections
-from cranktopo.tasks.bound.result import BoundStatement, read_bound
-from cranktopo.tasks.bound.text import bound_lines, bound_table
+from cranktopo.tasks.bound.result import BoundStatement, BoundStatements, NoBound
+from cranktopo.tasks.bound.text import bound_lines, bound_picture, bound_sections, bound_table
 
 BOUND = {
     "quantity": "mass",
@@ -18,8 +17,8 @@ AT_MASS = {**BOUND, "quantity": "torsion", "percent_of_original": 120.0, "at_mas
 
 
 def test_a_result_beside_its_bound() -> None:
-    (line,) = bound_lines(read_bound({"bound": BOUND}))
     bound = BoundStatement.of_json(BOUND, "bound")
+    (line,) = bound_lines(bound)
     assert line.startswith("mass -10.7 % of at most -18.6 %, which no web of the envelope can beat")
     assert [(row["web"], row["percent"]) for row in bound_table(bound).rows] == [
         ("original", 100.0),
@@ -33,7 +32,7 @@ def test_a_result_beside_its_bound() -> None:
 
 def test_each_statement_is_told() -> None:
     statements = [BOUND, AT_MASS, {**BOUND, "reached_percent": None}]
-    data = read_bound({"bound": {"statements": statements, "stiffest": {}}})
+    data = BoundStatements.of_json({"statements": statements, "stiffest": {}}, "bound")
     mass, torsion = bound_lines(data)
     assert mass.startswith("mass -10.7 %")
     assert torsion.startswith("torsional stiffness -10.7 % of at most +20.0 % at this mass, which no web")
@@ -42,19 +41,16 @@ def test_each_statement_is_told() -> None:
 
 
 def test_where_there_is_no_bound() -> None:
-    assert bound_lines(read_bound({"bound": None})) == bound_lines(read_bound({})) == []
-    assert bound_lines(read_bound({"bound": {"none": "dimensions are free"}})) == [
-        "no bound: dimensions are free"
-    ]
-    (line,) = bound_lines(read_bound({"bound": {**BOUND, "value": None}}))
+    assert bound_lines(None) == []
+    assert bound_lines(NoBound(none="dimensions are free")) == ["no bound: dimensions are free"]
+    (line,) = bound_lines(BoundStatement.of_json({**BOUND, "value": None}, "bound"))
     assert "no web of the envelope keeps" in line
 
 
 def test_a_result_beyond_the_best_of_the_cells_says_so() -> None:
     """The web is judged by another model than the bound: that the two disagree is told."""
-    (line,) = bound_lines(read_bound({"bound": {**BOUND, "reached_percent": 81.2}}))
+    (line,) = bound_lines(BoundStatement.of_json({**BOUND, "reached_percent": 81.2}, "bound"))
     assert line.startswith("mass -18.8 %: beyond -18.6 %, the best that cells of 3 mm can hold")
-    (line,) = bound_lines(
-        read_bound({"bound": {"statements": [{**AT_MASS, "reached_percent": 120.3}], "stiffest": {}}})
-    )
+    told = [{**AT_MASS, "reached_percent": 120.3}]
+    (line,) = bound_lines(BoundStatements.of_json({"statements": told, "stiffest": {}}, "bound"))
     assert line.startswith("torsional stiffness +20.3 % at this mass: beyond +20.0 %")

@@ -18,9 +18,9 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
-from cranktopo.tasks.shape.mesh_model import MeshResponses
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.refining import Step
+from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
@@ -55,7 +55,7 @@ class Told:
         self.finishes += 1
         if self.finishes == self.fails_at:
             raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
-        return Step(at + 0.01, self.promised, 5)
+        return Step(at + 0.01, Quantities({}, {}), self.promised, 5)
 
     def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
         self.goals.append(goals[0])

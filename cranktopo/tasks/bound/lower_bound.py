@@ -1,4 +1,10 @@
-"""The bound of a scene in memory: cells -> densities of variable stiffness -> displacements -> proof."""
+"""The bound of a scene in memory: cells -> densities of variable stiffness -> displacements -> proof.
+
+The modulus is linear in the density, so the problem of the densities that prove most is convex. Each step
+solves it with compliances linear in the reciprocals of the densities, which has a closed form but for one
+weight per constraint (convex linearisation; C. Fleury, V. Braibant, IJNME 23, 1986; one constraint on the
+mass: optimality criteria).
+"""
 
 from __future__ import annotations
 
@@ -27,19 +33,69 @@ from cranktopo.tasks.bound.certificate import (
     best_certificate,
     energies,
     excluded,
+    mass_range,
+    minimum_product,
+    supporting_lines,
     underestimator_of,
 )
-from cranktopo.tasks.bound.convex_problem import LINEAR, ConvexProblem, convex_problem
-from cranktopo.tasks.bound.per_mass import mass_range, minimum_product, supporting_lines
-from cranktopo.tasks.bound.sizing import MINIMUM_DENSITY, next_densities
-from cranktopo.tasks.bound.webs import AdmissibleDensities, webs_of
+from cranktopo.tasks.bound.webs import AdmissibleDensities, ConvexProblem, convex_problem, webs_of
 from cranktopo.tasks.density.assess import assess_original
 from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import solve
 
-Progress = Callable[[str], None]
+_MINIMUM_DENSITY = 1e-3
+"""Least density while the displacements are sought, so that cells can come back."""
+_MOVE = 0.3
+_LARGEST_WEIGHT = 1e3
+
+
+def next_densities(
+    underestimator: LinearUnderestimator,
+    cases: int,
+    density: Array,
+    goal: Array,
+    constraints: Sequence[Constraint],
+    weights: Array,
+) -> tuple[Array, Array]:
+    """Return the densities after one step and the weights of the constraints.
+
+    Args:
+        underestimator: of the displacements of the web with these densities.
+        cases: number of load cases, whose compliances come first among the quantities.
+    """
+    low, high = np.maximum(density - _MOVE, _MINIMUM_DENSITY), np.minimum(density + _MOVE, 1.0)
+    gains, amounts = -underestimator.rows[:cases] * density**2, underestimator.rows[cases:]
+    base = underestimator.base.copy()
+    base[:cases] += 2 * np.tensordot(underestimator.rows[:cases], density, 3)
+    signs = np.array([c.sign for c in constraints])
+    limits = np.array([c.bound for c in constraints])
+    at = np.array([underestimator.names.index(c.quantity) for c in constraints], int)
+
+    def densities(y: Array) -> tuple[Array, Array]:
+        normal = goal.copy()
+        np.add.at(normal, at, y * signs)
+        above, below = np.tensordot(normal[:cases], gains, 1), np.tensordot(normal[cases:], amounts, 1)
+        ratio = np.where(below > 0, above / np.where(below > 0, below, 1.0), 1.0)
+        found = np.where((above <= 0) & (below <= 0), density, np.sqrt(np.maximum(ratio, 0.0)))
+        return np.clip(underestimator.webs.made(found, above, below), low, high), normal
+
+    def loss(y: Array) -> tuple[float, Array]:
+        found, normal = densities(y)
+        told = base + np.concatenate([np.tensordot(gains, 1 / found, 3), np.tensordot(amounts, found, 3)])
+        excess = signs * (told[at] - limits)
+        return -float(normal @ told - y @ (signs * limits)), -excess
+
+    if len(constraints):
+        from scipy.optimize import minimize
+
+        box = [(0.0, _LARGEST_WEIGHT)] * len(constraints)
+        weights = minimize(loss, weights, jac=True, method="L-BFGS-B", bounds=box).x
+    return densities(weights)[0], weights
+
+
+_Progress = Callable[[str], None]
 _STEPS = 40
 _TOLERANCE = 1e-2
 """Relative residual of the solves: loose, as the proof asks for any displacements."""
@@ -75,11 +131,7 @@ class BoundModel:
         return {case.name: case.compliance_N_mm for case in self.original.cases}
 
     def solved(self, density: Array, guess: jax.Array | None, tolerance: float) -> jax.Array:
-        """Return displacements of the web with these densities.
-
-        Raises:
-            CranktopoError: the solve failed.
-        """
+        """Return displacements of the web with these densities; a failed solve raises CranktopoError."""
         moduli = self.webs.fixed.copy()
         moduli[:, :, self.webs.layers] += self.webs.design * (CONTRAST + (1 - CONTRAST) * density)
         return solve(self.model, jnp.asarray(moduli), guess=guess, tolerance=tolerance).displacements
@@ -101,7 +153,9 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     effects = plan(scene, goal=goal)
     scene = simulated_scene(scene, effects).with_optimise(resolution_mm=resolution_mm)
     cases = load_cases(scene, effects.enabled - set(LOAD_TYPES) | set(MAIN_KINDS))
-    domain = build_domain(_unkept(scene), resolution_mm)
+    # No counterweight is kept solid: a search over dimensions pockets it.
+    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    domain = build_domain(bare, resolution_mm)
     model = build_model(scene, domain, cases)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     webs = webs_of(scene, domain, model)
@@ -109,11 +163,6 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     room[:, :, webs.layers] += webs.design
     outside = float((np.maximum(own - room, 0) * domain.volume_mm3).sum() / (own * domain.volume_mm3).sum())
     return BoundModel(scene, domain, model, webs, assess_original(model, scene, domain), outside)
-
-
-def _unkept(scene: Scene) -> Scene:
-    """Return the scene whose envelope keeps no counterweight solid: a search over dimensions pockets it."""
-    return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
 
 
 @dataclass(frozen=True)
@@ -144,12 +193,9 @@ class Bound:
 
 
 def prove(
-    model: BoundModel, goal: Goal, progress: Progress = lambda _: None, start: Array | None = None
+    model: BoundModel, goal: Goal, progress: _Progress = lambda _: None, start: Array | None = None
 ) -> Bound:
-    """Return the bound of a goal on some cells; call inside `double_precision()`.
-
-    Args:
-        start: densities to begin with (nx, ny, nw), such as those of larger cells; uniform by default.
+    """Return the bound of a goal, from densities (nx, ny, nw) or uniform ones; inside `double_precision()`.
 
     Raises:
         CranktopoError: a goal about which nothing can be proven, or a failed solve.
@@ -185,7 +231,7 @@ def prove(
 
 def densities_on_cells(coarse: BoundModel, density: Array, fine: BoundModel) -> Array:
     """Return densities of some cells (nx, ny, nw) on those of another model of the scene."""
-    return np.maximum(on_cells(coarse.domain, density, fine.domain), MINIMUM_DENSITY)
+    return np.maximum(on_cells(coarse.domain, density, fine.domain), _MINIMUM_DENSITY)
 
 
 class _DensitySearch:
@@ -193,10 +239,11 @@ class _DensitySearch:
 
     def __init__(self, model: BoundModel, problem: ConvexProblem, start: Array | None) -> None:
         self._model, self._problem = model, problem
-        self._goal = _at(model, problem.quantity)
         self._weights = np.ones(len(problem.constraints))
         self.density = np.full(model.webs.design.shape, _START) if start is None else start
         self.u, self.underestimator = self._solved()
+        self._goal = self.underestimator.weights_of(problem.quantity)
+        self._mass = self.underestimator.weights_of("mass")
         self.values: list[float] = []
         self._refuted = False
 
@@ -209,15 +256,14 @@ class _DensitySearch:
 
     def step(self) -> None:
         """Improve the densities once."""
-        goal = self._goal
+        goal, mass = self._goal, self._mass
         if self._problem.per_mass:
-            mass = _at(self._model, "mass")
             goal = self._told(mass) * goal + self._told(goal) * mass
         self._weights = self._improve(goal, self._problem.constraints, self._weights)
         if max(self._weights, default=0.0) >= _HOPELESS:
             self._refuted = excluded(self.underestimator, self._problem.constraints, self._weights)
         value = self._told(self._goal)
-        self.values.append(value * self._told(_at(self._model, "mass")) if self._problem.per_mass else value)
+        self.values.append(value * self._told(mass) if self._problem.per_mass else value)
 
     def certificate(self) -> Certificate:
         """Return what the displacements prove about the goal."""
@@ -230,7 +276,7 @@ class _DensitySearch:
 
     def _proof_per_mass(self) -> Certificate:
         """Return lines from displacements at the best mass, then at those where the lines leave most room."""
-        mass, constraints = _at(self._model, "mass"), self._problem.constraints
+        mass, constraints = self._mass, self._problem.constraints
         kept = [index for index, c in enumerate(constraints) if c.quantity != "mass"]
         others = [constraints[index] for index in kept]
         slope, reached = self._told(self._goal) / self._told(mass), self.values[-1]
@@ -266,8 +312,3 @@ class _DensitySearch:
         """Return a weighted sum of the quantities of the present densities."""
         underestimator = self.underestimator
         return float(weights @ (underestimator.base + np.tensordot(underestimator.rows, self.density, 3)))
-
-
-def _at(model: BoundModel, quantity: str) -> Array:
-    names = (*model.model.case_names, *LINEAR)
-    return np.array([float(name == quantity) for name in names])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from cranktopo.base.result import UNLESS_NONE, Result
@@ -77,6 +76,11 @@ class NoBound(Result):
     none: str
     reached_percent: float | None = UNLESS_NONE
 
+    @property
+    def stiffest(self) -> dict[str, tuple[float | None, ...]]:
+        """No curves."""
+        return {}
+
 
 class BoundStatement(Result):
     """Bound of one quantity, and what a result reaches of it."""
@@ -105,15 +109,4 @@ class BoundStatements(Result):
         return self.model_copy(update={"statements": (first, *self.statements[1:])})
 
 
-AnyBound = NoBound | BoundStatement | BoundStatements
-
-
-def read_bound(data: Mapping[str, Any]) -> AnyBound | None:
-    """Return the entry `bound` of shape.json, metrics.json or iterate.json; None where none was asked for."""
-    entry = data.get("bound")
-    if entry is None:
-        return None
-    if "none" in entry:
-        return NoBound.of_json(entry, "bound")
-    kind = BoundStatements if "statements" in entry else BoundStatement
-    return kind.of_json(entry, "bound")
+AnyBound = NoBound | BoundStatements

@@ -1,28 +1,50 @@
-"""The bound of a design: what no web of its envelope can beat."""
+"""The bound of a design, what no web of its envelope can beat; alone, and beside a web that was found."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import laterally_symmetric
 from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
+from cranktopo.design.goal.constraint import Constraint
+from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import stated_goal
-from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
 from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.cost import bound_cell_mm
 from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.bound.certificate import best_certificate
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, densities_on_cells, prove
-from cranktopo.tasks.bound.result import BoundGoal, BoundResult, DroppedLimit, ProvenBound, VariableStiffness
+from cranktopo.tasks.bound.result import (
+    BoundCells,
+    BoundGoal,
+    BoundResult,
+    BoundStatement,
+    BoundStatements,
+    DroppedLimit,
+    NoBound,
+    ProvenBound,
+    VariableStiffness,
+)
+from cranktopo.tasks.bound.webs import STIFFNESSES
 from cranktopo.tasks.density.assessment import model_error_percent
 from cranktopo.tasks.density.manufacturing import is_manufactured
+from cranktopo.tasks.refit.dimensions import free_dimensions
 
 Info = Callable[[str], None]
+Cells = Callable[[], BoundModel]
 _CASES = 2
 _FINE = 8
 """Cells through the web from which on densities of cells twice as large are the start."""
 _TABLES = (THROW, SUPPORTS, ENVELOPE, GOAL)
+_MASSES, _BEYOND = 9, 0.08
+"""Points of a curve over the mass, and how far it goes beyond original and result."""
 
 
 def bound_of(
@@ -31,17 +53,12 @@ def bound_of(
     info: Info = lambda _: None,
     detail: Info = lambda _: None,
 ) -> BoundResult:
-    """Prove what no web of a scene's envelope can beat, for its goal and limits.
-
-    Args:
-        resolution_mm: largest cell edge; the scene's own by default.
-        info, detail: called with lines of progress.
+    """Prove what no web of a scene's envelope can beat; cells are by default the scene's own.
 
     Raises:
         CranktopoError: no goal, one about which nothing can be proven, no envelope, or a failed solve.
     """
-    goal = require_goal(scene, "bound", "torsion")
-    assumed = assumptions(scene, _TABLES)
+    goal, assumed = require_goal(scene, "bound", "torsion"), assumptions(scene, _TABLES)
     info(assumed_text(assumed))
     cell_mm = resolution_mm or scene.optimise.resolution_mm
     check_resolution(scene, cell_mm, laterally_symmetric(scene, "envelope"), _CASES, available_memory_MiB())
@@ -57,7 +74,6 @@ def bound_of(
 
 
 def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> BoundResult:
-    """Return what `bound --json` prints of one bound."""
     problem, scene, grid = bound.problem, model.scene, model.domain.grid
     dropped = tuple(DroppedLimit(limit=str(limit), reason=why) for limit, why in problem.dropped)
     return BoundResult(
@@ -71,9 +87,7 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
             possible=bound.value is not None,
         ),
         variable_stiffness=VariableStiffness(
-            value=bound.reached,
-            percent_of_original=100 * bound.reached / bound.original,
-            steps=bound.steps,
+            value=bound.reached, percent_of_original=100 * bound.reached / bound.original, steps=bound.steps
         ),
         original=dict(model.original.quantities),
         original_outside_envelope_percent=100 * model.outside,
@@ -88,4 +102,98 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
         model_error_percent=model_error_percent(scene, grid.largest_edge_mm),
         seconds=bound.seconds,
         assumed=tuple(assumed),
+    )
+
+
+def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float, info: Info) -> BoundStatement | NoBound:
+    """Prove the entry `bound` of shape.json but for what was reached; call inside `double_precision()`."""
+    if free_dimensions(scene):
+        why = "dimensions of the throw are free, and the bound is about webs between its journals"
+        return NoBound(none=why)
+    try:
+        model = _model(scene, goal, cell_mm, info)
+        return _statement(model, prove(model, goal))
+    except CranktopoError as error:
+        return NoBound(none=error.message)
+
+
+def model_for_result(scene: Scene, goal: Goal | None, info: Info) -> BoundModel:
+    """Build the cells that `bounds_for_result` computes on; the web itself need not be known."""
+    with double_precision():
+        return _model(scene, goal, bound_cell_mm(scene), info)
+
+
+def bounds_for_result(
+    scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info, cells: Cells | None = None
+) -> BoundStatements | NoBound:
+    """Prove the same beside a web whose goal may be no more than stiffness: statements, curves over the mass.
+
+    Args:
+        reached: mass, stiffnesses and the goal's quantity as far as they are known, % of the original's.
+        goal: what was wanted; without one it is the largest of each stiffness at the web's own mass.
+        cells: gives those of `model_for_result`, where they have been made before.
+    """
+    try:
+        model = cells() if cells else model_for_result(scene, goal, info)
+        with double_precision():
+            return _bounds(model, reached, goal)
+    except CranktopoError as error:
+        return NoBound(none=error.message)
+
+
+def stiffest(quantity: QuantityName, mass_percent: float) -> Goal:
+    """Return the largest stiffness of a web no heavier than a share of the original, %, as a goal."""
+    return Goal("maximise", quantity, (Limit("mass", "<=", mass_percent, percent=True),))
+
+
+def stiffness_percent(model: BoundModel, bound: Bound, masses_percent: Sequence[float]) -> list[float | None]:
+    """Return what no web of each mass can beat in a bound's stiffness, % of the original's; None for no web.
+
+    The bound is tightest at its own mass; its displacements prove all of the curve.
+    """
+    underestimator = model.underestimator(bound.displacements)
+    goal = underestimator.weights_of(bound.problem.quantity)
+    found = []
+    for percent in masses_percent:
+        no_heavier = Constraint("mass", "<=", percent / 100)
+        value = best_certificate(underestimator, goal, [no_heavier], np.ones(1)).value
+        found.append(100 / value if 0 < value < np.inf else None)
+    return found
+
+
+def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) -> BoundStatements:
+    statements, start = list[BoundStatement](), None
+    if goal is not None and goal.quantity in reached:
+        bound = prove(model, goal)
+        told = {"reached_percent": reached[goal.quantity]}
+        statements.append(_statement(model, bound).model_copy(update=told))
+        start = bound.density
+    mass = reached["mass"]
+    masses = np.linspace((1 - _BEYOND) * min(mass, 100.0), (1 + _BEYOND) * max(mass, 100.0), _MASSES).tolist()
+    curves: dict[str, list[float | None]] = {"mass_percent": masses}
+    for name in (name for name in STIFFNESSES if name in reached):
+        bound = prove(model, stiffest(name, mass), start=start)
+        start, curves[f"{name}_percent"] = bound.density, stiffness_percent(model, bound, masses)
+        if goal is None:
+            told = {"at_mass_percent": mass, "reached_percent": reached[name]}
+            statements.append(_statement(model, bound).model_copy(update=told))
+    return BoundStatements(
+        statements=tuple(statements), stiffest={key: tuple(curve) for key, curve in curves.items()}
+    )
+
+
+def _model(scene: Scene, goal: Goal | None, cell_mm: float, info: Info) -> BoundModel:
+    info(f"bound: what no web of the envelope can beat, on cells of {cell_mm:.3g} mm")
+    return bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
+
+
+def _statement(model: BoundModel, bound: Bound) -> BoundStatement:
+    scene, problem = model.scene, bound.problem
+    error = model_error_percent(scene, model.domain.grid.largest_edge_mm)
+    return BoundStatement(
+        quantity=problem.goal.quantity,
+        value=bound.value,
+        percent_of_original=bound.percent,
+        dropped=tuple(str(limit) for limit, _ in problem.dropped),
+        model=BoundCells(cell_mm=scene.optimise.resolution_mm, error_percent=error),
     )

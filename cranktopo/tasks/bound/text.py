@@ -1,25 +1,27 @@
-"""The bound of a design in words and a table."""
+"""The bound of a design in words and a table, and as a section of the page of a result."""
 
 from __future__ import annotations
 
-from cranktopo.design.goal.quantities import QUANTITIES
+from typing import TYPE_CHECKING
+
+from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
 from cranktopo.report.goal_table import goal_words, value_text
+from cranktopo.report.page import Section
+from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row, terminal
 from cranktopo.tasks.bound.result import AnyBound, BoundResult, BoundStatement, BoundStatements, NoBound
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 _ABOUT = "proven for every web in the envelope, whatever its topology, in the cells of the optimiser's model"
 
 
 def bound_summary(found: BoundResult) -> str:
     """Return what `cranktopo bound` prints."""
-    lines = [
-        f"{found.design}: {goal_words(found.goal)}",
-        "",
-        terminal(_table(found)),
-        "",
-        _claim(found),
-        _error(found),
-    ]
+    head = f"{found.design}: {goal_words(found.goal)}"
+    lines = [head, "", terminal(_table(found)), "", _claim(found), _error(found)]
     lines += [f"left out, so that the bound is looser: {d.limit}: {d.reason}" for d in found.goal.dropped]
     if found.process != "free":
         lines.append(
@@ -35,21 +37,19 @@ def bound_summary(found: BoundResult) -> str:
     return "\n".join(lines)
 
 
-def bound_lines(bound: AnyBound | None) -> list[str]:
+def bound_lines(bound: AnyBound | BoundStatement | None) -> list[str]:
     """Return how far a result is from the best possible web, a line for each statement."""
-    return [statement_line(entry) for entry in statements(bound)]
+    return [_statement_line(entry) for entry in _statements(bound)]
 
 
-def statements(bound: AnyBound | None) -> list[BoundStatement | NoBound]:
-    """Return the bounds beside a result, none where they were not asked for."""
+def _statements(bound: AnyBound | BoundStatement | None) -> list[BoundStatement | NoBound]:
     if bound is None:
         return []
     found = bound.statements if isinstance(bound, BoundStatements) else (bound,)
     return [entry for entry in found if isinstance(entry, NoBound) or entry.reached_percent is not None]
 
 
-def statement_line(bound: BoundStatement | NoBound) -> str:
-    """Return how far a result is from what no web can beat in one quantity."""
+def _statement_line(bound: BoundStatement | NoBound) -> str:
     if isinstance(bound, NoBound):
         return f"no bound: {bound.none}"
     percent, reached = bound.percent_of_original, bound.reached_percent
@@ -70,17 +70,10 @@ def statement_line(bound: BoundStatement | NoBound) -> str:
 
 
 def bound_table(bound: BoundStatement) -> ResultTable:
-    """Return original, result and bound on one scale, in percent of the original.
-
-    Args:
-        bound: a statement that has one.
-    """
-    rows = (
-        ("original", 100.0),
-        ("result", bound.reached_percent),
-        ("bound", bound.percent_of_original),
-    )
-    return ResultTable({"web": 0, "percent": 1}, tuple({"web": web, "percent": value} for web, value in rows))
+    """Return original, result and bound of a statement that has one, in percent of the original."""
+    webs = {"original": 100.0, "result": bound.reached_percent, "bound": bound.percent_of_original}
+    rows = tuple({"web": web, "percent": percent} for web, percent in webs.items())
+    return ResultTable({"web": 0, "percent": 1}, rows)
 
 
 def _claim(found: BoundResult) -> str:
@@ -99,15 +92,61 @@ def _error(found: BoundResult) -> str:
 
 
 def _table(found: BoundResult) -> ResultTable:
-    bound, relaxed, own = found.bound, found.variable_stiffness, found.original[found.bound.quantity]
-    unit = bound.unit
-    rows: list[Row] = [
-        {"web": "original", "value": value_text(own, unit), "percent": 100.0},
-        {
-            "web": "cells of any stiffness",
-            "value": value_text(relaxed.value, unit),
-            "percent": relaxed.percent_of_original,
-        },
-        {"web": "bound", "value": value_text(bound.value, unit), "percent": bound.percent_of_original},
-    ]
-    return ResultTable({"web": 0, "value": 0, "percent": 1}, tuple(rows if bound.possible else rows[:1]))
+    bound, relaxed = found.bound, found.variable_stiffness
+    webs = (
+        ("original", found.original[bound.quantity], 100.0),
+        ("cells of any stiffness", relaxed.value, relaxed.percent_of_original),
+        ("bound", bound.value, bound.percent_of_original),
+    )
+    rows: tuple[Row, ...] = tuple(
+        {"web": web, "value": value_text(value, bound.unit), "percent": percent}
+        for web, value, percent in (webs if bound.possible else webs[:1])
+    )
+    return ResultTable({"web": 0, "value": 0, "percent": 1}, rows)
+
+
+_COLOURS = {"original": "0.6", "result": "C0", "bound": "C3"}
+
+
+def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple[Section, ...]:
+    """Return one section, none where no bound was asked for; `model` judged original and result."""
+    told = _statements(bound)
+    if not told:
+        return ()
+    known = [entry for entry in told if isinstance(entry, BoundStatement) and entry.value is not None]
+    lines = (_statement_line(entry) for entry in told)
+    text = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
+    return (
+        Section(
+            "bound",
+            "How far from the best possible web",
+            f"{text} Original and result are those of {model}; the bound is a change against the original in "
+            "the cells of the bound.",
+            tables=tuple(
+                (f"{QUANTITIES[e.quantity].label.capitalize()}, percent of the original", bound_table(e))
+                for e in known
+            ),
+            pictures=tuple(bound_picture(bound_table(entry), entry.quantity) for entry in known),
+        ),
+    )
+
+
+def bound_picture(table: ResultTable, quantity: QuantityName) -> Picture:
+    """Draw bars of the webs of a table with columns `web` and `percent`."""
+    told = ", ".join(f"{name} {percent:.1f} %" for name, percent in _rows(table))
+    name = QUANTITIES[quantity].label
+    return picture(f"bound-{quantity}", f"{name} of the original: {told}", _draw, table, name)
+
+
+def _rows(table: ResultTable) -> list[tuple[str, float]]:
+    return [(str(row["web"]), float(row["percent"] or 0.0)) for row in table.rows]
+
+
+def _draw(axes: Axes, table: ResultTable, name: str) -> None:
+    rows = _rows(table)
+    for web, percent in reversed(rows):
+        bar = axes.barh(web, percent, color=_COLOURS.get(web))
+        axes.bar_label(bar, [web], label_type="center", color="white")
+        axes.bar_label(bar, [f"{percent - 100:+.1f} %"], padding=3)
+    axes.set_yticks([])
+    axes.set(xlabel=f"{name}, % of the original", xlim=(0, 1.25 * max(percent for _, percent in rows)))

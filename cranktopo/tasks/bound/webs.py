@@ -1,14 +1,18 @@
-"""Every web that an envelope holds: densities of cells from 0 to 1, and the best of them for a linear goal.
+"""Every web that an envelope holds, as densities of cells from 0 to 1, and a goal as a bound takes it.
 
 No filter, no penalty: whatever an optimiser or a parametric web puts into the cells is among them. Where a
 die shapes the web, the density never grows outward from its parting plane; draft is left out, which only adds
 webs.
+
+A stiffness is a load squared over a compliance. A limit that no convex statement can hold is left out, which
+only adds webs: the bound stays one, but a looser one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -16,21 +20,98 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.design.goal.constraint import Constraint
+from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.forging import Parting
-from cranktopo.tasks.bound.convex_problem import LINEAR
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.responses import Design, Response, quantities
 
-_TINY = 1e-300
+LINEAR = ("mass", "inertia", "unbalance")
+STIFFNESSES: tuple[QuantityName, ...] = ("torsion", "bending")
 
 
 @dataclass(frozen=True)
-class _DieSplit:
-    """Along which axis the halves of a die leave, and where they part."""
+class ConvexProblem:
+    """Objective and constraints, every quantity over its value for the original web.
+
+    Attributes:
+        quantity: what is minimised: a compliance, by its load case, or a sum over cells.
+        per_mass: minimise its product with the mass.
+        constraints: on compliances, by their load cases, and on sums over cells.
+        limits: the constraints as the user knows them.
+        dropped: limits that are left out, each with the reason.
+    """
+
+    goal: Goal
+    quantity: str
+    per_mass: bool
+    constraints: tuple[Constraint, ...]
+    limits: tuple[Limit, ...]
+    dropped: tuple[tuple[Limit, str], ...]
+
+    def goal_value(self, value: float, original: float) -> float:
+        """Return the goal's own quantity for a value of what is minimised, by that of the original."""
+        return original / value if self.goal.sense == "maximise" else original * value
+
+
+def convex_problem(goal: Goal, original: Mapping[str, float]) -> ConvexProblem:
+    """Return a goal as a bound takes it, by quantities of the original web in the same model.
+
+    Raises:
+        CranktopoError: a goal about which nothing can be proven.
+    """
+    if goal.quantity == "fatigue_safety":
+        raise invalid(
+            f"goal.{goal.sense}",
+            goal.quantity,
+            "a bound is proven for mass, inertia, unbalance and stiffness, not for stress",
+            "Name another goal; limits of fatigue safety are left out, which keeps the bound valid.",
+        )
+    if goal.quantity == "unbalance" and original["unbalance"] <= 0:
+        raise CranktopoError(
+            f"goal: the original's unbalance is {original['unbalance']:.4g} kg mm, not above 0, and a "
+            "bound is told by its share.",
+            hint="Minimise the mass or the inertia.",
+            code=ExitCode.INVALID_INPUT,
+        )
+    found = [(limit, _constraint(limit, original)) for limit in goal.limits]
+    kept = [(limit, one) for limit, one in found if isinstance(one, Constraint)]
+    dropped = tuple((limit, why) for limit, why in found if isinstance(why, str))
+    name = goal.quantity.removesuffix("_per_mass")
+    constraints, limits = tuple(one for _, one in kept), tuple(limit for limit, _ in kept)
+    return ConvexProblem(goal, name, name != goal.quantity, constraints, limits, dropped)
+
+
+def _constraint(limit: Limit, original: Mapping[str, float]) -> Constraint | str:
+    """Return the limit over the original's value, or why no convex statement holds it."""
+    if limit.quantity == "fatigue_safety":
+        return "stress is not part of the proof"
+    own = original[limit.quantity]
+    if own == 0:
+        return "the original's value is 0"
+    share = limit.value / 100 if limit.percent else limit.value / own
+    if limit.quantity in LINEAR:
+        return Constraint(limit.quantity, "<=" if (limit.sense == "<=") == (own > 0) else ">=", share)
+    if limit.quantity.endswith("_per_mass"):
+        return "a least stiffness per mass is not convex"
+    if limit.quantity in STIFFNESS_OF and limit.sense == "<=":
+        return Constraint(STIFFNESS_OF[limit.quantity], "<=", share)
+    if limit.quantity in STIFFNESSES and limit.sense == ">=":
+        return Constraint(limit.quantity, "<=", 1 / share)
+    return "a web may not be too stiff: that is not convex"
+
+
+_TINY = 1e-300
+
+
+class _DieSplit(NamedTuple):
+    """Axis along which the halves of a die leave, and where they part."""
 
     axis: int
     parting: Parting
@@ -61,7 +142,8 @@ class AdmissibleDensities:
         if self.die is None:
             taken = gains > 0
             return float(np.sum(np.where(taken, gains, 0.0))), taken.astype(np.float64)
-        moved, (end, start) = np.moveaxis(gains, self.die.axis, 0), self.die.parting
+        axis, (end, start) = self.die
+        moved = np.moveaxis(gains, axis, 0)
         # The layers that one half forms alone, from the parting plane outward, and one that both share.
         left, right = moved[:start][::-1], moved[end:]
         shared = moved[start:end].sum(axis=0)
@@ -75,17 +157,16 @@ class AdmissibleDensities:
             keep_right & open_,
         )
         chosen = np.concatenate(parts).astype(np.float64)
-        return float(np.sum(roots)), np.moveaxis(chosen, 0, self.die.axis)
+        return float(np.sum(roots)), np.moveaxis(chosen, 0, axis)
 
     def made(self, density: Array, above: Array, below: Array) -> Array:
-        """Return the densities that a die can make and that cost least of above / density + below * density.
+        """Return densities that a die can make, with the least above / density + below * density.
 
-        Args:
-            density: those of each cell on its own.
+        Without a die they are those of each cell on its own, `density`.
         """
         if self.die is None:
             return density
-        axis, (end, start) = self.die.axis, self.die.parting
+        axis, (end, start) = self.die
         above, below = np.moveaxis(above, axis, 0), np.moveaxis(np.maximum(below, _TINY), axis, 0)
         left = _falling(above[:end][::-1], below[:end][::-1])[::-1]
         right = _falling(above[end:], below[end:])

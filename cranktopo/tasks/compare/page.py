@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
@@ -18,8 +17,8 @@ from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
 from cranktopo.runs.destination import check_file
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture
-from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import AnyBound
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import comparison_tables
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
@@ -177,7 +176,7 @@ def _variants(
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design." + _safety(comparison),
         tuple(tables),
-        scatter_pictures(_scatter_points(comparison), comparison.baseline, _curves(bound)),
+        scatter_pictures(_scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),
     )
 
 
@@ -257,15 +256,11 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound
     FigureCanvasAgg(figure)
     plots = _scatter_points(comparison)
     original = {label: points[comparison.baseline] for label, points in plots.items()}
-    most = most_by_label(_curves(bound), original)
+    most = most_by_label(bound.stiffest if bound else {}, original)
     for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
     with replacing(path) as temporary:
         figure.savefig(temporary, dpi=130)
-
-
-def _curves(bound: AnyBound | None) -> Mapping[str, Any] | None:
-    return None if bound is None else bound.as_json()
 
 
 def _scatter_points(comparison: Comparison) -> dict[str, list[Point]]:

@@ -25,8 +25,8 @@ from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.directories import RunStore, open_run, runs_named
 from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, shown_results
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
-from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.bound.result import AnyBound
+from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts

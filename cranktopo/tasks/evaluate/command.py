@@ -76,7 +76,7 @@ def command(
     else:
         from cranktopo.report.result_table import terminal
         from cranktopo.tasks.fea.table import evaluation_table, result_line
-        from cranktopo.tasks.shape.sensitivity_text import sensitivity_text
+        from cranktopo.tasks.shape.text import sensitivity_text
 
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:

@@ -24,7 +24,7 @@ from cranktopo.tasks.iterate.settings import Settings
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs
+from cranktopo.tasks.shape.mesh_model import MeshedWebs
 from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table

@@ -20,8 +20,8 @@ from cranktopo.report.result_table import comma_separated
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, working_in
-from cranktopo.tasks.bound.bound_for_result import bounds_for_result
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
+from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.stage import baseline_notice
 from cranktopo.tasks.fea.evaluation import Info

@@ -23,7 +23,7 @@ from cranktopo.report.page import (
 from cranktopo.report.plot import Picture, png
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.runs.kind import SHAPE
-from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     BENDING_PER_MASS,

@@ -25,7 +25,7 @@ from cranktopo.cli.options import (
     goal_options,
     percent,
     refuse_beside_resume,
-    runs,
+    run_options,
     seconds,
     web_option,
     with_bound_option,
@@ -87,10 +87,7 @@ if TYPE_CHECKING:
 )
 @bound_option
 @click.option("--max-iterations", type=click.IntRange(1, 10000), help="Limit on designs evaluated.")
-@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option(
-    "--resume", metavar="RUN", shell_complete=runs, help="Continue an interrupted, stopped or killed run."
-)
+@run_options("Continue an interrupted, stopped or killed run.")
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as one JSON object.")
 @verbosity_options
 def command(design: str | None, out: Path | None, resume: str | None, as_json: bool, **options: Any) -> int:

@@ -19,8 +19,8 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.vtu import write_density_vtu
 from cranktopo.runs.directories import RunStore
-from cranktopo.tasks.bound.bound_for_result import Cells, bounds_for_result, model_for_result
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
+from cranktopo.tasks.bound.stage import Cells, bounds_for_result, model_for_result
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.assess import assess, assess_original
 from cranktopo.tasks.density.assessment import Assessment

@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture, study_pictures
 from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
-from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.result import RunSurface
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
@@ -111,7 +111,7 @@ def _variants(metrics: RunMetrics) -> Section:
                 ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
             ),
         ),
-        scatter_pictures(points, 0, None if metrics.bound is None else metrics.bound.as_json()),
+        scatter_pictures(points, 0, metrics.bound.stiffest if metrics.bound else {}),
     )
 
 

@@ -49,7 +49,7 @@ from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, enforce_limit
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.bound.bound_for_result import Cells
+    from cranktopo.tasks.bound.stage import Cells
 
 EVALUATIONS = "checkpoint/evaluations.json"
 """Evaluations of a goal's limits, kept so that a resumed run does not repeat them."""

@@ -20,7 +20,7 @@ from cranktopo.cli.options import (
     goal_options,
     limit_options,
     refuse_beside_resume,
-    runs,
+    run_options,
     web_option,
     with_bound_option,
     with_goal_options,
@@ -37,13 +37,7 @@ if TYPE_CHECKING:
 @goal_options
 @limit_options
 @bound_option
-@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option(
-    "--resume",
-    metavar="RUN",
-    shell_complete=runs,
-    help="Continue an interrupted optimisation; finished searches are kept.",
-)
+@run_options("Continue an interrupted optimisation; finished searches are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print shape.json.")
 @verbosity_options
 def command(

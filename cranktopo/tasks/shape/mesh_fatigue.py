@@ -2,13 +2,13 @@
 
 The least safety jumps from node to node, so the used strength, 1 / safety, is summed up over all fillet nodes
 and images of the throw by a p-norm. One adjoint solve per unit field, with the matrix that is factorised
-already, brings the derivative back to the nodes.
+already, brings the derivative back to the nodes: every step of `numerics.tetrahedra.stress` and of
+`stressed_surface` in reverse order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,13 +20,16 @@ from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.numerics.derivatives import central_difference
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.curving import shape_gradients
+from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, centrifugal_force
+from cranktopo.numerics.tetrahedra.stress import NodalStress, hooke, nodal_stress, nodes_from_points
 from cranktopo.numerics.tetrahedra.stressed_surface import (
     Surface,
     SurfaceStress,
+    node_points,
     outer_surface,
     surface_stress,
+    triangle_gradients,
 )
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
 from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
@@ -34,10 +37,139 @@ from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fea.condense import Superelement
-from cranktopo.tasks.fea.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
+from cranktopo.tasks.fea.node_gradients import (
+    centrifugal_slopes,
+    displacement_slopes,
+    full_tensor,
+    gather,
+    mean_slopes,
+    section_slopes,
+    shape_slopes,
+    work_slopes,
+)
 from cranktopo.tasks.fea.support_stiffness import bending_motion, torsion_motion
 from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
-from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
+
+Index = NDArray[np.intp]
+_BOTH_HALVES = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+"""A component off the diagonal stands at two places of the tensor."""
+
+
+def stress_adjoint(
+    model: Elasticity,
+    surface: Surface,
+    found: NodalStress,
+    fields: Array,
+    adjoint: tuple[Array, Array],
+    elastic: tuple[float, float],
+) -> tuple[Array, Array]:
+    """Return the derivative of sum(adjoint * result of `surface_stress`) by displacements and nodes.
+
+    Args:
+        fields: displacements, shape (fields, unknowns).
+        adjoint: of the stresses and of their derivatives into the depth, each (fields, surface nodes, 6).
+        elastic: Young's modulus in MPa and Poisson's ratio.
+
+    Returns:
+        Shapes (fields, unknowns), displacements held for the second, (3, nodes).
+    """
+    of_stress, of_depth = adjoint
+    nodal = np.zeros_like(found.nodal_MPa)
+    nodal[:, surface.nodes] += of_stress
+    by_nodes = np.zeros(model.nodes_mm.shape)
+    _through_depth(model, surface, found, of_depth, nodal, by_nodes)
+    return _through_nodes(model, found, fields, nodal, elastic, by_nodes), by_nodes
+
+
+def _through_depth(
+    model: Elasticity, surface: Surface, found: NodalStress, adjoint: Array, nodal: Array, by_nodes: Array
+) -> None:
+    """Add the adjoint of the derivatives into the depth to those of the nodal stresses and of the nodes."""
+    number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
+    active = (adjoint != 0).any(axis=(0, 2))
+    chosen = active[surface.faces].any(axis=0)
+    faces, local, owners = surface.faces[:, chosen], surface.local[:, chosen], surface.owners[chosen]
+    cells = found.elements[:, owners]  # (10, f)
+    reference = shape_gradients(node_points())[local]  # (6, f, 10, 3)
+    jacobian = np.einsum("inf,pfnj->pfij", model.nodes_mm[:, cells], reference, optimize=True)
+    direction = np.linalg.solve(jacobian, -surface.normals[faces][..., None])[..., 0]
+    weights = np.einsum("pfnj,pfj->pfn", reference, direction, optimize=True)
+    share = (adjoint / number[:, None])[:, faces]  # (fields, 6, f, 6)
+    stress = found.nodal_MPa[:, cells]  # (fields, 10, f, 6)
+    for total, part in zip(nodal, share, strict=True):
+        np.add.at(total, cells, np.einsum("pfn,pfc->nfc", weights, part, optimize=True))
+    of_weights = np.einsum("xpfc,xnfc->pfn", share, stress, optimize=True)
+    of_direction = np.einsum("pfnj,pfn->pfj", reference, of_weights, optimize=True)
+    inward = np.linalg.solve(jacobian.swapaxes(2, 3), of_direction[..., None])[..., 0]
+    of_jacobian = -inward[..., :, None] * direction[..., None, :]
+    _add(by_nodes, cells, np.einsum("pfij,pfnj->inf", of_jacobian, reference, optimize=True))
+    of_normal = np.zeros((len(surface.nodes), 3))
+    np.add.at(of_normal, faces, -inward)
+    _through_normals(model, surface, (faces, cells, local), of_normal, by_nodes)
+
+
+def _through_normals(
+    model: Elasticity, surface: Surface, around: tuple[Index, Index, Index], adjoint: Array, by_nodes: Array
+) -> None:
+    """Add the adjoint of the unit normals of the surface nodes to that of the nodes."""
+    faces, cells, _ = around
+    numbers = surface.nodes[faces]
+    at, gradients = model.nodes_mm[:, numbers], triangle_gradients()
+    first, second = np.einsum("inf,pnk->kpfi", at, gradients)
+    normal = np.cross(first, second)  # (6, f, 3)
+    inside = model.nodes_mm[:, cells[:4]].mean(axis=1) - at[:, :3].mean(axis=1)
+    sign = -np.sign(np.einsum("fi,if->f", normal.mean(axis=0), inside))[:, None]
+    total = np.zeros_like(adjoint)
+    np.add.at(total, faces, sign * normal)
+    length = np.maximum(np.linalg.norm(total, axis=1, keepdims=True), np.finfo(float).tiny)
+    unit = total / length
+    of_total = (adjoint - unit * (unit * adjoint).sum(axis=1, keepdims=True)) / length
+    of_normal = sign * of_total[faces]
+    of_tangents = np.stack([np.cross(second, of_normal), np.cross(of_normal, first)])
+    _add(by_nodes, numbers, np.einsum("kpfi,pnk->inf", of_tangents, gradients, optimize=True))
+
+
+def _through_nodes(
+    model: Elasticity,
+    found: NodalStress,
+    fields: Array,
+    adjoint: Array,
+    elastic: tuple[float, float],
+    by_nodes: Array,
+) -> Array:
+    """Return the adjoint of the displacements, (fields, unknowns); that of the nodes is added to theirs."""
+    from skfem import Basis, ElementTetP2
+
+    active = (adjoint != 0).any(axis=(0, 2))
+    elements = np.flatnonzero(active[found.elements].any(axis=0))
+    basis = Basis(model.mesh, ElementTetP2(), intorder=STIFFNESS_ORDER, elements=elements)
+    cells, volume = found.elements[:, elements], basis.dx.sum(axis=1)
+    around = np.zeros(adjoint.shape[1])
+    np.add.at(around, cells, np.broadcast_to(volume, cells.shape))
+    around[~active] = 1.0
+    share = (adjoint / around[:, None])[:, cells.T]  # (fields, e, 10, 6)
+    shapes, result = shape_slopes(basis), np.zeros_like(fields)
+    spread = nodes_from_points(basis.X)
+    of_volume = np.zeros(len(elements))
+    for field, u, part in zip(range(len(fields)), fields, share, strict=True):
+        departure = found.element_MPa[field][elements] - found.nodal_MPa[field][cells.T]
+        of_volume += np.einsum("enc,enc->e", part, departure)
+        of_stress = np.einsum("nq,enc->eqc", spread, part * volume[:, None, None], optimize=True)
+        of_slopes = full_tensor(hooke(of_stress, *elastic) * _BOTH_HALVES)
+        mine = np.zeros(model.nodes_mm.shape)
+        gather(mine, basis, np.einsum("eqij,njeq->nie", of_slopes, shapes, optimize=True))
+        result[field] = mine.T.ravel()
+        flow = -np.einsum("eqij,eqik->eqkj", of_slopes, displacement_slopes(basis, shapes, u), optimize=True)
+        gather(by_nodes, basis, np.einsum("eqkj,njeq->nke", flow, shapes, optimize=True))
+    gather(by_nodes, basis, np.einsum("e,eq,nkeq->nke", of_volume, basis.dx, shapes, optimize=True))
+    return result
+
+
+def _add(total: Array, nodes: Index, found: Array) -> None:
+    """Add shares of nodes (n, f), (3, n, f), to (3, all nodes)."""
+    for axis in range(3):
+        np.add.at(total[axis], nodes, found[axis])
+
 
 _POWER = 40.0
 _NEGLIGIBLE = 1e-8
@@ -46,30 +178,11 @@ _STEP = 1e-6
 """Step of central differences of a node's used strength, of the largest stress."""
 
 
-@dataclass(frozen=True)
-class FilletSafety:
-    """Fatigue safety of the fillets.
-
-    Attributes:
-        minimum: the least of all nodes.
-        smooth: 1 over the p-norm of 1 / safety; below the least, by a factor that hardly changes.
-        gradients: derivative of `smooth` by the nodes, (3, nodes).
-    """
-
-    minimum: float
-    smooth: float
-    gradients: Array
-
-
 class FilletFatigue:
     """Safety by local stress analysis over the extreme load states of a scene."""
 
     def __init__(self, scene: Scene) -> None:
-        """Find the load states.
-
-        Raises:
-            CranktopoError: the scene does not tell the loads.
-        """
+        """Find the load states, which the scene must tell."""
         enabled, kinds = load_kinds(scene, "extremes")
         self.scene, self.kinds = scene, kinds
         self.history: LoadHistory = load_history(scene, "extremes", enabled)
@@ -81,14 +194,16 @@ class FilletFatigue:
 
     def safety(
         self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
-    ) -> FilletSafety:
-        """Return the safety of the fillets on a mesh.
+    ) -> tuple[float, float, Array]:
+        """Return the safety of the fillets on a mesh, by symmetric and antisymmetric condensation.
 
-        Args:
-            scene: with the fillets of the mesh.
-            bend, twist: symmetric and antisymmetric condensation.
+        Returns:
+            The least; 1 over the p-norm of 1 / safety, which is below it by a factor that hardly changes; the
+            derivative of the latter by the nodes, (3, nodes).
         """
-        fields = self._fields(bend, twist)
+        pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
+        by_kind = {**pushed, "torsion": twisted(twist, self.scene)}
+        fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)
         mirrored = bend.parts == 2
@@ -108,16 +223,11 @@ class FilletFatigue:
             return sum(found, np.zeros_like(gradients))
 
         one, other = side_by_side(lambda: through(True), lambda: through(False))
-        return FilletSafety(minimum, smooth, gradients + one + other)
+        return minimum, smooth, gradients + one + other
 
     @property
     def _elastic(self) -> tuple[float, float]:
         return self.scene.material.E_GPa * MPA_PER_GPA, self.scene.material.poisson
-
-    def _fields(self, bend: Superelement, twist: Superelement) -> list[UnitField]:
-        pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
-        found = {**pushed, "torsion": twisted(twist, self.scene)}
-        return [found[kind] for kind in self.kinds]
 
     def _smooth(
         self, scene: Scene, surface: Surface, stress: SurfaceStress, loads: list[Array]
@@ -170,7 +280,6 @@ class FilletFatigue:
 
 
 def _at(stress: SurfaceStress, nodes: NDArray[np.intp]) -> SurfaceStress:
-    """Return the stresses at some of the nodes."""
     return SurfaceStress(
         stress.stress_MPa[:, nodes], stress.depth_MPa_per_mm[:, nodes], stress.jump_MPa[:, nodes]
     )

@@ -1,4 +1,4 @@
-"""Quantities of a parametric web on one body-fitted mesh that moves with it, with exact discrete gradients.
+"""Webs on body-fitted elements: evaluation, and quantities on a mesh that moves, with exact gradients.
 
 The elements stay the same while the parameters change, so that a search sees none of the noise of new
 meshes; the gradients are those of these very numbers. A stiffness needs no adjoint solve: its compliance is a
@@ -8,11 +8,16 @@ are algebra on the condensed matrices.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
@@ -20,23 +25,83 @@ from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.simulated import Feature
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.condense import RZ, Lateral, Superelement, condense
+from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
+from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.node_gradients import mean_slopes, moments, section_slopes, work_slopes
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.support_stiffness import (
     bending_motion,
     bending_stiffness_N_per_mm,
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
+from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.start import kept_features
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+
+
+@dataclass(frozen=True)
+class EvaluatedWeb:
+    """A web with its evaluation on the default mesh, fillets included, and the time that took now."""
+
+    scene: Scene
+    evaluation: EvaluationResult
+    seconds: float
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """Its quantities by name, in the units of the goal's limits."""
+        return goal_values(self.scene, self.evaluation)
+
+
+def evaluated_web(
+    scene: Scene,
+    fatigue: bool,
+    element_size_mm: float | None,
+    name: str,
+    work: Work,
+    file: Path | None = None,
+) -> EvaluatedWeb:
+    """Evaluate a scene's web with its fillets, or the body of a file that stands for it.
+
+    Args:
+        fatigue: find the fatigue safety as well, which takes longest.
+        name: under which the work keeps the evaluation.
+
+    Raises:
+        CranktopoError: impossible geometry, or a failed solve.
+    """
+    kept: tuple[Feature, ...] = ("bores", "fillets") if file else kept_features(scene)
+    target = Target(scene.name, planned_scene(scene, kept), file)
+
+    def make() -> Json:
+        work.info(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
+        if not fatigue:
+            return evaluate(target, element_size_mm).result.as_json()
+        # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
+        field, found = side_by_side(
+            lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
+        )
+        return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
+
+    began = time.perf_counter()
+    evaluation = EvaluationResult.of_json(work.once(name, make), f"evaluation '{name}'")
+    return EvaluatedWeb(scene, evaluation, time.perf_counter() - began)
+
 
 _RESIDUAL = 1e-4
 """Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
@@ -53,14 +118,13 @@ class MeshResponses(Quantities):
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
         """Return the same with every quantity times its share, by default 1."""
-        share = {name: shares.get(name, 1.0) for name in self.values}
         return MeshResponses(
-            {name: share[name] * value for name, value in self.values.items()},
-            {name: share[name] * slope for name, slope in self.gradients.items()},
+            {name: shares.get(name, 1.0) * value for name, value in self.values.items()},
+            {name: shares.get(name, 1.0) * slope for name, slope in self.gradients.items()},
         )
 
     def calibrated(self, truth: Mapping[str, float]) -> MeshResponses:
-        """Return with the values of a truth; slopes in proportion, but as they are for what may be 0."""
+        """Return the same with the values of a truth; slopes in proportion, but not of what may be 0."""
         both = self.values.keys() & truth.keys()
         signed = {name for name in both if quantity_named(name).signed}
         found = self.scaled({name: truth[name] / self.values[name] for name in both - signed})
@@ -82,9 +146,6 @@ class MeshModel:
 
         Args:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
-
-        Raises:
-            CranktopoError: they make no sound web, or there is no valid mesh.
         """
         require_equal_halves(scene)
         sized = scene_at(scene, layout, values)
@@ -99,11 +160,9 @@ class MeshModel:
         self._smoothing = 0.0
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
-        """Return quantities of the web with these values, and their gradients.
+        """Return the wanted quantities of the web with these values, by default all, and their gradients.
 
-        Args:
-            quantities: those that are wanted, by default all; masses cost next to nothing and are always
-                there, fatigue safety where the mesh was made for it.
+        Masses are always there, fatigue safety where the mesh was made for it.
 
         Raises:
             CranktopoError: the mesh folds, or a failed solve.
@@ -124,7 +183,6 @@ class MeshModel:
     def _solved(
         self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
     ) -> _ByNodes:
-        """Return what needs displacements, of the quantities that are wanted."""
         found: _ByNodes = {}
         safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
 
@@ -138,37 +196,33 @@ class MeshModel:
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if safety and twist and bend:
-            fillets = safety.safety(model, scene, bend, twist)
-            self._smoothing = self._smoothing or fillets.minimum / fillets.smooth
-            found["fatigue_safety"] = self._smoothing * fillets.smooth, self._smoothing * fillets.gradients
+            minimum, smooth, gradients = safety.safety(model, scene, bend, twist)
+            self._smoothing = self._smoothing or minimum / smooth
+            found["fatigue_safety"] = self._smoothing * smooth, self._smoothing * gradients
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
-        """Return the block of a stiffness."""
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         side: Lateral = "even" if mirrored else "none"
-        return condense(model, scene, "symmetric", side, self._spin(model), _RESIDUAL)
+        spin = None
+        if self._fatigue is not None and self._fatigue.spins:
+            density = density_tonne_per_mm3(self.scene.material.density_kg_m3)
+            spin = centrifugal_force(model, density)[:, None]
+        return condense(model, scene, "symmetric", side, spin, _RESIDUAL)
 
     def _model(self, mesh: TetMesh) -> Elasticity:
         material = self.scene.material
         return assemble(mesh, material.E_GPa * MPA_PER_GPA, material.poisson)
 
-    def _spin(self, model: Elasticity) -> Array | None:
-        """Return nodal forces of the centrifugal load, if the fatigue safety needs them."""
-        if self._fatigue is None or not self._fatigue.spins:
-            return None
-        return centrifugal_force(model, density_tonne_per_mm3(self.scene.material.density_kg_m3))[:, None]
-
     def _masses(self, model: Elasticity) -> _ByNodes:
         """Return mass, inertia and unbalance of the throw and gradients, exact where the mesh was made."""
         kg, bolted = 2 * density_kg_per_mm3(self.scene.material.density_kg_m3), bolted_mass(self.scene)
         integrals, gradients = moments(model)
-        names = ("mass", "unbalance", "inertia")
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        return dict(zip(names, pairs, strict=True))
+        return dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
 
 
 def _exact(meshed: MeshedThrow) -> Array:
@@ -178,11 +232,7 @@ def _exact(meshed: MeshedThrow) -> Array:
 
 
 def _torsion_gradient(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
-    """Return the torsional stiffness, N m/rad, with the scene's support, and its derivative by the nodes.
-
-    Args:
-        block: antisymmetric condensation.
-    """
+    """Return the torsional stiffness, N m/rad, and its derivative by the nodes, by antisymmetry."""
     support = scene.supports.torsion
     spring = support_spring(scene, support)
     value = torsional_stiffness_Nm_per_rad(block, support, spring)
@@ -193,11 +243,7 @@ def _torsion_gradient(model: Elasticity, scene: Scene, block: Superelement) -> t
 
 
 def _bending_gradient(model: Elasticity, scene: Scene, block: Superelement) -> tuple[float, Array]:
-    """Return the bending stiffness, N/mm, with the scene's support, and its derivative by the nodes.
-
-    Args:
-        block: symmetric condensation.
-    """
+    """Return the bending stiffness, N/mm, and its derivative by the nodes, by symmetry."""
     support = scene.supports.bending
     spring = support_spring(scene, support)
     value = bending_stiffness_N_per_mm(block, support, spring)
@@ -212,3 +258,45 @@ def _work(model: Elasticity, scene: Scene, field: Array) -> Array:
     """Return the derivative of field' K field by the nodes, the section moving rigidly as it does."""
     inner = work_slopes(model, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson, field, field)
     return inner + 2 * section_slopes(model, model.stiffness @ field, field)
+
+
+class MeshedWebs:
+    """Webs of a throw on meshes of one element size."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        limits: ManufacturingLimits,
+        element_size_mm: float,
+        fillet_fraction: float | None = None,
+        shares: Mapping[str, float] | None = None,
+    ) -> None:
+        """Take the size of the elements, and factors by quantity that bring their numbers to finer ones."""
+        self.scene, self._limits, self._size = scene, limits, element_size_mm
+        self._fraction, self._shares = fillet_fraction, shares or {}
+
+    def web(self, layout: Layout) -> ParametricWeb:
+        """Return a web of the layout, for its bounds and manufacturing constraints."""
+        return ParametricWeb(layout, self.scene, self._limits, (np.zeros(0),) * 3)
+
+    def responses(
+        self, web: ParametricWeb, values: Array, quantities: Collection[str] | None = None
+    ) -> MeshResponses:
+        """Return quantities of a web with these values, by default all, and their gradients.
+
+        Raises:
+            CranktopoError: no sound web, no valid mesh, or a failed solve.
+        """
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+        return model.responses(values, quantities).scaled(self._shares)
+
+
+def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
+    """Return factors by quantity that bring the original web on a coarse mesh to its finer evaluation."""
+    target = Target(scene.name, planned_scene(scene, kept_features(scene)))
+    found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
+    torsion, bending = found.torsion[supports.torsion], found.bending[supports.bending]
+    assert torsion is not None
+    assert bending is not None
+    shares = {"torsion": original["torsion"] / torsion, "bending": original["bending"] / bending}
+    return {**shares, **{f"{name}_per_mass": share for name, share in shares.items()}}

@@ -61,15 +61,10 @@ class _Rules:
 
 
 class MovedMesh:
-    """A mesh of the web with some values of its parameters, and how it moves with them.
-
-    Attributes:
-        mesh: the mesh where it was made, numbered as scikit-fem does.
-        values: the parameters there.
-    """
+    """A mesh of the web, numbered as scikit-fem does, and how it moves with the web's parameters."""
 
     def __init__(self, mesh: TetMesh, scene: Scene, layout: Layout, values: Array) -> None:
-        self.mesh, self.values = numbered(mesh), np.asarray(values, dtype=np.float64)
+        self.mesh, self.values = _numbered(mesh), np.asarray(values, dtype=np.float64)
         self._faces = web_faces(scene, layout, mirrored=mesh.mirrored)
         moving = (-np.inf, np.inf) if move_journals(layout.dimensions) else scene.web_z_mm
         self._surface, self._triangles, self._on, self._still = _surface_nodes(
@@ -122,11 +117,7 @@ class MovedMesh:
         return least_jacobian_ratio(mesh.points_mm, self.mesh.points_mm, self.mesh.cells)
 
     def velocities(self, mesh: TetMesh, values: Array) -> Array:
-        """Return the motion of the nodes per mm or degree of each parameter, (3, nodes, parameters).
-
-        Args:
-            mesh: the mesh at these values.
-        """
+        """Return the motion of the nodes per mm or degree of each parameter, (3, nodes, parameters)."""
         contacts, at = self._contacts(mesh.points_mm, values), mesh.points_mm[:, self._surface]
         wanted = [-face.gradients(at[:, nodes], values) / c.steepness for nodes, face, c in contacts]
         here, there = self._led(values), [self._led(values + unit) for unit in np.eye(len(values))]
@@ -151,12 +142,7 @@ class MovedMesh:
     def _rules(
         self, contacts: list[tuple[Index, WebFace, Contact]], wanted: list[Array], led: list[Array]
     ) -> _Rules:
-        """Return what the faces ask of the surface nodes.
-
-        Args:
-            wanted: motion along the normal of each face, (n, k).
-            led: motion of the nodes of each fillet, (n, 3, k).
-        """
+        """Return the rules of motions along the normal of each face, (n, k), and of fillets, (n, 3, k)."""
         count = len(self._surface)
         matrix, asked = np.zeros((count, 3, 3)), np.zeros((count, 3, wanted[0].shape[1]))
         for (nodes, _, contact), motion in zip(contacts, wanted, strict=True):
@@ -224,7 +210,7 @@ class _Net:
         return result
 
 
-def numbered(mesh: TetMesh) -> TetMesh:
+def _numbered(mesh: TetMesh) -> TetMesh:
     """Return the mesh with its nodes numbered as scikit-fem numbers them, corners first."""
     from skfem import MeshTet2
 

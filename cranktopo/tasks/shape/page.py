@@ -19,33 +19,30 @@ from cranktopo.report.page import (
 )
 from cranktopo.report.plot import picture, plain
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
-from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import Quantity
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.sensitivity_text import dimensions_table, held_table, worst_case_table
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,
     changes_table,
+    dimensions_table,
     feature_trials_table,
+    held_table,
     multiplier_doubt,
     multiplier_table,
     named_first,
     rounds_table,
     shape_headline,
+    worst_case_table,
 )
 
 
 def shape_page(
     found: ShapeResult, manifest: Mapping[str, Any], scene: Scene, bodies: tuple[ShownBody, ...]
 ) -> Page:
-    """Return the report of a finished shape optimisation.
-
-    Args:
-        scene: of the original.
-        bodies: half throw of the result, then of the original.
-    """
+    """Return the report of a finished shape optimisation; half throws of result and original, its scene."""
     return Page(
         title=f"Best dimensions of the crank web of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
@@ -66,8 +63,7 @@ def shape_page(
 
 
 def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
-    change = found.change_percent[key]
-    error = _change_error_percent(found, key)
+    change, error = found.change_percent[key], _change_error_percent(found, key)
     label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
     shown = f"{change:+.1f} %" if not error else f"{change:+.1f} +-{error:.1g} %"
     if abs(change) <= error:
@@ -77,9 +73,7 @@ def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
 
 
 def _change_error_percent(found: ShapeResult, key: str) -> float:
-    """Return the bound of the error of a change; 0 where it is exact."""
-    kind = key.removesuffix("_per_mass")
-    entries = (found.original, found.result)
+    kind, entries = key.removesuffix("_per_mass"), (found.original, found.result)
     if kind not in found.original.error_estimate_percent:
         return 0.0
     one, other = (entry.error_estimate_percent[kind] for entry in entries)
@@ -121,13 +115,15 @@ def _dimensions(found: ShapeResult) -> Section:
 
 
 def _search(found: ShapeResult) -> Section:
+    name = found.goal_on_cells.quantity.name
+    sought = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
+    stand_in = "" if name == found.goal.quantity.name else sought
     return Section(
         "search",
         "How it was found",
         f"{found.evaluations} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        "limits, and each result was evaluated on the default mesh; a ring marks the best."
-        f"{_stand_in(found)}",
+        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{stand_in}",
         (("What was tried", feature_trials_table(found)), ("Webs evaluated on the way", rounds_table(found))),
         (
             picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, found),
@@ -136,33 +132,22 @@ def _search(found: ShapeResult) -> Section:
     )
 
 
-def _stand_in(found: ShapeResult) -> str:
-    """Return what stood for the goal on cells, where they do not know it."""
-    name = found.goal_on_cells.quantity.name
-    if name == found.goal.quantity.name:
-        return ""
-    return f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
-
-
 def _provenance(found: ShapeResult, manifest: Mapping[str, Any]) -> Section:
     tables = (("Run", pairs(origin_rows(manifest))), *assumed_tables(found.assumed))
     return Section("provenance", "Where this comes from", tables=tables)
-
-
-_GOAL, _MISSED = "#1f6fb4", "#d1632a"
 
 
 def draw_goal(axes: Any, found: ShapeResult) -> None:
     """Draw the goal of every web, % of the original's."""
     name, original = found.goal.quantity.name, found.values.original
     values = [100 * web.values[name] / original[name] for web in found.rounds]
-    _draw(axes, found.best_round, values, f"{name.replace('_', ' ')} (% of the original)", _GOAL, 0.5)
+    _draw(axes, found.best_round, values, f"{name.replace('_', ' ')} (% of the original)", "#1f6fb4", 0.5)
 
 
 def draw_worst_limit(axes: Any, found: ShapeResult) -> None:
     """Draw by how much every web misses its worst limit, %; 0 or less is kept."""
     values = [max(web.excess_percent, default=0.0) for web in found.rounds]
-    _draw(axes, found.best_round, values, "worst limit missed by (%)", _MISSED, 0.1)
+    _draw(axes, found.best_round, values, "worst limit missed by (%)", "#d1632a", 0.1)
     axes.axhline(0.0, color="0.4", linewidth=1, zorder=0)
 
 

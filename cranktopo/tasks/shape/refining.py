@@ -1,4 +1,4 @@
-"""Dimensions of a web by few webs on body-fitted elements; between two of them the search goes on cells.
+"""The best web so far, and its refinement: few webs on body-fitted elements, searches on cells between.
 
 There the cells stand for the elements, brought to the value and the gradient of the last meshed web, so that
 an optimum of the cells that no longer moves is one of the elements (first-order model management: Alexandrov
@@ -7,7 +7,7 @@ and Lewis, Optimization and Engineering 2, 2001, 413-430).
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,54 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search import SearchBudget, WebSolver, best_values
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
+
+MINIMUM_GAIN = 2e-3
+"""Gain in the goal, relative to the original, that a feature or a station must bring."""
+DOUBT = 1e-2
+"""Violation of a limit above which no finish will keep it."""
+
+
+@dataclass(frozen=True)
+class WebCandidate:
+    """The best web so far.
+
+    Attributes:
+        objective: the goal, with what slightly missed limits cost; smaller is better.
+        violation: by how much it misses its limits, relative; 0 where it keeps them.
+        told: its quantities in the numbers of the evaluation.
+        errors: by how much the cells overrate them, also taken for webs that grow from it (`model_error`).
+        exact: these by body-fitted elements; None while only the cells have told them.
+    """
+
+    layout: Layout
+    values: Array
+    objective: float
+    violation: float
+    told: Mapping[str, float]
+    errors: Mapping[str, float]
+    exact: Quantities | None = None
+    solved: int = 0
+
+    @property
+    def required_merit(self) -> float:
+        """Merit that a web with one feature more must reach to pay."""
+        return np.inf if self.violation > 0 else self.objective - MINIMUM_GAIN
+
+    def gain_over(self, before: WebCandidate) -> float:
+        """Return the gain in the goal; over a web that violates a limit, how much nearer this one comes."""
+        if before.violation > 0 or self.violation > 0:
+            return before.violation - self.violation
+        return before.objective - self.objective
+
+    def pays(self, before: WebCandidate) -> bool:
+        """Tell whether the web is worth its feature more."""
+        return (self.violation == 0 < before.violation) or self.gain_over(before) >= MINIMUM_GAIN
+
+
+def doubtful(violation: float) -> float:
+    """Return a violation; 0 where a finish may still keep the limits, as the merit counts that."""
+    return violation if violation > DOUBT else 0.0
+
 
 _MISSED = 1.0
 """Cost of a relative excess of a limit in the goal when two webs are compared: above usual prices."""
@@ -44,30 +92,11 @@ class Refinement:
 
 
 @dataclass(frozen=True)
-class Refined:
-    """The best meshed web of a refinement.
-
-    Attributes:
-        found: its quantities on its mesh.
-        solved: webs solved on cells and on meshes.
-    """
+class Step:
+    """A web of a refinement with its quantities and merit, and how many webs were solved to find it."""
 
     values: Array
     found: Quantities
-    merit: float
-    solved: int
-
-
-@dataclass(frozen=True)
-class Step:
-    """The web that a search beside an exact one ends in.
-
-    Attributes:
-        merit: what it promises.
-        solved: webs solved on cells.
-    """
-
-    values: Array
     merit: float
     solved: int
 
@@ -79,12 +108,7 @@ class CorrectedSurrogate:
     """
 
     def __init__(self, webs: WebSolver, at: Array, rough: Quantities, exact: Quantities) -> None:
-        """Match at a web.
-
-        Args:
-            at: (n,) its parameters.
-            rough, exact: its quantities in both models.
-        """
+        """Match at the web with the parameters `at`, (n,)."""
         self.scene = webs.scene
         self._webs, self._at, self._rough, self._exact = webs, at, rough, exact
 
@@ -124,12 +148,11 @@ def refined(
     work: Work,
     extent: Refinement,
     required_merit: float = np.inf,
-) -> Refined:
-    """Return the best web near a start by meshed webs, as few as can be.
+) -> Step:
+    """Return the best web near a start by meshed webs, as few as can be; the goal is in their numbers.
 
     Args:
-        goal: in the numbers of the meshed webs.
-        required_merit: The web stays as it is once the next search promises less, where only that share of
+        required_merit: the web stays as it is once the next search promises less, where only that share of
             its promise counts that the search before kept.
 
     Raises:
@@ -137,7 +160,7 @@ def refined(
     """
     web = meshed.web(layout)
     found = meshed.responses(web, start, goal.quantities)
-    best, solved, reach = Refined(start, found, merit(goal, found.values), 1), 1, extent.reach
+    best, solved, reach = Step(start, found, merit(goal, found.values), 1), 1, extent.reach
     kept_share = 1.0
     for _ in range(extent.steps):
         effort = SearchBudget(extent.evaluations, reach, nearest=True)
@@ -153,7 +176,7 @@ def refined(
             reach *= SHORTER
             continue
         solved += 1
-        now = Refined(step.values, found, merit(goal, found.values), solved)
+        now = Step(step.values, found, merit(goal, found.values), solved)
         gain = best.merit - now.merit
         if gain <= 0:
             reach *= SHORTER
@@ -171,16 +194,11 @@ def stepped(
     work: Work,
     effort: SearchBudget,
 ) -> Step:
-    """Return the best web by cells that are brought to the truth of one web; that web where none is better.
-
-    Args:
-        at: (n,) parameters of the web that is known exactly.
-        exact: its quantities.
-    """
+    """Return the best web by cells brought to the truth of one web; that web where none is better."""
     rough = cells.responses(cells.web(layout), at, goal.quantities)
     matched, private = CorrectedSurrogate(cells, at, rough, exact), Work(work.info, {}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     if values is None:
-        return Step(at, merit(goal, exact.values), solved + 1)
-    promised = matched.responses(matched.web(layout), values, goal.quantities).values
-    return Step(values, merit(goal, promised), solved + 2)
+        return Step(at, exact, merit(goal, exact.values), solved + 1)
+    promised = matched.responses(matched.web(layout), values, goal.quantities)
+    return Step(values, promised, merit(goal, promised.values), solved + 2)

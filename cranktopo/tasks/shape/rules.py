@@ -74,18 +74,14 @@ class EnvelopeClearance:
             outside = np.vstack([outside, self._limit.outside_mm(x, y)])
             by_points = np.concatenate([by_points, self._limit.slopes(x, y)[None]])
         gradients = np.zeros((outside.size, count))
-        gradients[:, : by_values.shape[2]] = np.einsum("cnk,nkp->cnp", by_points, by_values).reshape(
-            outside.size, -1
-        )
+        by_own = np.einsum("cnk,nkp->cnp", by_points, by_values)
+        gradients[:, : by_values.shape[2]] = by_own.reshape(outside.size, -1)
         return outside.ravel() + CLEAR_MM, gradients
 
     def _outside(self, envelope: Envelope, points: Array) -> tuple[Array, Array]:
         """Return excesses (constraints, n) and their derivatives by each point (constraints, n, 2)."""
         known = envelope.outside_mm(points)
-        if known is not None:
-            return known
-        x, y, distance = self._field
-        return _interpolated(x, y, distance, points)
+        return _interpolated(*self._field, points) if known is None else known
 
     @cached_property
     def _field(self) -> tuple[Array, Array, Array]:
@@ -100,9 +96,8 @@ class EnvelopeClearance:
         heights = start + (end - start) * (np.arange(sections) + 0.5) / sections
         inside = np.ones((x.size, y.size), dtype=bool)
         for z in heights:
-            inside &= holds(
-                envelope_section(self._envelope, float(z))(y, np.full_like(y, z)), np.abs(x)[:, None]
-            )
+            spans = envelope_section(self._envelope, float(z))(y, np.full_like(y, z))
+            inside &= holds(spans, np.abs(x)[:, None])
         outer, inner = distance_transform_edt(~inside), distance_transform_edt(inside)
         return x, y, np.asarray(step * (outer - inner))
 

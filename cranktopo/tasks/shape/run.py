@@ -22,6 +22,8 @@ from cranktopo.design.assumed import (
     assumptions,
 )
 from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.outcome import GoalWords, goal_outcome
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
@@ -34,21 +36,34 @@ from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, working_in
-from cranktopo.tasks.bound.bound_for_result import bound_for_goal
-from cranktopo.tasks.bound.result import read_bound
+from cranktopo.tasks.bound.result import BoundStatement, NoBound
+from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.sheet import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
+from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.refit.usual_size import usual_limits
-from cranktopo.tasks.shape.assemble_result import assemble_result
 from cranktopo.tasks.shape.page import shape_page
-from cranktopo.tasks.shape.result import ShapeResult
+from cranktopo.tasks.shape.result import (
+    LimitPrice,
+    RoundValues,
+    RulePrice,
+    SensitivityTable,
+    ShapeParameter,
+    ShapeResult,
+    ShapeValues,
+)
+from cranktopo.tasks.shape.rules import rule_unit, rules_at
+from cranktopo.tasks.shape.search import HELD
+from cranktopo.tasks.shape.search_goal import goal_on_cells
+from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
@@ -70,8 +85,7 @@ class ShapedRun:
 def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
     """Return settings that suit a throw of any size."""
     usual, scale = ShapeSettings(), usual_scale(scene)
-    kept = limits or usual_limits(scene)
-    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=kept)
+    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=limits or usual_limits(scene))
 
 
 def shape_design(
@@ -86,8 +100,6 @@ def shape_design(
     """Optimise the dimensions of a scene's web in a new run; nothing is written before all is validated.
 
     Args:
-        scene: the design with its goal.
-        out: run directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
         begun: scene whose web the search begins with, or a run whose re-model is made for it; by default the
@@ -129,7 +141,7 @@ def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
     data, begun = options[SHAPE], options.get(_BEGUN)
     settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
     scene = design_from_run(run)
-    first = None if begun is None else scene_from_dict(begun, str(run.path / "manifest.json"))
+    first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
     return _worked(run, scene, settings, scene_start(scene, settings.limits, first), info)
 
@@ -150,25 +162,21 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
     with working_in(run, "finished searches are kept") as check, double_precision():
         work = Work(info, KeptWork(run.path / _KEPT), check)
         optimum = optimise_shape(scene, goal, settings, work, start)
-        judge = optimum.judge_seconds
+        judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
-        bound = (
-            work.once("bound", lambda: bound_for_goal(scene, goal, settings.cell_mm, info).as_json())
-            if plan(scene, goal=goal)["bound"].state == "on"
-            else None
-        )
+        bound = _bound(scene, goal, settings.cell_mm, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
         info("writing the solid and the drawing")
-        files = _write(run, scene, optimum)
+        _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
-        found = assemble_result(scene, optimum, begin, seconds)
+        found = _assembled(scene, optimum, begin, seconds)
         reached = {"reached_percent": found.goal.reached_percent}
         more = {
-            "bound": bound and read_bound({"bound": bound | reached}),
+            "bound": bound and bound.model_copy(update=reached),
             "assumed": tuple(run.manifest().get("assumed", ())),
-            "files": {**files, "report": REPORT},
+            "files": {**_FILES, "report": REPORT},
         }
         found = found.model_copy(update=more)
         write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
@@ -178,26 +186,111 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
     return ShapedRun(run.path, found)
 
 
-def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> dict[str, str]:
-    """Return scene, exact solids and drawing of the best web; returns their names by kind."""
-    shaped = optimum.result.web.scene
-    heading = (
-        f"Web of {scene.name} with the best dimensions for: {optimum.goal.sense} {optimum.goal.quantity}."
-    )
+def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
+    if plan(scene, goal=goal)["bound"].state != "on":
+        return None
+    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm, work.info).as_json())
+    return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
+
+
+def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> None:
+    """Write scene, exact solids and drawing of the best web."""
+    shaped, goal = optimum.result.web.scene, optimum.goal
+    heading = f"Web of {scene.name} with the best dimensions for: {goal.sense} {goal.quantity}."
     write_text(run.path / _FILES["design"], toml_text(shaped, heading))
     export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
     export_solid(shaped, "half", run.path / _FILES["stl"])
     export_drawing(shaped, run.path / _FILES["drawing"])
-    return dict(_FILES)
 
 
 def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
-    """Return the result and the original, the half throw of each."""
     file = original_file(scene)
     before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
-    result = optimum.result.web.scene
-    shown = (
-        ("result", read_stl(run.path / _FILES["stl"]), result),
-        ("original web", before, scene),
-    )
+    found = read_stl(run.path / _FILES["stl"])
+    shown = (("result", found, optimum.result.web.scene), ("original web", before, scene))
     return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)
+
+
+_PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
+
+
+def _assembled(
+    scene: Scene, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
+) -> ShapeResult:
+    """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
+    goal, result, original = optimum.goal, optimum.result, optimum.original
+    table, on_cells = _sensitivities(scene, optimum), goal_on_cells(goal)
+    return ShapeResult(
+        design=scene.name,
+        goal=goal_outcome(goal, result.web.values, original.values, HELD),
+        status="converged" if result.held else "limits not met",
+        stop_reason=_reason(optimum),
+        original=original.evaluation,
+        result=result.web.evaluation,
+        values=ShapeValues(original=original.values, result=result.web.values),
+        change_percent=_changes(optimum),
+        parameters=tuple(ShapeParameter(**dict(row), start=start.get(row.name)) for row in table.parameters),
+        worst_case_percent=table.worst_case_percent,
+        prices=tuple(
+            LimitPrice.model_validate(
+                {"quantity": limit.quantity, "sense": limit.sense, "goal_percent_per_percent": float(price)}
+            )
+            for limit, price in zip(optimum.stated.limits, optimum.multipliers.limits, strict=True)
+        ),
+        goal_on_cells=GoalWords.model_validate({goal.sense: on_cells.quantity}),
+        prices_remainder_percent=100 * optimum.multipliers.remainder,
+        rule_prices=_rule_prices(scene, optimum),
+        trials=optimum.trials,
+        rounds=tuple(
+            RoundValues(values=found.web.values, excess_percent=found.excess_percent)
+            for found in optimum.rounds
+        ),
+        best_round=optimum.best,
+        iterations=len(optimum.rounds),
+        evaluations=sum(trial.evaluations for trial in optimum.trials)
+        + sum(found.evaluations for found in optimum.rounds),
+        seconds=seconds,
+    )
+
+
+def _rule_prices(scene: Scene, optimum: ShapeOptimum) -> tuple[RulePrice, ...]:
+    """Return what a unit of each rule and bound would give in the goal, % of the original's."""
+    web, paid, found = optimum.web, optimum.multipliers, dict[tuple[str, str], float]()
+    names = [(name, rule_unit(name)) for name in rules_at(scene, web, optimum.result.values).names]
+    bounds = [
+        (f"{'least' if price > 0 else 'greatest'} {name}", parameter_unit(name))
+        for name, price in zip(web.layout.names, paid.bounds, strict=True)
+    ]
+    for key, price in zip([*names, *bounds], [*paid.rules, *abs(paid.bounds)], strict=True):
+        if price > 0:
+            found[key] = found.get(key, 0.0) + 100 * float(price) / _PER_UNIT[key[1]]
+    return tuple(
+        RulePrice(name=name, unit=unit, goal_percent_per_unit=price) for (name, unit), price in found.items()
+    )
+
+
+def _changes(optimum: ShapeOptimum) -> dict[str, float]:
+    values, original = optimum.result.web.values, optimum.original.values
+    return {
+        name: 100 * (values[name] / original[name] - 1)
+        for name in QUANTITIES_TOLD
+        if values.get(name) and original[name]
+    }
+
+
+def _sensitivities(scene: Scene, optimum: ShapeOptimum) -> SensitivityTable:
+    web, values, original = optimum.web, optimum.result.values, optimum.original.values
+    goal = optimum.stated, optimum.responses, original
+    holders = active_constraints(scene, web, values, rules_at(scene, web, values), goal)
+    found = dimension_sensitivities(web, values, optimum.responses, original, holders)
+    return sensitivity_table(found, scene.shape.tolerance_mm)
+
+
+def _reason(optimum: ShapeOptimum) -> str:
+    result, count = optimum.result, len(optimum.rounds)
+    if result.held:
+        return f"every limit holds by the evaluation, web {optimum.best + 1} of {count} evaluated"
+    told = goal_outcome(optimum.goal, result.web.values, optimum.original.values, HELD).limits
+    worst = max(told, key=lambda limit: limit.violation or 0.0)
+    label, percent = QUANTITIES[worst.quantity].label, 100 * (worst.violation or 0.0)
+    return f"{label} misses its limit by {percent:.2f} % by the evaluation, best of {count} webs"

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers, multipliers
@@ -71,14 +71,7 @@ class SearchBudget:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """The best web of a search on cells.
-
-    Attributes:
-        values: parameters of the layout, mm or degrees.
-        objective: the goal, smaller is better.
-        responses: its quantities and their gradients.
-        violation: by how much it misses its limits, relative; 0 where it keeps them.
-    """
+    """The best web of a search on cells; by how much it misses its limits is relative."""
 
     layout: Layout
     values: Array
@@ -119,11 +112,6 @@ class _WebSearch:
         assert self._last is not None
         return np.frombuffer(self._last[0]) if self.best is None else self.best[2]
 
-    @property
-    def violated(self) -> str:
-        """The rules that the last web breaks."""
-        return rules_at(self._webs.scene, self.web, self.sound).violation_text
-
     def objective(self, values: Array) -> tuple[float, Array]:
         found = self.responses(values)
         gradient = _STEEP * self.goal.objective_gradient(found.gradients)
@@ -158,16 +146,7 @@ def best_values(
 ) -> tuple[Array | None, int]:
     """Return parameters of the best web of a layout near a start, and how many webs were solved.
 
-    Args:
-        webs: makes the model that solves them.
-        start: (n,) parameters, mm or degrees; it may break rules and limits.
-        name: under which the work keeps the result.
-
-    Returns:
-        None when no web that keeps limits and rules was found.
-
-    Raises:
-        CranktopoError: a failed solve.
+    The start may break rules and limits. None when no web that keeps them was found; the work then says why.
     """
 
     def make() -> Json:
@@ -175,7 +154,8 @@ def best_values(
         task = _WebSearch(model, layout, goal)
         _minimise(task, start, effort, work)
         best = task.best
-        why = task.violated if best is None else _refused(model.scene, layout, best[2])
+        broken = None if best else rules_at(model.scene, task.web, task.sound).violation_text
+        why = _refused(model.scene, layout, best[2]) if best else broken
         if why and best is not None:
             work.info(f"left out: {why}")
         kept = best is not None and not why and (effort.nearest or best[0] == 0)
@@ -196,11 +176,7 @@ def search_on_cells(
     evaluations: int = EVALUATIONS,
     nearest: bool = False,
 ) -> tuple[SearchResult | None, int]:
-    """Do as `best_values` on cells, with the responses of the best web.
-
-    Args:
-        nearest: whether the web that comes nearest to its limits is taken where none keeps them.
-    """
+    """Do as `best_values` on cells, with the responses of the best web."""
     effort = SearchBudget(evaluations, nearest=nearest)
     values, solved = best_values(model.webs, layout, start, goal, name, work, effort)
     if values is None:
@@ -210,24 +186,10 @@ def search_on_cells(
     return SearchResult(layout, values, goal.objective(found.values), found, _violation(goal, found)), solved
 
 
-def why_nothing(name: str, work: Work) -> CranktopoError:
-    """Return the error where a search found no web that can be made, near its limits or not."""
-    return CranktopoError(
-        f"shape: no web can be made near the one to begin with: {work.kept[name]['why']}.",
-        hint="Enlarge the envelope, allow a smaller wall or radius, or begin with another web.",
-        code=ExitCode.CRITERION_NOT_MET,
-    )
-
-
 def multipliers_of(
     scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
 ) -> Multipliers:
-    """Return what each limit, rule and bound costs at an optimum.
-
-    Args:
-        at: (n,) parameters of the optimum.
-        found: its quantities.
-    """
+    """Return what each limit, rule and bound costs at an optimum, whose quantities are known."""
     low, high = web.bounds
     return multipliers(
         goal.objective_gradient(found.gradients),
@@ -239,8 +201,6 @@ def multipliers_of(
 
 def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
     """Return the scene with a web of the family and its dimensions of the throw, rounded to 0.01 mm.
-
-    What only concerns the original web is left out.
 
     Raises:
         CranktopoError: the web does not fit the throw.
@@ -267,7 +227,7 @@ def _refused(scene: Scene, layout: Layout, values: Array) -> str:
 
 
 def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) -> None:
-    """Return search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
+    """Search; where a web cannot be solved, once more from the last sound one with a shorter reach."""
     start, reach = restore_feasibility(task.rules, task.web.bounds, start), effort.reach
     for _ in range(_ATTEMPTS):
         try:

@@ -11,16 +11,15 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint, bound_in_model, minimum_scale, scale_of, with_error
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName, quantity_named
+from cranktopo.design.goal.quantities import STIFFNESS_OF, quantity_named
 from cranktopo.engine.load_case import LoadCase
 
 
 @dataclass(frozen=True)
 class Quantities:
-    """Quantities of a web by name, and their gradients by its parameters.
+    """Quantities of a web by name, in the units of the goal's limits.
 
     Attributes:
-        values: in the units of the goal's limits.
         gradients: of those that were asked for, each (parameters,), per mm or degree.
     """
 
@@ -33,8 +32,7 @@ class SearchGoal:
     """Objective and constraints of a search.
 
     Attributes:
-        quantity: the quantity of the goal.
-        sign: 1 minimises it, -1 maximises it.
+        sign: 1 minimises the quantity, -1 maximises it.
         scale: its value for the original web, which makes the objective one.
         shift: by how much a model overrates a quantity that may be 0.
     """
@@ -67,7 +65,7 @@ class SearchGoal:
 
         Args:
             by_cell: gradients of the quantities by the fill.
-            limits: prices, change of the goal per relative change of each limit.
+            limits: change of the goal per relative change of each limit.
         """
         result = self.sign * by_cell[self.quantity] / self.scale
         for price, limit in zip(limits, self.limits, strict=True):
@@ -97,17 +95,13 @@ class SearchGoal:
         return replace(self, limits=moved)
 
 
-_FOR_SAFETY: QuantityName = "bending"
-"""The goal on cells where the fatigue safety is the goal."""
-
-
 def goal_on_cells(goal: Goal) -> Goal:
     """Return what stands for a goal where features are chosen: cells know no fatigue.
 
     A fillet's stress follows the bending of the throw by the gas force, so the most bending stiffness within
     the same limits stands for the most safety; the finish then maximises the safety itself.
     """
-    return replace(goal, quantity=_FOR_SAFETY) if goal.quantity == "fatigue_safety" else goal
+    return replace(goal, quantity="bending") if goal.quantity == "fatigue_safety" else goal
 
 
 def search_goal_of(
@@ -121,7 +115,7 @@ def search_goal_of(
     Args:
         original: quantities of the original web in the model.
         true_original: by the body-fitted evaluation; limits keep their relation to it.
-        cases: load cases, for displacement and twist.
+        cases: for displacement and twist.
     """
     sign = 1.0 if goal.sense == "minimise" else -1.0
     limits = [

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import parameter_unit
@@ -19,6 +18,12 @@ from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
 _SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
 _AT_BOUND = 0.02
+_NEAR_MM = 0.1
+"""A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
+_NEAR_LIMIT = 2e-3
+"""Relative room within which a limit counts as active."""
+_SHARE = 0.1
+"""Minimum effect of a dimension on a rule over that of the dimension with the largest one."""
 
 
 def dimension_sensitivities(
@@ -28,14 +33,7 @@ def dimension_sensitivities(
     original: Mapping[str, float],
     holders: Sequence[tuple[str, ...]],
 ) -> tuple[DimensionSensitivity, ...]:
-    """Return every dimension of a web with what it is worth on body-fitted elements.
-
-    Args:
-        values: (n,) of its parameters.
-        found: its quantities and their gradients.
-        original: quantities of the original web.
-        holders: of each parameter, by `held_by`.
-    """
+    """Return every dimension of a web with what it is worth; `holders` by `active_constraints`."""
     told = [name for name in _SHOWN if name in found.gradients and original.get(name)]
     percent = {name: 100 * found.gradients[name] / original[name] for name in told}
     return tuple(
@@ -45,7 +43,7 @@ def dimension_sensitivities(
             value=float(value),
             low=float(low),
             high=float(high),
-            at_bound=_bound(value, low, high),
+            at_bound="low" if value - low < _AT_BOUND else "high" if high - value < _AT_BOUND else None,
             held_by=holders[index],
             per_unit={f"{quantity}_percent": float(slope[index]) for quantity, slope in percent.items()},
         )
@@ -56,11 +54,7 @@ def dimension_sensitivities(
 
 
 def sensitivity_table(found: Sequence[DimensionSensitivity], tolerance: float) -> SensitivityTable:
-    """Return the dimensions with the worst case.
-
-    Args:
-        tolerance: of every dimension, mm or degrees.
-    """
+    """Return the dimensions with the worst case within a tolerance, mm or degrees."""
     worst = {"tolerance": tolerance, **worst_case_percent(found, tolerance)}
     return SensitivityTable(parameters=tuple(found), worst_case_percent=worst)
 
@@ -69,20 +63,6 @@ def worst_case_percent(found: Sequence[DimensionSensitivity], tolerance: float) 
     """Return the largest change of each quantity with every dimension off, %, to first order."""
     names = found[0].per_unit_percent if found else {}
     return {name: tolerance * sum(abs(d.per_unit_percent[name]) for d in found) for name in names}
-
-
-def _bound(value: float, low: float, high: float) -> str | None:
-    if value - low < _AT_BOUND:
-        return "low"
-    return "high" if high - value < _AT_BOUND else None
-
-
-_NEAR_MM = 0.1
-"""A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
-_NEAR_LIMIT = 2e-3
-"""Relative room within which a limit counts as active."""
-_SHARE = 0.1
-"""Least effect of a dimension on a rule over that of the dimension with the largest one."""
 
 
 def active_constraints(
@@ -135,15 +115,8 @@ def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[
 def _limits(
     goal: SearchGoal, found: Quantities, original: Mapping[str, float], index: int, better: float
 ) -> Iterator[str]:
-    excess, gradients = (
-        goal.violations(found.values),
-        goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity])),
-    )
-    for limit, over, slope in zip(goal.limits, excess, gradients, strict=True):
+    gradients = goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity]))
+    for limit, over, slope in zip(goal.limits, goal.violations(found.values), gradients, strict=True):
         if over > -_NEAR_LIMIT and slope[index] * better > 0:
-            yield _limit_name(limit, original)
-
-
-def _limit_name(limit: Constraint, original: Mapping[str, float]) -> str:
-    percent = 100 * limit.bound / original[limit.quantity]
-    return f"limit: {limit.quantity.replace('_', ' ')} {limit.sense} {percent:.4g} % of the original"
+            name, percent = limit.quantity.replace("_", " "), 100 * limit.bound / original[limit.quantity]
+            yield f"limit: {name} {limit.sense} {percent:.4g} % of the original"

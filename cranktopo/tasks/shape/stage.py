@@ -23,16 +23,19 @@ from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
-from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
-from cranktopo.tasks.shape.free_bores import first_on_cells, not_on_cells
-from cranktopo.tasks.shape.mesh_model import MeshResponses
-from cranktopo.tasks.shape.meshed_webs import MeshedWebs, coarse_shares
+from cranktopo.tasks.shape.mesh_model import (
+    EvaluatedWeb,
+    MeshedWebs,
+    MeshResponses,
+    coarse_shares,
+    evaluated_web,
+)
 from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
 from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
@@ -43,7 +46,7 @@ _FINISH = SearchBudget(20, 0.8, nearest=True)
 _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
 _FREE_ROUNDS = 3
-"""So many times the finishes where dimensions are free that the cells do not know."""
+"""So many times the finishes for free dimensions that cells do not know, which move a little in each."""
 _SAFE, _SURE = 5e-4, 2e-3
 """Part of a limit that the search keeps in reserve beside a web that keeps them all, and beside another."""
 _SCATTER = 5e-3
@@ -57,7 +60,7 @@ class ShapeSettings:
     Attributes:
         cell_mm: cells on which features are chosen.
         mesh_mm: elements on which trials are judged and gradients taken.
-        rounds: most finishes, each followed by an evaluation; three times as many with free dimensions.
+        rounds: most finishes; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
     """
 
@@ -73,7 +76,6 @@ class ShapeRound:
     """A web that was found, and its evaluation.
 
     Attributes:
-        values: its parameters, mm or degrees.
         excess_percent: how far each limit of the goal is missed by the evaluation, %; 0 or less is kept.
         evaluations: webs solved to find it.
     """
@@ -101,8 +103,6 @@ class ShapeOptimum:
     Attributes:
         stated: the goal in the units of the evaluation.
         rounds: webs that were evaluated, in their order; the first is that of the cells.
-        best: position of the best of them.
-        trials: features and stations that were tried.
         responses: quantities of the best web as the evaluation tells them, with their exact gradients.
     """
 
@@ -121,11 +121,6 @@ class ShapeOptimum:
         """The best round."""
         return self.rounds[self.best]
 
-    @property
-    def judge_seconds(self) -> float:
-        """Time that the evaluations on the default mesh took."""
-        return sum(web.seconds for web in (self.original, *(found.web for found in self.rounds)))
-
 
 def optimise_shape(
     scene: Scene,
@@ -136,9 +131,6 @@ def optimise_shape(
 ) -> ShapeOptimum:
     """Return the best web of the family for a goal; call inside `double_precision()`.
 
-    Args:
-        start: web to begin with; by default the scene's own, `scene_start`.
-
     Raises:
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
     """
@@ -147,8 +139,7 @@ def optimise_shape(
     own = None if scene.original is None else Path(scene.original.file)
     original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
-    cases = cells.model.cases
-    chosen_for = goal_on_cells(goal)
+    cases, chosen_for = cells.model.cases, goal_on_cells(goal)
     if chosen_for != goal:
         work.info(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
     known = {name: original.values[name] for name in cells.original if name in original.values}
@@ -161,16 +152,14 @@ def optimise_shape(
     selection = FeatureSelection(cells, coarse, goals, original.values, work)
     start = start or scene_start(scene, settings.limits)
     told = first_on_cells(scene, start.sizes)
-    candidate = selection.select(
-        selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
-    )
+    outline = selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
+    candidate = selection.select(outline)
     stated = search_goal_of(goal, original.values, original.values, cases)
     layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
     finish = _LocalRefinement(cells, stated, layout, original, settings, work)
     rounds = finish.rounds(first)
-    best = _best(rounds, stated)
+    best, web = _best(rounds, stated), cells.web(layout)
     found = finish.anchored(rounds[best])
-    web = cells.web(layout)
     paid = multipliers_of(scene, web, rounds[best].values, found, stated)
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
 
@@ -202,15 +191,11 @@ class _LocalRefinement:
             self._anchor = (web, found)
         return self._anchor[1]
 
-    @property
-    def _maximum_rounds(self) -> int:
-        """Dimensions that the cells do not know only move in the finishes, a little in each."""
-        return self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
-
     def rounds(self, start: Array) -> tuple[ShapeRound, ...]:
         """Return the web of the cells and those of the finishes, until they keep limits and settle."""
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
-        for number in range(1, self._maximum_rounds + 1):
+        maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+        for number in range(1, maximum + 1):
             before = rounds[_best(rounds, self._goal)]
             try:
                 found = self._finished(before, number, effort, violation)
@@ -233,8 +218,7 @@ class _LocalRefinement:
     ) -> ShapeRound | None:
         """Return the best web near one that was evaluated, by its gradients; None where none promises to pay.
 
-        Args:
-            missed: part of a limit that the last webs found beside it missed; kept in reserve as well.
+        What the last webs found beside it missed of a limit, `violation`, is kept in reserve as well.
         """
 
         def make() -> Json:

@@ -1,8 +1,8 @@
-"""The start of a search: a scene's web as a layout with values, and features where they would pay most."""
+"""The start of a search: a scene's web as a layout with values, and its free dimensions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,20 +18,15 @@ from cranktopo.design.free_dimensions import (
     own_dimension_mm,
 )
 from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.refit.constraints import reaches_mm
+from cranktopo.tasks.refit.dimensions import free_dimensions
 from cranktopo.tasks.refit.family import station_shares
 from cranktopo.tasks.refit.read_web import WebRead, read_web
-from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
 
 STATIONS = 7
-_GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
-"""Of a first groove: its floor over the half-width, and its draft."""
 _SAME_MM = 1e-6
-_BEVEL_SHARE = 1 / 3
-"""Depth of a first bevel over the web's thickness."""
 
 
 def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STATIONS) -> Array:
@@ -46,27 +41,10 @@ def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STA
     return np.concatenate([[low, high], wide])
 
 
-def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
-    """Return start, depth and crown of a first bevel: just clear of the journal, a third deep, plane."""
-    on_journal_face = bevel.face == "journal"
-    journal, axis = scene.throw.journals[0 if on_journal_face else 1]
-    outward = 1.0 if on_journal_face else -1.0
-    clear = journal.radius_mm + journal.fillet_mm + 1.0
-    return np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
-
-
-def groove_start(scene: Scene) -> tuple[FittedFeature, Array]:
-    """Return a shallow groove through both ends, a quarter of the thickness high, amid the flanks."""
-    thickness, floor = scene.web.thickness_mm, _GROOVE_FLOOR * scene.web.largest_half_width_mm
-    return FittedSlot(through=True), np.array([thickness / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
-
-
 def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None = None) -> WebRead:
     """Return a web in the family: exactly where it is one of the family, else its outline sampled.
 
-    Args:
-        begun: scene of the web to begin with, by default the scene itself; of its throw only the free
-            dimensions are taken over.
+    Of the throw of another scene to begin with only the free dimensions are taken over.
     """
     found = read_web(begun or scene, outline_start(begun or scene, limits))
     if begun is None:
@@ -93,3 +71,32 @@ def _own_dimensions(scene: Scene, begun: Scene) -> Iterator[DimensionName]:
         own = is_axial(name) and not all(journal_of(of, name).fillet.round for of in (scene, begun))
         if own or not is_axial(name) or free_range_mm(scene, name):
             yield name
+
+
+def free_bores(scene: Scene) -> tuple[DimensionName, ...]:
+    """Return bores that `[shape.free]` gives a range."""
+    return tuple(name for name in free_dimensions(scene) if name.endswith("bore"))
+
+
+def first_on_cells(scene: Scene, begun: Mapping[DimensionName, float]) -> tuple[DimensionName, ...]:
+    """Return the free dimensions to begin with that cells know: bores and those of the counterweight.
+
+    The bore of a solid journal is tried as a feature is. `begun` has those that are not the scene's.
+    """
+    there = (name for name in free_bores(scene) if begun.get(name, own_dimension_mm(scene, name)))
+    return (*there, *_of_counterweight(scene))
+
+
+def not_on_cells(scene: Scene) -> tuple[DimensionName, ...]:
+    """Return the free dimensions that cells do not know: fillets, and the thickness of their grid."""
+    told = (*free_bores(scene), *_of_counterweight(scene))
+    return tuple(name for name in free_dimensions(scene) if name not in told)
+
+
+def _of_counterweight(scene: Scene) -> tuple[DimensionName, ...]:
+    return tuple(name for name in free_dimensions(scene) if is_of_counterweight(name))
+
+
+def kept_features(scene: Scene) -> tuple[Feature, ...]:
+    """Return the features that the evaluation keeps, whatever the plan says: fillets, and free bores."""
+    return ("bores", "fillets") if free_bores(scene) else ("fillets",)

@@ -1,69 +1,100 @@
-"""A shape optimisation as tables and text: the web against the original, limits, their prices, trials."""
+"""A shape optimisation as tables and text: the web against the original, limits, prices, dimensions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cranktopo.report.goal_table import broken_limits, limits_table
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
-from cranktopo.tasks.fea.quantities import (
-    BENDING,
-    BENDING_PER_MASS,
-    INERTIA,
-    MASS,
-    SAFETY,
-    TORSION,
-    TORSION_PER_MASS,
-    UNBALANCE,
-    Quantity,
+from cranktopo.tasks.fea.quantities import COMPARED, SAFETY
+from cranktopo.tasks.shape.result import (
+    DimensionSensitivity,
+    FeatureTrial,
+    SensitivityTable,
+    ShapeParameter,
+    ShapeResult,
 )
-from cranktopo.tasks.shape.result import FeatureTrial, ShapeResult
-from cranktopo.tasks.shape.sensitivity_text import sensitivity_text
 
-_ROWS: tuple[tuple[Quantity, str, float], ...] = (
-    (MASS, "mass", 1.0),
-    (TORSION, "torsion", 1e-3),
-    (BENDING, "bending", 1e-3),
-    (TORSION_PER_MASS, "torsion_per_mass", 1e-3),
-    (BENDING_PER_MASS, "bending_per_mass", 1e-3),
-    (INERTIA, "inertia", 1.0),
-    (UNBALANCE, "unbalance", 1.0),
-    (SAFETY, "fatigue_safety", 1.0),
-)
-QUANTITIES_TOLD = {key: quantity for quantity, key, _ in _ROWS}
+_Parameters = Sequence[DimensionSensitivity]
+QUANTITIES_TOLD = {quantity.key: quantity for quantity in COMPARED} | {"fatigue_safety": SAFETY}
 """Quantities of a shape result by their keys in shape.json."""
-_UNITS = {
-    "kg": "kg",
+_KILO_UNITS = {
     "kNm_per_rad": "kN m/rad",
     "kN_per_mm": "kN/mm",
     "kNm_per_rad_kg": "kN m/(rad kg)",
     "kN_per_mm_kg": "kN/(mm kg)",
-    "kg_mm2": "kg mm2",
-    "kg_mm": "kg mm",
-    "": "",
 }
-
 _KEPT_PERCENT = 0.05
 """Excess with which a limit still counts as kept, as in the search."""
+_MINIMUM_PERCENT = 5e-4
+"""A price below it counts as none."""
+_LOOSE_PERCENT = 30.0
+"""Part of the goal's gradient that the prices leave unexplained, above which this is said."""
+_MOVES = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
+
+
+def dimensions_table(parameters: _Parameters) -> ResultTable:
+    """Return each dimension with its value, and the change of each quantity per mm or degree."""
+    quantities = list(parameters[0].per_unit) if parameters else []
+    starts = [p.start if isinstance(p, ShapeParameter) else None for p in parameters]
+    start = {"start": 2} if any(value is not None for value in starts) else {}
+    columns = {"dimension": 0, "unit": 0, **start, "value": 2, "at_bound": 0, **dict.fromkeys(quantities, 3)}
+    rows: list[Row] = []
+    for p, begun in zip(parameters, starts, strict=True):
+        own: Row = {"dimension": p.name, "unit": p.unit, "start": begun, "value": p.value}
+        rows.append({**own, "at_bound": p.at_bound or "", **p.per_unit})
+    return ResultTable(columns, tuple(rows))
+
+
+def held_table(parameters: _Parameters) -> ResultTable:
+    """Return each rule, bound or limit with the dimensions that it holds."""
+    held: dict[str, list[str]] = {}
+    for parameter in parameters:
+        for name in parameter.held_by:
+            held.setdefault(name, []).append(parameter.name)
+    rows = tuple({"held_by": name, "dimensions": ", ".join(found)} for name, found in held.items())
+    return ResultTable({"held_by": 0, "dimensions": 0}, rows)
+
+
+def worst_case_table(worst_case_percent: Mapping[str, float]) -> ResultTable:
+    """Return by how much every quantity may change within the tolerance, as one row."""
+    worst = {f"{name}_percent": value for name, value in worst_case_percent.items() if name != "tolerance"}
+    row: Row = {"off_by": f"{worst_case_percent['tolerance']:g} mm or degrees", **worst}
+    return ResultTable({"off_by": 0, **dict.fromkeys(worst, 1)}, (row,))
+
+
+def sensitivity_text(found: SensitivityTable | ShapeResult, whole: str) -> list[str]:
+    """Return both tables and the worst case for a terminal; percentages refer to `whole`."""
+    held, worst = held_table(found.parameters), dict(found.worst_case_percent)
+    tolerance = worst.pop("tolerance")
+    spread = ", ".join(f"{name.replace('_', ' ')} {value:.1f} %" for name, value in worst.items())
+    return [
+        f"What a millimetre (degree) is worth, % of {whole}:",
+        terminal(dimensions_table(found.parameters)),
+        "",
+        terminal(held) if held.rows else "No rule or bound holds any of them.",
+        "",
+        f"With every dimension off by {tolerance:g} mm or degrees in the worst way: {spread}.",
+    ]
 
 
 def changes_table(found: ShapeResult) -> ResultTable:
     """Return every quantity of the original and of the result, and its change."""
     columns = {"quantity": 0, "unit": 0, "original": 0, "result": 0, "change_percent": 2}
     before, after, rows = found.values.original, found.values.result, list[Row]()
-    for quantity, key, factor in _ROWS:
-        if key in before and key in after:
-            rows.append(
-                {
-                    "quantity": quantity.label,
-                    "unit": _UNITS[quantity.unit],
-                    "original": f"{factor * before[key]:.{quantity.digits}f}",
-                    "result": f"{factor * after[key]:.{quantity.digits}f}",
-                    "change_percent": found.change_percent.get(key),
-                }
-            )
+    for key in (key for key in QUANTITIES_TOLD if key in before and key in after):
+        quantity = QUANTITIES_TOLD[key]
+        factor = 1e-3 if quantity.unit in _KILO_UNITS else 1.0
+        row: Row = {
+            "quantity": quantity.label,
+            "unit": _KILO_UNITS.get(quantity.unit, quantity.unit.replace("_", " ")),
+            "original": f"{factor * before[key]:.{quantity.digits}f}",
+            "result": f"{factor * after[key]:.{quantity.digits}f}",
+            "change_percent": found.change_percent.get(key),
+        }
+        rows.append(row)
     return ResultTable(columns, tuple(rows))
 
 
@@ -87,16 +118,12 @@ def rounds_table(found: ShapeResult) -> ResultTable:
         {
             "web": f"finish {number}" if number else "of the cells",
             **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
-            "limits missed by": _violation_text(web.excess_percent),
+            "limits missed by": f"{worst:.2f} %" if worst > _KEPT_PERCENT else "-",
         }
         for number, web in enumerate(found.rounds)
+        for worst in [max(web.excess_percent, default=0.0)]
     )
     return ResultTable(columns, rows)
-
-
-def _violation_text(excess_percent: Sequence[float]) -> str:
-    worst = max(excess_percent, default=0.0)
-    return "-" if worst <= _KEPT_PERCENT else f"{worst:.2f} %"
 
 
 def named_first(found: ShapeResult) -> tuple[str, ...]:
@@ -109,9 +136,8 @@ def shape_headline(found: ShapeResult) -> str:
     """Return the result in one sentence; limits that are missed come first, then the goal."""
     change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
     said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names)
-    if not missed:
-        return f"Every limit holds: {said} against the original web."
-    return f"NOT MET: {'; '.join(missed)}; {said} against the original web."
+    judged = f"NOT MET: {'; '.join(missed)};" if missed else "Every limit holds:"
+    return f"{judged} {said} against the original web."
 
 
 def shape_summary(found: ShapeResult, folder: Path) -> str:
@@ -135,17 +161,10 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
     return "\n".join(lines)
 
 
-_MINIMUM_PERCENT = 5e-4
-"""A price below it counts as none."""
-_LOOSE_PERCENT = 30.0
-"""Part of the goal's gradient that the prices leave unexplained, above which this is said."""
-_MOVES = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
-
-
 def multiplier_text(found: ShapeResult) -> list[str]:
     """Return what one percent of each limit costs in the goal, then what a unit of each rule would give."""
-    doubt = multiplier_doubt(found)
-    return [*(f"{moved} {effect}" for moved, effect in _multipliers(found)), *([doubt] if doubt else [])]
+    lines = [*(f"{moved} {effect}" for moved, effect in _multipliers(found)), multiplier_doubt(found)]
+    return [line for line in lines if line]
 
 
 def multiplier_table(found: ShapeResult) -> ResultTable:
@@ -157,13 +176,11 @@ def multiplier_table(found: ShapeResult) -> ResultTable:
 def multiplier_doubt(found: ShapeResult) -> str:
     """Return the error where the prices do not explain the optimum; empty else."""
     rest = found.prices_remainder_percent
-    if rest <= _LOOSE_PERCENT:
-        return ""
-    return f"prices explain {100 - rest:.0f} % of what the goal still wants: it is not quite the best web"
+    doubt = f"prices explain {100 - rest:.0f} % of what the goal still wants: it is not quite the best web"
+    return doubt if rest > _LOOSE_PERCENT else ""
 
 
 def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
-    """Yield what is moved, and what the goal makes of it."""
     name = found.goal.quantity.name.replace("_", " ")
     for price in found.prices:
         way, cost = "less" if price.sense == "<=" else "more", price.goal_percent_per_percent

@@ -6,7 +6,7 @@ A point that stays on a face while a parameter p changes moves by V with gradien
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -24,7 +24,7 @@ from cranktopo.throw.journal import FilletSection
 
 _DistanceOf = Callable[[Scene, Array], Array]
 """Of a scene and points (3, n), mm; zero on the face."""
-_STEP = 1e-6
+STEP = 1e-6
 """Step of central differences, mm or degrees; the distances are smooth and of the size of the web."""
 _BESIDE_MM = 1e-3
 """Distance beyond its rims at which a point still counts as on a fillet."""
@@ -32,12 +32,7 @@ _BESIDE_MM = 1e-3
 
 @dataclass(frozen=True)
 class Contact:
-    """A face at some points.
-
-    Attributes:
-        distance_mm: (n,) zero on the face.
-        gradient: (n, 3) by the place.
-    """
+    """Distance from a face at some points, (n,), and its gradient by the place, (n, 3)."""
 
     distance_mm: Array
     gradient: Array
@@ -56,8 +51,6 @@ class Contact:
 class WebFace(ABC):
     """One face of the web."""
 
-    name: str
-
     @abstractmethod
     def contact(self, points_mm: Array, values: Array) -> Contact:
         """Return the face at points (3, n) for some values of the parameters."""
@@ -69,13 +62,8 @@ class WebFace(ABC):
 
 @dataclass(frozen=True)
 class ThrowFace(WebFace):
-    """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry.
+    """A face that only the dimensions of the throw move: web faces, bores, journals, planes of symmetry."""
 
-    Attributes:
-        distance_mm: from the face, of a scene and points (3, n).
-    """
-
-    name: str
     scene: Scene
     layout: Layout
     distance_mm: _DistanceOf
@@ -90,36 +78,26 @@ class ThrowFace(WebFace):
             return self.distance_mm(scene_at(self.scene, self.layout, values), points_mm)
 
         first = len(values) - len(self.layout.dimensions)
-        return by_values(distance, values, range(first, len(values)))
+        return central_difference(distance, values, STEP, range(first, len(values)))
 
 
 @dataclass(frozen=True)
 class FilletFace(ThrowFace):
-    """A fillet, whose nodes keep their angles around the journal and along its arc.
-
-    Attributes:
-        number: 0 at the main journal, 1 at the pin.
-    """
+    """A fillet, at the main journal or the pin, whose nodes keep their angles around it and along its arc."""
 
     number: int
 
     def moved(self, points_mm: Array, start: Array, values: Array) -> Array:
         """Return where points (3, n) of the fillet come to from some values to others: linear in these."""
-        out, up, around = self._section(points_mm, start)
-        out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
-        section, distance, height = self._centre(values)
         _, y = self.scene.throw.journals[self.number]
-        x_mm, y_mm = (distance + section.radial_mm * out) * around
-        return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
-
-    def _section(self, points_mm: Array, values: Array) -> tuple[Array, Array, Array]:
-        """Return places in the section over its semi-axes, outward and along z, and outward directions."""
-        section, distance, height = self._centre(values)
-        _, y = self.scene.throw.journals[self.number]
+        section, distance, height = self._centre(start)
         across = np.stack([points_mm[0], points_mm[1] - y])
         far = np.hypot(*across)
-        up = (points_mm[2] - height) / section.axial_mm
-        return (far - distance) / section.radial_mm, up, across / far
+        out, up = (far - distance) / section.radial_mm, (points_mm[2] - height) / section.axial_mm
+        out, up = np.stack([out, up]) / np.hypot(out, up)  # the kernel's edges are off an ellipse by 1e-8 mm
+        section, distance, height = self._centre(values)
+        x_mm, y_mm = (distance + section.radial_mm * out) * (across / far)
+        return np.stack([x_mm, y + y_mm, height + section.axial_mm * up])
 
     def _centre(self, values: Array) -> tuple[FilletSection, float, float]:
         """Return the fillet's section, and radius and height of its centre circle."""
@@ -132,47 +110,35 @@ class FilletFace(ThrowFace):
 
 def contact_of(distance_mm: Callable[[Array], Array], points_mm: Array) -> Contact:
     """Return a face at points (3, n), whose distance is given."""
-    return Contact(distance_mm(points_mm), central_difference(distance_mm, points_mm, _STEP))
+    return Contact(distance_mm(points_mm), central_difference(distance_mm, points_mm, STEP))
 
 
-def by_values(distance_mm: Callable[[Array], Array], values: Array, places: Iterable[int]) -> Array:
-    """Return derivatives by some of the parameters, (n, parameters); 0 by the others."""
-    return central_difference(distance_mm, values, _STEP, places)
-
-
-def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[tuple[str, _DistanceOf]]:
-    """Yield faces that only the counterweight's parameters move, each with its distance.
-
-    Args:
-        with_journals: journals and both end sections as well.
-    """
+def throw_faces(scene: Scene, mirrored: bool, with_journals: bool) -> Iterator[_DistanceOf]:
+    """Yield the distance from each face that only dimensions of the throw move."""
     if mirrored:
-        yield "plane of symmetry", lambda _, at: at[0]
-    for k, name in enumerate(("journal face", "pin face")):
-        yield name, partial(_above_web_face, k)
-    for k, (journal, _) in enumerate(scene.throw.journals):
-        if journal.bore_radius_mm:
-            yield "bore", partial(_off_bore, k)
-    for k in range(len(drill_bores(scene))):
-        yield "drilling", partial(_off_drilling, k)
+        yield lambda _, at: at[0]
+    yield from (partial(_above_web_face, k) for k in range(2))
+    bored = (k for k, (journal, _) in enumerate(scene.throw.journals) if journal.bore_radius_mm)
+    yield from (partial(_off_cylinder, k, True) for k in bored)
+    yield from (partial(_off_drilling, k) for k in range(len(drill_bores(scene))))
     yield from _counterweight_faces(scene)
     if with_journals:
-        yield "journal section", lambda _, at: at[2]
-        yield "pin section", lambda scene, at: at[2] - scene.pitch_mm / 2
-        yield from (("cylinder", partial(_off_journal, k)) for k in range(2))
+        yield lambda _, at: at[2]
+        yield lambda scene, at: at[2] - scene.pitch_mm / 2
+        yield from (partial(_off_cylinder, k, False) for k in range(2))
 
 
-def _counterweight_faces(scene: Scene) -> Iterator[tuple[str, _DistanceOf]]:
+def _counterweight_faces(scene: Scene) -> Iterator[_DistanceOf]:
     """Yield rim and sharp flank of a counterweight of one piece with the web, its face if thinner."""
     weight = scene.web.counterweight
     if weight is None or weight.bolted:
         return
-    yield "counterweight rim", lambda scene, at: sector_of(scene).below_rim_mm(at[0], at[1])
+    yield lambda scene, at: sector_of(scene).below_rim_mm(at[0], at[1])
     if weight.fillet_mm is None:
-        yield "counterweight flank", lambda scene, at: sector_of(scene).inside_flank_mm(at[0], at[1])
+        yield lambda scene, at: sector_of(scene).inside_flank_mm(at[0], at[1])
     if weight.thickness_mm is not None and weight.thickness_mm < scene.web.thickness_mm:
         end = 1 if weight.face == "journal" else 0
-        yield "counterweight face", lambda scene, at: at[2] - sector_of(scene).z_mm[end]
+        yield lambda scene, at: at[2] - sector_of(scene).z_mm[end]
 
 
 def sector_of(scene: Scene) -> Sector:
@@ -186,19 +152,15 @@ def _above_web_face(number: int, scene: Scene, at: Array) -> Array:
     return above
 
 
-def _off_bore(number: int, scene: Scene, at: Array) -> Array:
+def _off_cylinder(number: int, bore: bool, scene: Scene, at: Array) -> Array:
     journal, y = scene.throw.journals[number]
-    return np.asarray(np.hypot(at[0], at[1] - y) - journal.bore_radius_mm)
+    radius_mm = journal.bore_radius_mm if bore else journal.radius_mm
+    return np.asarray(np.hypot(at[0], at[1] - y) - radius_mm)
 
 
 def _off_drilling(number: int, scene: Scene, at: Array) -> Array:
     bore = drill_bores(scene)[number]
     return bore.off_axis_mm(at[0], at[1], at[2]) - bore.radius_mm
-
-
-def _off_journal(number: int, scene: Scene, at: Array) -> Array:
-    journal, y = scene.throw.journals[number]
-    return np.asarray(np.hypot(at[0], at[1] - y) - journal.radius_mm)
 
 
 def off_fillet(number: int, scene: Scene, at: Array) -> Array:

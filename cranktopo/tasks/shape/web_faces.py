@@ -13,16 +13,16 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import complex_step
+from cranktopo.numerics.derivatives import central_difference, complex_step
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.shape.throw_faces import (
+    STEP,
     Contact,
     FilletFace,
     ThrowFace,
     WebFace,
-    by_values,
     contact_of,
     off_fillet,
     sector_of,
@@ -40,14 +40,8 @@ _THICKNESS: DimensionName = "web_thickness"
 
 @dataclass(frozen=True)
 class _FeatureFace(WebFace):
-    """One of the faces of a feature.
+    """One of the faces of a feature, whose first value has the place `first` among all."""
 
-    Attributes:
-        number: which of them.
-        first: place of the feature's first value among all.
-    """
-
-    name: str
     scene: Scene
     layout: Layout
     part: FittedFeature
@@ -63,9 +57,10 @@ class _FeatureFace(WebFace):
         own = range(self.first, self.first + len(self.part.names))
         ends = [0, 1] if self.part.follows_ends else []
         thickness = [k for k, name in enumerate(self.layout.names) if name == _THICKNESS]
-        return by_values(
+        return central_difference(
             lambda moved: self._distance(moved, self._web_z_mm(moved), points_mm),
             values,
+            STEP,
             [*own, *ends, *thickness],
         )
 
@@ -86,7 +81,6 @@ class _FilletedFlank(WebFace):
 
     scene: Scene
     layout: Layout
-    name: str = "counterweight flank"
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
@@ -95,9 +89,10 @@ class _FilletedFlank(WebFace):
     @override
     def gradients(self, points_mm: Array, values: Array) -> Array:
         fillet, first = self._fillet(values), len(values) - len(self.layout.dimensions)
-        by_flank = by_values(
+        by_flank = central_difference(
             lambda moved: sector_of(scene_at(self.scene, self.layout, moved)).inside_flank_mm(*points_mm[:2]),
             values,
+            STEP,
             range(first, len(values)),
         )
         out = np.stack(fillet.circle.outward(*points_mm[:2]), axis=1)
@@ -124,7 +119,6 @@ class _OutlineFace(WebFace):
     """The outline, swept along the crank axis; distances positive inside."""
 
     layout: Layout
-    name: str = "outline"
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
@@ -153,37 +147,28 @@ class _OutlineFace(WebFace):
 def web_faces(scene: Scene, layout: Layout, *, mirrored: bool) -> list[WebFace]:
     """Return all faces of the web of a layout: those of the throw, its outline, those of its features.
 
-    With free dimensions of the journals theirs and those of their fillets as well.
-
-    Args:
-        scene: with the bores and fillets of the mesh.
-        mirrored: the model is the half x >= 0, so that the plane x = 0 bounds it as well.
+    With free dimensions of the journals theirs and those of their fillets as well; of a mirrored model the
+    plane x = 0.
     """
-    found = throw_faces(scene, mirrored, move_journals(layout.dimensions))
-    throw = [ThrowFace(name, scene, layout, distance) for name, distance in found]
-    fillets = _fillet_faces(scene, layout) if move_journals(layout.dimensions) else []
-    weight = scene.web.counterweight
+    moving, weight = move_journals(layout.dimensions), scene.web.counterweight
+    throw = [ThrowFace(scene, layout, distance) for distance in throw_faces(scene, mirrored, moving)]
+    fillets = [
+        FilletFace(scene, layout, partial(off_fillet, k), k)
+        for k, (journal, _) in enumerate(scene.throw.journals)
+        if moving and journal.fillet_mm
+    ]
     flanks = [_FilletedFlank(scene, layout)] if weight is not None and weight.fillet_mm else []
     return [*throw, *fillets, *flanks, _OutlineFace(layout), *_feature_faces(scene, layout)]
 
 
-def _fillet_faces(scene: Scene, layout: Layout) -> list[FilletFace]:
-    """Return both fillets of a scene; without one that is sharp."""
-    return [
-        FilletFace("fillet", scene, layout, partial(off_fillet, k), k)
-        for k, (journal, _) in enumerate(scene.throw.journals)
-        if journal.fillet_mm
-    ]
-
-
 def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
     first = layout.stations
-    origin, one = np.zeros(2), (np.ones(1),) * 3
+    one = (np.ones(1),) * 3
     for part in layout.parts:
         named = dict.fromkeys(part.names, 1.0)
-        count = len(part.faces_mm(named, np.array([-1.0, 9.0]) + origin, one, scene.web_z_mm))
+        count = len(part.faces_mm(named, np.array([-1.0, 9.0]), one, scene.web_z_mm))
         for number in range(count):
-            yield _FeatureFace(f"{part.label} {number}", scene, layout, part, number, first)
+            yield _FeatureFace(scene, layout, part, number, first)
         first += len(part.names)
 
 

@@ -6,8 +6,8 @@ boundary cell is partly full, not penalised) -> displacements -> responses. Call
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +17,13 @@ from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.design.free_dimensions import (
+    DimensionName,
+    free_range_mm,
+    is_of_counterweight,
+    own_dimension_mm,
+    with_dimensions,
+)
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
@@ -25,11 +32,12 @@ from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import Design, Response, gradients, quantities
+from cranktopo.tasks.refit.dimensions import free_dimensions, scene_at
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.free_bores import FreeBores, domain_without_free_bores
 from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.start import free_bores
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _TOLERANCE = 1e-5
@@ -56,10 +64,11 @@ class Responses(Quantities):
 class WebModel:
     """The cells of a throw whose web has a layout's dimensions.
 
+    Fillets and another thickness are not on the cells, their gradients are 0.
+
     Attributes:
         known: every quantity that its load cases allow.
         original: those of the scene's own web on the same cells.
-        bores: the free ones; fillets and another thickness are not on the cells, their gradients are 0.
     """
 
     scene: Scene
@@ -68,20 +77,14 @@ class WebModel:
     model: ThrowModel
     known: Mapping[str, Response]
     original: dict[str, float]
-    bores: FreeBores
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout on the cells between the web faces."""
         return ParametricWeb(layout, self.scene, self.limits, centres_mm(self.domain))
 
-    def webs(self) -> SolvedWebs:
+    def webs(self) -> _SolvedWebs:
         """Return webs on these cells, solved one after another."""
-        return SolvedWebs(self)
-
-    @property
-    def layers(self) -> slice:
-        """Layers of the web along z."""
-        return slice(*self.domain.web_layers)
+        return _SolvedWebs(self)
 
     def fill(self, web: ParametricWeb, values: Array) -> Array:
         """Return the fill of the web's cells (nx, ny, nw), 0 to 1."""
@@ -90,21 +93,19 @@ class WebModel:
     def responses(
         self, web: ParametricWeb, values: Array, quantities: Collection[str], guess: jax.Array | None = None
     ) -> Responses:
-        """Return all quantities of the web with these values, and the gradients of some by the parameters.
-
-        Raises:
-            CranktopoError: the solve failed.
-        """
+        """Return all quantities of the web with these values, and the gradients of some by the parameters."""
         inside, which = web.inside_mm(values)
         fill, slope = smooth_step(inside, self.domain.grid.largest_edge_mm)
-        design, layers = self.domain.design_fraction[:, :, self.layers], self.layers
+        layers = slice(*self.domain.web_layers)
+        design = self.domain.design_fraction[:, :, layers]
         moduli, solid = self.domain.passive_fraction.copy(), self.domain.passive_fraction.copy()
         moduli[:, :, layers] += design * (CONTRAST + (1 - CONTRAST) * fill)
         solid[:, :, layers] += design * fill
-        left, by_bores = self.bores.left(web.layout, values)
+        left, by_bores = _left_by_bores(self.scene, self.domain, web.layout, values)
         stiff = 1 - (1 - CONTRAST) * (1 - left)
         solved = _solved(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
-        found, by_moduli, by_solid = map(np.asarray, gradients(self.model, self._functions, solved, {}))
+        functions = tuple(response.value for response in self.known.values())
+        found, by_moduli, by_solid = map(np.asarray, gradients(self.model, functions, solved, {}))
         by_fill = ((1 - CONTRAST) * stiff * by_moduli + left * by_solid)[..., layers] * design
         by_cell = dict(zip(self.known, by_fill, strict=True))
         pulled = {
@@ -118,12 +119,8 @@ class WebModel:
         named = dict(zip(self.known, map(float, found), strict=True))
         return Responses(named, pulled, by_cell, fill, solved.displacements)
 
-    @property
-    def _functions(self) -> tuple[Callable[[Design], jax.Array], ...]:
-        return tuple(response.value for response in self.known.values())
 
-
-class SolvedWebs:
+class _SolvedWebs:
     """Webs on cells, each solved from the displacements of the one before."""
 
     def __init__(self, model: WebModel) -> None:
@@ -147,14 +144,14 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     Raises:
         CranktopoError: no envelope, or a failed solve.
     """
-    domain = domain_without_free_bores(scene, resolution_mm)
+    domain = _domain_without_free_bores(scene, resolution_mm)
     effects = plan(scene).enabled - set(LOAD_TYPES) | set(MAIN_KINDS)
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}
-    return WebModel(scene, limits, domain, model, known, original, FreeBores(scene, domain))
+    return WebModel(scene, limits, domain, model, known, original)
 
 
 def _solved(
@@ -164,3 +161,59 @@ def _solved(
     u = solve(model, relative, guess=guess, tolerance=tolerance).displacements
     works = compliances(model, u)
     return Design(relative, jnp.asarray(solid), works, works, u)
+
+
+def _domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
+    """Return the cells of the design space with free bores filled; the pin is loaded outside its own.
+
+    A counterweight that changes is no fixed part of them.
+    """
+    free = free_bores(scene)
+    if any(map(is_of_counterweight, free_dimensions(scene))):
+        scene = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    filled = build_domain(with_dimensions(scene, dict.fromkeys(free, 0.0)), resolution_mm)
+    if "pin_bore" not in free:
+        return filled
+    widest = with_dimensions(scene, {"pin_bore": (free_range_mm(scene, "pin_bore") or (0.0, 0.0))[1]})
+    pin = build_domain(widest, resolution_mm, "envelope", filled.extent, filled.grid).pin
+    return replace(filled, pin=pin)
+
+
+def _left_by_bores(
+    scene: Scene, domain: Domain, layout: Layout, values: Array
+) -> tuple[Array, dict[str, Array]]:
+    """Return the share of each cell that free bores leave, (nx, ny, nz), and its derivatives, 1/mm.
+
+    A bore runs through its journal and the web. A solid journal whose bore the layout lacks stays solid.
+    """
+    sized = scene_at(scene, layout, values)
+    rests = {n: _left_by_bore(sized, domain, n) for n in free_bores(scene) if own_dimension_mm(sized, n)}
+    left, gradients = np.ones(domain.grid.cells), dict[str, Array]()
+    for name, (rest, _) in rests.items():
+        left *= rest
+        if name in layout.dimensions:
+            others = [other for key, (other, _) in rests.items() if key != name]
+            gradients[name] = np.prod([rests[name][1], *others], axis=0)
+    return left, gradients
+
+
+def _left_by_bore(scene: Scene, domain: Domain, name: DimensionName) -> tuple[Array, Array]:
+    grid, (start, end), main = domain.grid, domain.web_layers, name == "journal_bore"
+    journal, axis = scene.throw.journals[0 if main else 1]
+    x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (grid.x_mm, grid.y_mm))
+    step = grid.largest_edge_mm
+    radius, by_radius = _stepped_radius(journal.bore_radius_mm, step)
+    rest, slope = smooth_step(np.hypot(x[:, None], y[None, :] - axis) - radius, step)
+    bored = np.arange(grid.cells[2]) < end if main else np.arange(grid.cells[2]) >= start
+    by_diameter = np.where(bored, -slope[:, :, None] * by_radius / 2, 0.0)
+    return np.where(bored, rest[:, :, None], 1.0), by_diameter
+
+
+def _stepped_radius(radius_mm: float, step_mm: float) -> tuple[float, float]:
+    """Return the step's radius at which a hole takes its true area, and its derivative by the hole's radius.
+
+    A step of half-width h about a circle of radius r takes pi (r2 + 0.2 h2).
+    """
+    square, more = radius_mm**2, 0.2 * step_mm**2
+    far = np.sqrt(square + more)
+    return float(square / far), float(radius_mm * (2 - square / far**2) / far)

@@ -22,7 +22,7 @@ from cranktopo.cli.options import (
     goal_options,
     percent,
     refuse_beside_resume,
-    runs,
+    run_options,
     seconds,
 )
 from cranktopo.cli.verbosity import info, verbosity_options
@@ -77,13 +77,7 @@ if TYPE_CHECKING:
 @click.option(
     "--scheduler", metavar="ADDRESS", help="A Dask scheduler to use instead, such as tcp://10.0.0.5:8786."
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Run directory; default: a new one in runs/.")
-@click.option(
-    "--resume",
-    metavar="RUN",
-    shell_complete=runs,
-    help="Continue a sweep; finished points are kept.",
-)
+@run_options("Continue a sweep; finished points are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print sweep.json.")
 @verbosity_options
 def command(

@@ -1,4 +1,4 @@
-"""Places where a pocket would pay most: the sensitivity of each cell, summed over pockets of two sizes."""
+"""Features to try: bevels, a groove, and pockets where the sensitivity of the cells says they pay most."""
 
 from __future__ import annotations
 
@@ -8,14 +8,21 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers
 from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.shape.search import SearchResult
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import WebModel
+from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.face_pocket import FittedBox, FittedPocket
 from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.side_pocket import FittedSlot
 
+_GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
+"""Of a first groove: its floor over the half-width, and its draft."""
+_BEVEL_SHARE = 1 / 3
+"""Depth of a first bevel over the web's thickness."""
 _SIZES = (0.4, 0.25), (0.6, 0.5)
 """Edge and depth of first pockets over the web's thickness: a search from the smaller one may close it where
 one from the larger one finds a pocket that pays."""
@@ -26,6 +33,30 @@ _KEPT_MM = 0.5
 _TRIED = 2
 """Kinds tried of each size."""
 _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in (True, False))
+
+
+def end_starts(scene: Scene) -> Iterator[tuple[FittedFeature, Array]]:
+    """Yield the bevels and the groove that the scene has room for, with their first values."""
+    groove = FittedSlot(through=True), _groove_start(scene)
+    bevels = (FittedBevel(face, hollow=True) for face in ("journal", "pin"))
+    for part, values in (*((bevel, bevel_start(scene, bevel)) for bevel in bevels), groove):
+        if part.possible(scene):
+            yield part, values
+
+
+def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
+    """Return start, depth and crown of a first bevel: just clear of the journal, a third deep, plane."""
+    on_journal_face = bevel.face == "journal"
+    journal, axis = scene.throw.journals[0 if on_journal_face else 1]
+    outward = 1.0 if on_journal_face else -1.0
+    clear = journal.radius_mm + journal.fillet_mm + 1.0
+    return np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
+
+
+def _groove_start(scene: Scene) -> Array:
+    """Return a shallow groove through both ends, a quarter of the thickness high, amid the flanks."""
+    floor = _GROOVE_FLOOR * scene.web.largest_half_width_mm
+    return np.array([scene.web.thickness_mm / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
 
 
 def pocket_starts(
