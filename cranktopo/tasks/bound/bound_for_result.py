@@ -17,7 +17,7 @@ from cranktopo.tasks.bound.certificate import best_certificate
 from cranktopo.tasks.bound.convex_problem import STIFFNESSES
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
 from cranktopo.tasks.bound.result import BoundCells, BoundStatement, BoundStatements, NoBound
-from cranktopo.tasks.density.assessment import model_error_percent
+from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.refit.dimensions import free_dimensions
 
 Info = Callable[[str], None]

@@ -34,9 +34,9 @@ from cranktopo.tasks.bound.per_mass import mass_range, minimum_product, supporti
 from cranktopo.tasks.bound.sizing import MINIMUM_DENSITY, next_densities
 from cranktopo.tasks.bound.webs import AdmissibleDensities, webs_of
 from cranktopo.tasks.density.assess import assess_original
-from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
+from cranktopo.tasks.density.problem import Assessment
 from cranktopo.tasks.density.response import solve
 
 Progress = Callable[[str], None]

@@ -15,8 +15,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, densities_on_cells, prove
 from cranktopo.tasks.bound.result import BoundGoal, BoundResult, DroppedLimit, ProvenBound, VariableStiffness
-from cranktopo.tasks.density.assessment import model_error_percent
 from cranktopo.tasks.density.manufacturing import is_manufactured
+from cranktopo.tasks.density.problem import model_error_percent
 
 Info = Callable[[str], None]
 _CASES = 2

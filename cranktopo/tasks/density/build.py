@@ -19,12 +19,17 @@ from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.filters.density_filter import ConeFilter, boundary_correction
 from cranktopo.tasks.density.assess import assess_original
-from cranktopo.tasks.density.length_scale import filter_radius_mm, projection_for
-from cranktopo.tasks.density.manufacturing import designable, process_block
+from cranktopo.tasks.density.manufacturing import designable, filter_radius_mm, process_block, projection_for
 from cranktopo.tasks.density.material import Block, MaterialInterpolation, build_interpolation
 from cranktopo.tasks.density.model import ThrowModel, build_model
-from cranktopo.tasks.density.optimisation_problem import Objective, OptimisationProblem, ResponseConstraint
-from cranktopo.tasks.density.problem import DensityProblem, Schedule, SolverSettings
+from cranktopo.tasks.density.problem import (
+    DensityProblem,
+    Objective,
+    OptimisationProblem,
+    ResponseConstraint,
+    Schedule,
+    SolverSettings,
+)
 from cranktopo.tasks.density.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.tasks.density.responses import (
     Response,

@@ -117,18 +117,6 @@ def case_load(case: LoadCase) -> float:
     return math.hypot(case.radial_N, case.tangential_N)
 
 
-def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Return the relative rotation of the two mid-journal sections under a torsion case, rad."""
-    index = model.case_names.index(case)
-    return compliances(model, u)[index] / case_load(model.cases[index])
-
-
-def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Return the mean displacement of the crankpin's material along the case's pin force, mm."""
-    index = model.case_names.index(case)
-    return compliances(model, u)[index] / case_load(model.cases[index])
-
-
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:
     """Return the stiffness of the full throw: N m/rad of a torsion case, N/mm of any other."""
     load = model.cases[model.case_names.index(case)]

@@ -30,10 +30,18 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import StepWeb, finished_step, make_step, original_web
 from cranktopo.tasks.iterate.page import iterate_page, save_steps_plot
-from cranktopo.tasks.iterate.result import LoopResult, LoopRun, StepRow
-from cranktopo.tasks.iterate.settings import Settings, loop_settings
+from cranktopo.tasks.iterate.result import (
+    LoopResult,
+    LoopRun,
+    LoopStep,
+    Settings,
+    StepRow,
+    Verdict,
+    best_step,
+    loop_settings,
+    verdict,
+)
 from cranktopo.tasks.iterate.shape_step import shape_scene, shape_step
-from cranktopo.tasks.iterate.step import LoopStep, Verdict, best_step, verdict
 from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce
 

@@ -18,10 +18,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.iterate.result import ShapeOutcome
-from cranktopo.tasks.iterate.settings import Settings
-from cranktopo.tasks.iterate.step import LoopStep
-from cranktopo.tasks.iterate.step_solids import transition_mm
+from cranktopo.tasks.iterate.one_step import transition_mm
+from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD

@@ -182,7 +182,7 @@ class _Bar:
             self._bar.write(line, file=sys.stderr)
 
     def __call__(self, problem: DensityProblem, state: State) -> None:
-        from cranktopo.tasks.density.continuation import iterations_left
+        from cranktopo.tasks.density.loop import iterations_left
 
         row = state.last
         done = len(state.history)

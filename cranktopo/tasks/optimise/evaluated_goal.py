@@ -23,9 +23,8 @@ from cranktopo.engine.plan.simulated import without
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.report.goal_table import broken_limits, percent_line
 from cranktopo.tasks.density import loop
-from cranktopo.tasks.density.continuation import with_bounds
-from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.loop import with_bounds
+from cranktopo.tasks.density.problem import DensityProblem, ResponseConstraint
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import checked_surface

@@ -23,8 +23,7 @@ from cranktopo.tasks.bound.bound_for_result import Cells, bounds_for_result, mod
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.assess import assess, assess_original
-from cranktopo.tasks.density.assessment import Assessment
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import Assessment, DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import Record, State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
@@ -34,8 +33,7 @@ from cranktopo.tasks.optimise.metrics import run_metrics, run_seconds, run_surfa
 from cranktopo.tasks.optimise.page import run_page
 from cranktopo.tasks.optimise.picture import save_run_picture
 from cranktopo.tasks.optimise.result import OptimisedRun
-from cranktopo.tasks.optimise.run_record import record_of, snapshots
-from cranktopo.tasks.optimise.run_stress import read_run_stress
+from cranktopo.tasks.optimise.run_record import read_run_stress, record_of, snapshots
 
 _SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
 

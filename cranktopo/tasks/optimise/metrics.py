@@ -12,8 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.density.assessment import Assessment, model_error_percent
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface

@@ -28,7 +28,7 @@ from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.picture import PANELS, views_figure
 from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics
 from cranktopo.tasks.optimise.run_record import RunRecord
-from cranktopo.tasks.optimise.verdict import facts, headline
+from cranktopo.tasks.optimise.text import facts, headline
 from cranktopo.tasks.plan.section import effects_section
 from cranktopo.tasks.refit.page import refit_section
 

@@ -36,13 +36,12 @@ from cranktopo.runs.iterations import save_iteration
 from cranktopo.runs.kind import require_kind
 from cranktopo.runs.status import working_in
 from cranktopo.tasks.accuracy.cell_choice import choose_cells
+from cranktopo.tasks.density.assess import check_limits
 from cranktopo.tasks.density.build import build_problem
-from cranktopo.tasks.density.coarse_start import first_state
-from cranktopo.tasks.density.continuation import with_limit
-from cranktopo.tasks.density.feasibility import check_limits
+from cranktopo.tasks.density.loop import with_limit
 from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_optimality_criteria
-from cranktopo.tasks.density.stage import Prepared, describe, iterate, prepare
+from cranktopo.tasks.density.stage import Prepared, describe, first_state, iterate, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.level import OPTIMISER
