@@ -28,9 +28,9 @@ from cranktopo.tasks.density.material import (
 from cranktopo.tasks.density.model import ThrowModel, build_model, case_forces
 from cranktopo.tasks.density.proposals import design_gradients, vjp
 from cranktopo.tasks.density.response import (
+    case_load,
     compliance_gradients,
     compliance_gradients_by_solid,
-    case_load,
     compliances,
     displacements,
     solve,

@@ -39,15 +39,15 @@ def test_every_point_is_between_two_lines(ratios: list[float]) -> None:
 
 def test_the_curve_of_a_bound_is_that_of_the_original() -> None:
     label = LABELS[TORSION]
-    bound = {"stiffest": {"mass_percent": [40.0, 90.0, 110.0], "torsion_percent": [None, 105.0, 125.0]}}
-    most = most_by_label(bound, {label: Point("original", 2.0, 100.0)})
+    curves = {"mass_percent": [40.0, 90.0, 110.0], "torsion_percent": [None, 105.0, 125.0]}
+    most = most_by_label(curves, {label: Point("original", 2.0, 100.0)})
     assert list(most) == [label]
     assert most[label].mass_kg == pytest.approx((1.8, 2.2))
     assert most[label].stiffness == pytest.approx((105.0, 125.0))
     axes = Figure().add_subplot()
     draw_stiffness_over_mass(axes, [Point("original", 2.0, 100.0)], 0, label, most[label])
     assert axes.lines[-1].get_ydata()[1] == pytest.approx(125.0)
-    assert most_by_label(None, {}) == most_by_label({"none": "no envelope"}, {}) == {}
+    assert most_by_label({}, {}) == most_by_label({}, {label: Point("original", 2.0, 100.0)}) == {}
 
 
 def test_a_point_at_160_percent_has_a_line_above_it() -> None:

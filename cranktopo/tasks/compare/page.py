@@ -182,7 +182,7 @@ def _variants(
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design." + _safety(comparison),
         tuple(tables),
-        scatter_pictures(scatter_points(comparison), comparison.baseline, bound),
+        scatter_pictures(scatter_points(comparison), comparison.baseline, (bound or {}).get("stiffest", {})),
     )
 
 

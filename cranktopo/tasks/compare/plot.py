@@ -33,7 +33,8 @@ def plot_stiffness_over_mass(
     figure = Figure(figsize=(11, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
     plots = scatter_points(comparison)
-    most = most_by_label(bound, {label: points[comparison.baseline] for label, points in plots.items()})
+    baseline = {label: points[comparison.baseline] for label, points in plots.items()}
+    most = most_by_label((bound or {}).get("stiffest", {}), baseline)
     for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
     with replacing(path) as temporary:

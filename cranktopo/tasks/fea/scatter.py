@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count, cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from cranktopo.report.plot import Picture, picture
 from cranktopo.tasks.fea.quantities import BENDING, TORSION
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 LABELS = {TORSION: f"{TORSION.label}, kN m/rad", BENDING: f"{BENDING.label}, kN/mm"}
 """Of the axes of the stiffnesses."""
+Curves = Mapping[str, Sequence[float | None]]
+"""Curves of a bound over the mass, `BoundStatements.stiffest`; empty where there is none."""
 _MARKERS = "osD^vP*X"
 _CLOSEST_LINES, _MOST_LINES = 0.1, 9
 """Lines of equal stiffness per mass: least distance as a share of the baseline's, and how many."""
@@ -71,14 +73,9 @@ def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
     return [stiffness for mass, stiffness in pairs if min(masses) <= mass <= max(masses)]
 
 
-def most_by_label(bound: Mapping[str, Any] | None, baseline: Mapping[str, Point]) -> dict[str, Most]:
-    """Return the curves of a bound by the label of their stiffness.
-
-    Args:
-        bound: as metrics.json holds it; None where there is none.
-        baseline: the original in each plot.
-    """
-    curves, found = (bound or {}).get("stiffest", {}), {}
+def most_by_label(curves: Curves, baseline: Mapping[str, Point]) -> dict[str, Most]:
+    """Return the curves of a bound, which are in percent of the baseline, by the label of their stiffness."""
+    found = {}
     for stiffness, label in LABELS.items():
         if label in baseline and f"{stiffness.key}_percent" in curves:
             own, most = baseline[label], curves[f"{stiffness.key}_percent"]
@@ -124,16 +121,16 @@ def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, 
 
 
 def scatter_pictures(
-    points: Mapping[str, Sequence[Point]], baseline: int, bound: Mapping[str, Any] | None = None
+    points: Mapping[str, Sequence[Point]], baseline: int, curves: Curves
 ) -> tuple[Picture, ...]:
     """Stiffness over mass, one plot per stiffness.
 
     Args:
         points: by the label of the stiffness.
         baseline: number of the point that counts as 100 %.
-        bound: whose curves are drawn, where there is one; the baseline is then the original.
+        curves: of a bound; where there are any, the baseline is the original.
     """
-    most = most_by_label(bound, {label: row[baseline] for label, row in points.items()})
+    most = most_by_label(curves, {label: row[baseline] for label, row in points.items()})
     return tuple(
         picture(
             f"scatter-{label.split()[0]}",

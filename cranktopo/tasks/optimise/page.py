@@ -18,6 +18,7 @@ from cranktopo.report.viewer.stress_scale import stress_scales
 from cranktopo.tasks.accuracy.plot import TimedError, error_picture, study_pictures
 from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
 from cranktopo.tasks.bound.page import bound_sections
+from cranktopo.tasks.bound.result import BoundStatements
 from cranktopo.tasks.extraction.result import RunSurface
 from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
@@ -90,6 +91,7 @@ def _variants(metrics: RunMetrics) -> Section:
         _NAMES[1]: _values(metrics, stiffnesses),
     }
     before, after = values.values()
+    bound = metrics.bound
     points = {
         LABELS[stiffness]: [Point(name, found[_THROW], found[stiffness]) for name, found in values.items()]
         for stiffness in stiffnesses
@@ -113,7 +115,7 @@ def _variants(metrics: RunMetrics) -> Section:
                 ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
             ),
         ),
-        scatter_pictures(points, 0, None if metrics.bound is None else metrics.bound.as_json()),
+        scatter_pictures(points, 0, bound.stiffest if isinstance(bound, BoundStatements) else {}),
     )
 
 
