@@ -24,11 +24,7 @@ TOLERANCE = 1e-8
 
 
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
-    """Return stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
-
-    Raises:
-        CranktopoError: the solve failed.
-    """
+    """Return stiffness and mass of a design, solved to 1e-8; call inside `double_precision()`."""
     first, last = domain.web_layers
     solid = domain.passive_fraction.copy()
     solid[:, :, first:last] += domain.design_fraction[:, :, first:last] * density
@@ -82,13 +78,11 @@ _ROUNDING = 1e-6
 
 
 def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
-    """Refuse limits that not even the best design for each of them alone meets.
+    """Refuse limits that contradict each other or that not even the best design for each alone meets.
 
-    Call it inside `double_precision()`.
-
-    Raises:
-        CranktopoError: such limits, with what can be reached (exit code 6), or two that contradict each other
-            now that the original's value is known.
+    Call it inside `double_precision()`. Stiffness grows with every bit of material: the envelope all solid
+    is the stiffest design. Mass, inertia and unbalance are sums over the cells, whose extreme is solid where
+    that helps. Limits that exclude each other show in the iterations.
     """
     _check_together(problem.optimisation.limits)
     found = [

@@ -47,11 +47,7 @@ _START = 0.5
 def build_problem(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
 ) -> DensityProblem:
-    """Return the optimisation problem of a scene on a domain; call inside `double_precision()`.
-
-    Raises:
-        CranktopoError: a goal or limit without its load case.
-    """
+    """Return the optimisation problem of a scene on a domain; call inside `double_precision()`."""
     solving = solving or SolverSettings()
     settings = scene.optimise
     model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)

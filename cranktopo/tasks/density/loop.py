@@ -139,11 +139,9 @@ def _plateau(state: State, in_stage: int) -> float:
 
 @dataclass(frozen=True)
 class WebDensities:
-    """Densities of a design on the cells of the web's layers (nx, ny, nw), 0 outside the design space.
+    """Densities on the cells of the web's layers (nx, ny, nw), 0 outside the design space.
 
-    Attributes:
-        filtered: smooth density before the projection.
-        physical: projected density, which has stiffness and mass.
+    `filtered` is smooth, before the projection; `physical` is projected and has stiffness and mass.
     """
 
     filtered: Array
@@ -161,11 +159,7 @@ def init(problem: DensityProblem) -> State:
 def step(problem: DensityProblem, state: State) -> State:
     """Evaluate the state's design, record it and update the design.
 
-    Returns:
-        The next state; converged or stopped ones keep the design that was evaluated last.
-
-    Raises:
-        CranktopoError: the linear solve failed.
+    Converged or stopped states keep the design that was evaluated last.
     """
     started = time.perf_counter()
     problem = problem.with_bounds(state.bounds)
@@ -224,7 +218,6 @@ def _solved(problem: DensityProblem, state: State) -> _Solved:
 def _loaded(
     problem: DensityProblem, state: State, moduli: jax.Array, solid: jax.Array, guess: Array
 ) -> tuple[Design, Solution]:
-    """Return a design under its loads, and how it was solved."""
     model = problem.model
     forces = case_forces(model, solid)
     solution = solve(

@@ -33,11 +33,7 @@ _LARGEST_THRESHOLD = 0.75
 
 
 def least_width(eroded: float) -> float:
-    """Return the minimum width of a member of the nominal design, over the filter radius.
-
-    Args:
-        eroded: threshold of the eroded design, from that of the nominal one up to below 1.
-    """
+    """Return a nominal member's minimum width over the filter radius, by the eroded design's threshold."""
     from scipy.optimize import brentq
 
     half = brentq(lambda s: 2 * _share(s) - eroded, 0.0, 1.0)
@@ -47,8 +43,7 @@ def least_width(eroded: float) -> float:
 def eroded_threshold(width: float) -> float:
     """Return the eroded design's threshold for a width over the filter radius: inverse of `least_width`.
 
-    Raises:
-        ValueError: a width that the largest threshold does not reach.
+    Raises ValueError for a width that the largest threshold does not reach.
     """
     from scipy.optimize import brentq
 
@@ -83,11 +78,7 @@ def _needed_filter_radius_mm(scene: Scene) -> float:
 
 
 def check_lengths(scene: Scene) -> None:
-    """Check least member and gap against the cells, the web and the filter.
-
-    Raises:
-        CranktopoError: one that the cells do not resolve or the web does not hold, or a filter too small.
-    """
+    """Check that cells, web and filter allow the scene's minimum member and gap."""
     settings, largest = scene.optimise, scene.web.thickness_mm
     smallest = LEAST_CELLS * settings.resolution_mm
     for name in ("min_member_mm", "min_gap_mm"):

@@ -65,13 +65,7 @@ class ThrowModel:
 def build_model(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, incompatible_modes: bool = True
 ) -> ThrowModel:
-    """Return the supports and nodal loads of the load cases on a domain's grid.
-
-    Call inside `double_precision()`.
-
-    Args:
-        cases: load cases; forces are those of the full throw.
-    """
+    """Return supports and nodal loads of the cases on a domain's grid; call inside `double_precision()`."""
     dx, dy, dz = domain.grid.steps_mm
     lattice = Lattice(
         domain.grid.cells,
@@ -129,10 +123,9 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
 
 def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
-    """Return the nodal forces of every case over the modulus, with the centrifugal force of the solid itself.
+    """Return the nodal forces of every case over the modulus (cases, 3, nodes...), mm2.
 
-    Returns:
-        Forces (cases, 3, nodes...), mm2; differentiable by the solid fraction.
+    They hold the centrifugal force of the solid itself, by whose fraction they are differentiable.
     """
     if not model.spinning or model.arms_mm is None:
         return model.forces

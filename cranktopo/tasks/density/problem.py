@@ -23,11 +23,7 @@ Sense = Literal["minimise", "maximise"]
 
 @dataclass(frozen=True)
 class Objective:
-    """A response to make small or large.
-
-    Attributes:
-        reference: positive value that the response is divided by, such as that of the original web.
-    """
+    """A response to make small or large, over a positive reference such as the original web's value."""
 
     response: Response
     sense: Sense = "minimise"
@@ -95,11 +91,7 @@ class ResponseConstraint:
 
 @dataclass(frozen=True)
 class OptimisationProblem:
-    """Goals and limits of an optimisation; of several goals the one that is worst counts.
-
-    Attributes:
-        goals: at least one.
-    """
+    """Goals (at least one) and limits of an optimisation; the worst of several goals counts."""
 
     goals: tuple[Objective, ...]
     limits: tuple[ResponseConstraint, ...] = ()
@@ -131,11 +123,7 @@ up to a tenth more."""
 
 @dataclass(frozen=True)
 class CaseResult:
-    """Stiffness of the full throw under one load case.
-
-    Attributes:
-        stiffness: N m/rad for torsion, N/mm for a pin force, None for a body force.
-    """
+    """Stiffness of the full throw: N m/rad for torsion, N/mm for a pin force, None for a body force."""
 
     name: str
     kind: str
@@ -147,11 +135,9 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class Assessment:
-    """Assessment of a body in the optimiser's model.
+    """Masses and stiffnesses of a body in the optimiser's model.
 
-    Attributes:
-        throw_kg: mass between the two mid-main-journal planes, kg.
-        quantities: every quantity of a goal or limit by its name, in the unit of `scene.goal.QUANTITIES`.
+    `throw_kg` is between the two mid-main-journal planes; `quantities` are in the units of a scene's goal.
     """
 
     cases: tuple[CaseResult, ...]
@@ -191,9 +177,7 @@ _MOVE_LEAST = 0.05
 class SolverSettings:
     """Accuracy of the solves of the design iterations.
 
-    Attributes:
-        tolerance_early: relative residual before the last projection stage.
-        incompatible_modes: of the hexahedra.
+    `tolerance_early` is the relative residual before the last projection stage; modes are of hexahedra.
     """
 
     tolerance_early: float = TOLERANCE_EARLY
@@ -232,8 +216,6 @@ class DensityProblem:
     Attributes:
         weights: of the load cases' compliances, where their sum is the goal.
         target: volume fraction of the design space; without one it is free.
-        optimisation: goals and limits, for a method that takes any.
-        method: how the next design is found.
         start: density of the uniform first design.
         original: the scene's own web in the model, where a goal is measured by it.
     """

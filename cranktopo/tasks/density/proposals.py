@@ -41,11 +41,7 @@ def design_gradients(
     by_moduli: jax.Array,
     by_solid: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
-    """Return the derivatives of the objective and of the volume fraction by the design variables.
-
-    Returns:
-        Two arrays of the shape of x.
-    """
+    """Return the derivatives of the objective and of the volume fraction by the design variables."""
     _, pull_objective = jax.vjp(lambda v: relative_moduli(data, eroded_density(data, v, beta)), x)
     _, pull_volume = jax.vjp(lambda v: volume_fraction(data, dilated_density(data, v, beta)), x)
     by_x = pull_objective(by_moduli)[0]
@@ -64,15 +60,10 @@ def update(
     move: jax.Array,
     by_solid: jax.Array | None = None,
 ) -> jax.Array:
-    """Return one optimality-criteria step that meets the volume fraction of the physical density.
+    """Return the design variables of one optimality-criteria step that meets the physical volume fraction.
 
-    Args:
-        by_moduli: derivative of the objective by the relative moduli; never positive for compliance.
-        by_solid: derivative of the objective by the solid fraction, when a case has a body force; where more
-            mass does more harm than good the variable shrinks as fast as the move allows.
-
-    Returns:
-        New design variables.
+    The derivative by the moduli is never positive for compliance. Where more mass does more harm than good,
+    as with a body force, the variable shrinks as fast as the move allows.
 
     Source: M. P. Bendsoe, Optimization of Structural Topology, Shape, and Material, 1995; the multiplier
     is searched by the projected volume as in F. Wang et al., SMO 43, 2011.
@@ -146,10 +137,9 @@ class _Bracket(NamedTuple):
 def falling_root(
     function: Callable[[jax.Array], jax.Array], low: jax.Array, high: jax.Array, first: jax.Array
 ) -> jax.Array:
-    """Return the root of a function that falls from `low` to `high`; the end where it does not cross 0.
+    """Return the root, about `first`, of a function that falls from `low` to `high`.
 
-    Args:
-        first: where the root is about.
+    It is the end where the function does not cross 0.
     """
 
     def narrow(now: _Bracket) -> _Bracket:
@@ -199,7 +189,6 @@ def compile_optimality_criteria(problem: DensityProblem) -> None:
 def _objective_gradients(
     model: ThrowModel, design: Design, factors: jax.Array
 ) -> tuple[jax.Array, jax.Array | None]:
-    """Return the derivative of the objective by the moduli, and by the solid where its own mass loads it."""
     by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, design.displacements))
     if not model.spinning:
         return by_moduli, None

@@ -36,14 +36,7 @@ def solve(
     tolerance: float = 1e-8,
     precision: Precision = "float32",
 ) -> Solution:
-    """Return the displacements of every load case.
-
-    Args:
-        guess: what to start from; the array is gone afterwards.
-
-    Raises:
-        CranktopoError: moduli or loads that make no sense, or the residual is not reached (exit code 4).
-    """
+    """Return the displacements of every load case; the array `guess` to start from is gone afterwards."""
     load = model.forces if forces is None else forces
     start = jnp.zeros_like(load) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
@@ -76,8 +69,7 @@ def adjoint_gradients(
 ) -> tuple[jax.Array, jax.Array]:
     """Return the derivatives (nx, ny, nz) of any function of u by relative moduli and by the solid fraction.
 
-    Args:
-        adjoint: solution (cases, 3, nodes...) whose nodal forces are the function's derivative by u.
+    `adjoint` (cases, 3, nodes...) is the solution whose nodal forces are the function's derivative by u.
     """
     by_moduli = -_energy_density(layer_blocks(model.lattice), adjoint, u)
     if not model.spinning:

@@ -55,15 +55,12 @@ class Design(NamedTuple):
 
 @dataclass(frozen=True)
 class Response:
-    """One number of a design.
+    """One number of a design, by a pure JAX function `value` of the solved design.
 
     Attributes:
-        unit: as in messages.
-        value: pure JAX function of the solved design.
-        reads_displacements: whether `value` reads the displacements themselves; its derivative takes a solve.
-        needs_solve: whether `value` depends on the loads; without, it is a sum over the cells.
-        stiffest: whether more material, wherever it is put, gives the response its most or its least value;
-            empty where that depends.
+        reads_displacements: `value` reads the displacements themselves; its derivative takes a solve.
+        needs_solve: `value` depends on the loads; without, it is a sum over the cells.
+        stiffest: what more material, wherever it is put, makes of the response; empty where that depends.
     """
 
     name: str
@@ -105,10 +102,7 @@ def volume(density_chain: MaterialInterpolation) -> Response:
 def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
     """Return every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
 
-    The stiffness of a load case has the case's name.
-
-    Args:
-        bolted: mass moments of what is bolted to each web, kg and mm.
+    The stiffness of a load case has the case's name; `bolted` is of what is bolted to each web, kg and mm.
     """
     parts = (0.0,) * 3 if bolted is None else (bolted.volume, bolted.polar, bolted.first_y)
     mass, *others = (
@@ -180,14 +174,10 @@ def gradients(
     design: Design,
     adjoints: Mapping[int, jax.Array],
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Return the values of k functions of a solved design and their whole derivatives.
+    """Return the values (k,) of functions of a solved design and their whole derivatives (k, nx, ny, nz).
 
-    Args:
-        functions: such as the values of responses; hashable.
-        adjoints: by index of a function that reads displacements, the displacements under `loads_of` it.
-
-    Returns:
-        Values (k,), derivatives (k, nx, ny, nz) by the relative moduli and by the solid fraction.
+    The derivatives are by the relative moduli and by the solid fraction. `adjoints` has, by the index of a
+    function that reads displacements, the displacements under `loads_of` it.
     """
     values, by_moduli, by_solid, by_compliances = _partial_gradients(functions, design)
     u = design.displacements
@@ -248,11 +238,12 @@ _LEAST = 1e-12
 
 
 def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) -> Response:
-    """Return power mean of the von Mises stress in the middle of the web's cells over all load cases, MPa.
+    """Return the power mean over all load cases of the von Mises stress amid the web's cells, MPa.
 
-    Args:
-        layers: first and past-the-last z layer of the web.
-        power: the higher, the closer to the largest stress.
+    `layers` are the web's first and past-the-last z layer. A higher power comes closer to the largest.
+
+    Source: C. Le, J. Norato, T. Bruns, C. Ha, D. Tortorelli, Stress-based topology optimization for continua,
+    SMO 41, 2010: stresses of the solid times the square root of the density, so that void has none.
     """
     first, last = layers
 
@@ -271,11 +262,7 @@ def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) 
 
 
 def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> jax.Array:
-    """Return the strain (cases, 3, 3, nx, ny, n) in the middle of the cells of some layers.
-
-    Args:
-        u: displacements (cases, 3, nodes...), mm.
-    """
+    """Return the strain (cases, 3, 3, nx, ny, n) in the middle of the cells of layers, of `u` in mm."""
     first, last = layers
     part = u[..., first : last + 1]
     steps = [jnp.asarray(step) for step in (lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[first:last])]

@@ -68,15 +68,9 @@ def first_state(
     cases: Sequence[LoadCase],
     progress: Progress = lambda *_: None,
 ) -> State:
-    """Return state before the first iteration: a design from larger cells where they will do, else uniform.
+    """Return the first state: a design from larger cells where they will do, else a uniform one.
 
-    Call inside `double_precision()`.
-
-    Args:
-        progress: called after every iteration on the larger cells.
-
-    Raises:
-        CranktopoError: solver failure.
+    Call inside `double_precision()`; `progress` is called after every iteration on the larger cells.
     """
     coarser = coarse_scene(scene, domain)
     if coarser is None:
@@ -126,11 +120,7 @@ class Prepared:
 
 
 def prepare(scene: Scene) -> Prepared:
-    """Check a scene for optimisation and build its load cases and domain.
-
-    Raises:
-        CranktopoError: resolution out of range, no envelope, an envelope that misses a journal.
-    """
+    """Check a scene for optimisation and build its load cases and domain."""
     goal = wanted(scene)
     if goal is not None:
         check_known(goal, "density")

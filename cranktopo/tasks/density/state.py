@@ -117,12 +117,7 @@ class State:
 
 
 class Proposal(NamedTuple):
-    """The next design variables, and what their choice found out about the present design.
-
-    Attributes:
-        objective, goals, limits, broken: as in `Record`.
-        memory: what the next proposal needs.
-    """
+    """The next design variables, what the present design reached as in `Record`, and what is remembered."""
 
     x: Array
     objective: float

@@ -63,7 +63,7 @@ def start_loop(
 
     Args:
         scene: the design with all options in it, from `loop_scene` unless its process is to stay free.
-        settings: of the loop; by default those of `loop_settings`.
+        settings: by default those of `loop_settings`.
         out: directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
@@ -82,11 +82,7 @@ def start_loop(
 
 
 def continue_loop(reference: str, info: Info = lambda _: None) -> LoopRun:
-    """Continue an interrupted loop: finished steps are read, not repeated.
-
-    Raises:
-        CranktopoError: not a loop, or as `start_loop`.
-    """
+    """Continue an interrupted loop: finished steps are read, not repeated; raises as `start_loop`."""
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
@@ -106,7 +102,6 @@ def _check_goal(scene: Scene, settings: Settings) -> None:
 
 
 def _without_goal(scene: Scene) -> Scene:
-    """Return the design as the steps take it."""
     return scene.model_copy(update={"goal": None})
 
 

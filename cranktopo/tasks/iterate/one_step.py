@@ -65,9 +65,6 @@ def write_solids(scene: Scene, folder: Path, started: datetime | None = None) ->
     """Write web.step and web.stl (half throw, exact solid) and the web alone.
 
     `started` dates the STEP file, so that a loop that is resumed writes the same bytes; by default it is now.
-
-    Raises:
-        CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
     facet = coarse_facet_mm(scene)
     export_solid(scene, "half", folder / f"{HALF}.step", started=started)
@@ -75,11 +72,7 @@ def write_solids(scene: Scene, folder: Path, started: datetime | None = None) ->
 
 
 def write_original(path: Path, scene: Scene, folder: Path) -> Solids:
-    """Write the half throw of a body from CAD and its web as the solids of a step.
-
-    Raises:
-        CranktopoError: it is no half throw where the journals are, or a file cannot be written.
-    """
+    """Write the half throw of a body from CAD and its web as the solids of a step."""
     surface = half_throw_surface(path, scene)
     return _written(surface, mesh_of(web_region(solid_of(surface, str(path)), scene)), folder)
 
@@ -123,13 +116,10 @@ def _symmetric(body: Manifold) -> SurfaceMesh:
 
 
 def transition_mm(web: SurfaceMesh, scene: Scene) -> float:
-    """Return minimum axial thickness of a web around its journals, on the half turned to the other journal.
+    """Return a web's minimum axial thickness around its journals, on the half turned to the other one, mm.
 
-    Rays parallel to the crank axis on a circle just outside each journal; what a force takes from one
-    journal to the other crosses that half circle.
-
-    Returns:
-        Thickness, mm; 0 where a ray meets no material.
+    Rays parallel to the crank axis on a circle just outside each journal; what a force takes from one journal
+    to the other crosses that half circle. It is 0 where a ray meets no material.
     """
     body = solid_of(web, "web")
     low, high = scene.web_z_mm[0] - _BEYOND_MM, scene.web_z_mm[1] + _BEYOND_MM

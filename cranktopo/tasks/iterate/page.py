@@ -42,11 +42,7 @@ _FACTS = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
 
 
 def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
-    """Return the report of a loop, finished or after any of its steps.
-
-    Args:
-        bodies: the half throw of every step, the original one first.
-    """
+    """Return the report of a loop, finished or after any of its steps, with the half throw of every step."""
     return Page(
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",

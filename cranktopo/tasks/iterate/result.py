@@ -37,7 +37,6 @@ class Settings:
         steps: number of steps in which the volume falls to the design's volume fraction.
         least_transition_mm: thickness of the web around its journals below which the loop ends.
         element_size_mm: of the body-fitted mesh; None for its default.
-        limits: of the re-modelled webs.
         shape: whether the dimensions of the best web are optimised in the end.
     """
 
@@ -49,11 +48,7 @@ class Settings:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Settings:
-        """Return the settings as a manifest keeps them; one of an older version has the usual limits.
-
-        Raises:
-            CranktopoError: keys are missing or unknown.
-        """
+        """Return the settings as a manifest keeps them; one of an older version has the usual limits."""
         try:
             others = {key: value for key, value in data.items() if key != _LIMITS}
             return cls(**others, limits=ManufacturingLimits(**data.get(_LIMITS, {})))
@@ -165,11 +160,7 @@ def step_of(
 
 
 def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
-    """Return what the last of the steps (the original web first) says about going on.
-
-    Args:
-        least_transition_mm: thickness of the web around its journals below which the loop ends.
-    """
+    """Return what the last of the steps (the original web first) says about going on."""
     last, before = steps[-1], steps[1:-1]
     if last.too_thin(least_transition_mm):
         return "too thin"
@@ -181,11 +172,7 @@ def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
 def best_step(steps: Sequence[LoopStep], least_transition_mm: float) -> LoopStep | None:
     """Return the step that gains most in torsional stiffness per mass of those that beat the original web.
 
-    Of steps that gain the same the first is taken.
-
-    Args:
-        steps: all steps, the original web first.
-        least_transition_mm: least thickness of the web around its journals that counts as sound.
+    Of steps that gain the same the first is taken; none whose web is too thin around its journals.
     """
     original, *others = steps
     sound = [s for s in others if s.beats(original) and not s.too_thin(least_transition_mm)]

@@ -48,13 +48,7 @@ def shape_step(
 ) -> ShapeStep:
     """Optimise the dimensions of the best web in `shape/`, or read what was done; the loop stands anyway.
 
-    Args:
-        scene: the design of the loop.
-        number: of the row in the table of steps.
-        begun: scene of the best step's web; None to begin with the design's own.
-
-    Raises:
-        CranktopoError: interruption (exit code 130).
+    `number` is that of the row in the table of steps. Without `begun` the design's own web is the first.
     """
     wanted_scene = shape_scene(scene)
     goal = _goal(wanted_scene)
@@ -87,7 +81,6 @@ def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings,
 
 
 def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
-    """Return the result of a shape optimisation as a row of the table of steps."""
     found = data.result
     return LoopStep(
         number=number,

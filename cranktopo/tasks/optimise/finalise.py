@@ -60,9 +60,7 @@ def finalise_run(
 ) -> OptimisedRun:
     """Judge the final design, make and measure its surface meanwhile, and write every file.
 
-    Args:
-        case: the limits that the evaluation keeps, if there are any; `failure`: why it could not.
-        cells: of the bound; None where the plan leaves it out.
+    There is no `case` without limits that the evaluation keeps, and no `cells` where the bound is left out.
     """
     optimised = time.perf_counter()
     design = loop.final_design(problem, state)
@@ -106,9 +104,7 @@ def finalise_run(
 class _Judgement(NamedTuple):
     """The final design and the scene's own web, solved at a tight tolerance.
 
-    Attributes:
-        bound: what no web of the envelope can beat; None where the plan leaves it out.
-        bound_s: wall time of the bound, without its cells.
+    The bound is None where the plan leaves it out; `bound_s` is its wall time without its cells.
     """
 
     result: Assessment
@@ -201,10 +197,7 @@ def _title(scene: Scene) -> str:
 
 
 def _history_rows(problem: DensityProblem, history: Sequence[Record]) -> list[dict[str, Any]]:
-    """Return the rows of history.csv: one per design, units in the column names.
-
-    Compliances are in N mm by load case. With a goal, its value and those of its limits are among them.
-    """
+    """Return the rows of history.csv: one per design, units in the column names."""
     case_names, responses = problem.model.case_names, problem.optimisation.responses
     return [
         {

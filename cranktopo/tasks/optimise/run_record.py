@@ -44,11 +44,7 @@ _FILE = "stress.npz"
 
 
 def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) -> CaseStress:
-    """Solve a run's surface for its load cases on body-fitted elements, and keep the stresses in the run.
-
-    Raises:
-        CranktopoError: no valid mesh, a failed solve, or the file cannot be written.
-    """
+    """Solve a run's surface for its load cases on body-fitted elements, and keep the stresses in the run."""
     cases = load_cases(scene, plan(scene).enabled)
     path = run.path / surface
     found = case_stress(Target(run.name, scene, path), cases, progress=progress)
@@ -68,11 +64,7 @@ def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) 
 
 
 def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
-    """Return the stresses that a run keeps for its surface; None where it has none, or none of this surface.
-
-    Raises:
-        CranktopoError: the file is damaged.
-    """
+    """Return the stresses that a run keeps for this surface; None where it has none."""
     path = run.path / _FILE
     if not path.is_file():
         return None
@@ -102,17 +94,11 @@ class RunRecord:
     """A finished optimise run.
 
     Attributes:
-        folder: the run directory, as it was named.
-        metrics: what it reached.
-        manifest: content of manifest.json.
-        history: rows of history.csv.
-        scene: the scene as it was simulated.
-        loads: loads of its engine; None without an engine.
+        scene: as it was simulated.
+        loads: of its engine; None without one.
         mesh: surface of the half throw, mm; None where the density has none.
         snapshots: its intermediate designs, as far as they were kept.
-        fatigue: what that command prints with --json, where the run holds it.
-        accuracy: its accuracy study, where the run holds one.
-        refit: its re-modelled web, where the run holds one.
+        fatigue, accuracy, refit: what those commands left in the run, if they did.
         stress: of its load cases by the body-fitted evaluation, where it was solved.
     """
 
@@ -131,11 +117,7 @@ class RunRecord:
 
 
 def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord:
-    """Return the record of a finished run from its directory.
-
-    Raises:
-        CranktopoError: a loop, a run without metrics, or a damaged file.
-    """
+    """Return the record of a finished run from its directory."""
     require_kind(run, "optimise")
     metrics = read_metrics(run)
     if metrics is None:
@@ -199,9 +181,6 @@ def snapshots(
     """Return at most 60 designs of a run in order, the first and the last included; none where it keeps none.
 
     Call inside `double_precision()`; `density_chain` is the filter chain of the run's own cells.
-
-    Raises:
-        CranktopoError: a file of the run is damaged.
     """
     numbers = evenly_spread(saved_iterations(run.path), _MOST_SNAPSHOTS)
     found = []

@@ -72,9 +72,7 @@ RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
 class _Job:
     """One optimisation of a run, and where it reports to.
 
-    Attributes:
-        scene: as the run has it; `prepared` has it as it is simulated.
-        began: reading of `time.perf_counter` from which the total time counts.
+    `prepared` has the scene as it is simulated; `began` is a reading of `time.perf_counter`.
     """
 
     run: RunStore
@@ -99,7 +97,6 @@ def optimise_design(
     """Optimise the web of a scene in a new run directory; nothing is written before all is validated.
 
     Args:
-        scene: the design with all options in it.
         out: run directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
@@ -152,11 +149,7 @@ def resume_optimisation(
     progress: Progress = lambda *_: None,
     began: float | None = None,
 ) -> OptimisedRun:
-    """Continue an interrupted, stopped or killed run.
-
-    Args:
-        max_iterations: a new iteration limit; None keeps the run's.
-        info, progress, began: as in `optimise_design`.
+    """Continue an interrupted, stopped or killed run; `max_iterations` of None keeps the run's limit.
 
     Raises:
         CranktopoError: not a run of `optimise`, a changed input, or as `optimise_design`.

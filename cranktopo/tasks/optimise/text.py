@@ -66,12 +66,9 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
 
 
 def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
-    """Return the safety against fatigue.
+    """Return the safety against fatigue, or why it was not assessed.
 
-    Args:
-        fatigue: the object that `cranktopo fatigue --json` prints for the design, and for its `baseline`
-            where one was given; None where it was not assessed.
-        otherwise: why it was not assessed.
+    `fatigue` is the object that `cranktopo fatigue --json` prints, with a baseline where one was given.
     """
     entries = (fatigue or {}).get("fatigue", [])
     baseline = (fatigue or {}).get("baseline")
@@ -212,7 +209,6 @@ def run_summary(metrics: RunMetrics, folder: Path) -> str:
 
 
 def _goal_lines(metrics: RunMetrics) -> list[str]:
-    """Return goal and limits of a run that has them."""
     goal = metrics.goal
     if goal is None:
         return []
