@@ -122,12 +122,7 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
             "Name another goal, or use `cranktopo shape`.",
         )
     case = quantity_named(quantity).load_case
-    raise invalid(
-        key,
-        quantity,
-        f"its load case '{case}' is off",
-        f"Set effects.{case} = 'auto'.",
-    )
+    raise invalid(key, quantity, f"its load case '{case}' is off", f"Set effects.{case} = 'auto'.")
 
 
 def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> ResponseConstraint:

@@ -126,12 +126,7 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume:
 
 
 def _handed_over(
-    run: RunStore,
-    scene: Scene,
-    webs: Sequence[StepWeb],
-    result: LoopResult,
-    settings: Settings,
-    info: Info,
+    run: RunStore, scene: Scene, webs: Sequence[StepWeb], result: LoopResult, settings: Settings, info: Info
 ) -> LoopResult:
     """Optimise the shape of the best web; return the result with it."""
     best = None if result.best_step is None else webs[result.best_step]

@@ -46,20 +46,14 @@ if TYPE_CHECKING:
     help="Share of the design space that becomes solid, 0 to 1; default: the design's. "
     "With a goal the limits decide, and it is refused.",
 )
-@click.option(
-    "--resolution-mm",
-    type=CELL_MM,
-    help="Largest cell edge, mm; default: the design's.",
-)
+@click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
 @click.option(
     "--process",
     type=Choice(["free", "forged", "cast", "milled"]),
     help="How the web is made: by a die, in a mould, by a mill, or anyhow; default: the design's.",
 )
 @click.option(
-    "--draft-deg",
-    type=Number(0, 20),
-    help="Draft of forged and cast walls, degrees; default: the design's.",
+    "--draft-deg", type=Number(0, 20), help="Draft of forged and cast walls, degrees; default: the design's."
 )
 @click.option(
     "--min-member-mm",

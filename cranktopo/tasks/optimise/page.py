@@ -86,10 +86,7 @@ def _goal(metrics: RunMetrics) -> tuple[Section, ...]:
 
 def _variants(metrics: RunMetrics) -> Section:
     stiffnesses = [quantity for quantity in STIFFNESS if quantity.key in metrics.load_cases]
-    values = {
-        _NAMES[0]: _values(metrics.original_web, stiffnesses),
-        _NAMES[1]: _values(metrics, stiffnesses),
-    }
+    values = {_NAMES[0]: _values(metrics.original_web, stiffnesses), _NAMES[1]: _values(metrics, stiffnesses)}
     before, after = values.values()
     bound = metrics.bound
     points = {
@@ -110,10 +107,7 @@ def _variants(metrics: RunMetrics) -> Section:
         + "".join(f" Note: {notice}." for notice in metrics.notices),
         (
             ("Values", ResultTable({"design": 0, **{q.column: q.digits for q in before}}, absolute)),
-            (
-                "Change",
-                ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
-            ),
+            ("Change", ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,))),
         ),
         scatter_pictures(points, 0, bound.stiffest if isinstance(bound, BoundStatements) else {}),
     )
@@ -204,9 +198,7 @@ def _provenance(record: RunRecord) -> Section:
         ("peak memory", f"{metrics.peak_memory_MiB:.0f} MiB"),
     ]
     return Section(
-        "provenance",
-        "Where this comes from",
-        tables=(("Run", pairs(rows)), *assumed_tables(metrics.assumed)),
+        "provenance", "Where this comes from", tables=(("Run", pairs(rows)), *assumed_tables(metrics.assumed))
     )
 
 

@@ -28,11 +28,7 @@ _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
 
 
 def save_run_picture(
-    path: Path,
-    mesh: SurfaceMesh,
-    history: _History,
-    title: str,
-    web_z_mm: tuple[float, float],
+    path: Path, mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]
 ) -> None:
     """Write the picture of a run as PNG, atomically; what is outside `web_z_mm` is drawn as journal."""
     write_bytes(path, png(run_figure(mesh, history, title, web_z_mm)))
@@ -119,11 +115,7 @@ def _greyness_panel(axes: Any, history: _History) -> None:
     _frame(axes, history)
 
 
-PANELS: tuple[Callable[[Any, _History], None], ...] = (
-    _compliances_panel,
-    _volume_panel,
-    _greyness_panel,
-)
+PANELS: tuple[Callable[[Any, _History], None], ...] = (_compliances_panel, _volume_panel, _greyness_panel)
 
 
 def _frame(axes: Any, history: _History) -> None:
