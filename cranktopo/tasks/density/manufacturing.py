@@ -2,6 +2,12 @@
 
 Bores are drilled, and web faces and envelope walls are machined, after forging or casting: none of them is
 an obstacle or needs draft.
+
+Minimum member and gap are thresholds of the projection. A plate of design variables has its largest filtered
+density in its middle. While that is below the threshold of the eroded design, the plate has no stiffness, and
+an optimiser does not make it: the minimum member is the width that the nominal design has when the eroded one
+is about to vanish. Rods and balls vanish earlier, so that a plate decides. Gaps are the same with void and
+the dilated design (F. Wang, B. S. Lazarov, O. Sigmund, SMO 43, 2011; X. Qian, O. Sigmund, CMAME 253, 2013).
 """
 
 from __future__ import annotations

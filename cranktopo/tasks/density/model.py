@@ -99,7 +99,6 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
     Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
     symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
-
     """
     load = LOAD_TYPES[case.kind]
     torsion, odd_in_x = load.odd_in_z, load.odd_in_x

@@ -1,4 +1,8 @@
-"""The density optimisation as equations: model, density-to-modulus chain, goals and limits, schedule."""
+"""The density optimisation as equations: model, density-to-modulus chain, goals and limits, schedule.
+
+Every function that an optimiser sees is of the order of 1: a goal over its reference, a limit as the share by
+which it is broken. A stiffness enters through its reciprocal, which is nearly linear in what is added.
+"""
 
 from __future__ import annotations
 

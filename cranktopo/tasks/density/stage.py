@@ -1,4 +1,8 @@
-"""The density optimisation in memory: scene -> plan -> load cases -> domain -> density."""
+"""The density optimisation in memory: scene -> plan -> load cases -> domain -> density.
+
+A fine optimisation begins with the design of cells twice as large, an eighth of the work. The filter, whose
+radius stays that of the fine cells, keeps designs alike on both; the fine cells repeat the last stages.
+"""
 
 from __future__ import annotations
 

@@ -88,15 +88,12 @@ class EvaluatedGoal:
 
     def original(self) -> Values:
         """Return the quantities of the original web."""
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "original.stl"
-            return self._values(_ORIGINAL, lambda: self._original(path))
+        return self._values(_ORIGINAL, "original.stl", self._original)
 
     def reached(self, state: State) -> Values:
         """Return the quantities of the last design of a state; its density may have no surface."""
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "web.stl"
-            return self._values(_iteration_name(state.last.iteration), lambda: self._surface(state, path))
+        name = _iteration_name(state.last.iteration)
+        return self._values(name, "web.stl", lambda path: self._surface(state, path))
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
         """Return the limits of the last design of a state."""
@@ -121,9 +118,10 @@ class EvaluatedGoal:
         name = f"surface of iteration {state.last.iteration}"
         return Target(name, planned_scene(self.scene), path)
 
-    def _values(self, name: str, target: Callable[[], Target]) -> Values:
+    def _values(self, name: str, file: str, target: Callable[[Path], Target]) -> Values:
         def make() -> Json:
-            return evaluate(target(), progress=self.work.info).result.as_json()
+            with TemporaryDirectory() as folder:
+                return evaluate(target(Path(folder) / file), progress=self.work.info).result.as_json()
 
         return goal_values(self.scene, _evaluation(self.work.once(name, make)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -104,18 +105,18 @@ def _compliances_panel(axes: Any, history: _History) -> None:
         axes.text(0.5, 0.5, "no history", transform=axes.transAxes, ha="center", color=GREY)
 
 
-def _volume_panel(axes: Any, history: _History) -> None:
-    _draw_fraction(axes, history, "volume_fraction", "volume fraction (-)")
+def _fraction_panel(key: str, label: str, axes: Any, history: _History) -> None:
+    _draw_fraction(axes, history, key, label)
+    if key == "greyness":
+        axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
     _frame(axes, history)
 
 
-def _greyness_panel(axes: Any, history: _History) -> None:
-    _draw_fraction(axes, history, "greyness", "greyness (-)")
-    axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
-    _frame(axes, history)
-
-
-PANELS: tuple[Callable[[Any, _History], None], ...] = (_compliances_panel, _volume_panel, _greyness_panel)
+PANELS: tuple[Callable[[Any, _History], None], ...] = (
+    _compliances_panel,
+    partial(_fraction_panel, "volume_fraction", "volume fraction (-)"),
+    partial(_fraction_panel, "greyness", "greyness (-)"),
+)
 
 
 def _frame(axes: Any, history: _History) -> None:

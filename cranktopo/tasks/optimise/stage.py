@@ -47,7 +47,7 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.level import OPTIMISER
 from cranktopo.tasks.fea.stored_studies import load_study
 from cranktopo.tasks.importing.imported_body import check_original
-from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, enforce_limits_by_fea, evaluated_goal
+from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
@@ -177,18 +177,19 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         end = Ahead(lambda: _ready_for_the_end(job))
         shown = _checked(job.progress, check, end)
         kept = _kept(run, shown)
-        state = (_saved_state(job) if resume else None) or _first_state(job, shown)
+        prepared, work = job.prepared, Work(job.info, KeptWork(run.path / EVALUATIONS), check)
+        state = (_saved_state(job) if resume else None) or first_state(
+            problem, prepared.scene, prepared.domain, prepared.cases, shown
+        )
         state = iterate(problem, state, kept)
-        case = _evaluated_goal(job, check)
+        case = evaluated_goal(job.scene, prepared, problem, work)
         state, failure = enforce_limits_by_fea(
             case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, kept)
         )
-        return _finalised(job, state, case, failure, end.result())
+        from cranktopo.tasks.optimise.finalise import finalise_run
 
-
-def _first_state(job: _Job, progress: Progress) -> State:
-    prepared = job.prepared
-    return first_state(job.problem, prepared.scene, prepared.domain, prepared.cases, progress)
+        times = job.began, job.clock
+        return finalise_run(run, prepared, problem, state, *times, case, failure, end.result())
 
 
 def _saved_state(job: _Job) -> State | None:
@@ -196,20 +197,6 @@ def _saved_state(job: _Job) -> State | None:
         return None
     saved = load_checkpoint(job.run.checkpoint)
     return with_limit(job.problem, from_checkpoint(saved.arrays, saved.state))
-
-
-def _evaluated_goal(job: _Job, check: Callable[[], None]) -> EvaluatedGoal | None:
-    work = Work(job.info, KeptWork(job.run.path / EVALUATIONS), check)
-    return evaluated_goal(job.scene, job.prepared, job.problem, work)
-
-
-def _finalised(
-    job: _Job, state: State, case: EvaluatedGoal | None, failure: str, cells: Cells | None
-) -> OptimisedRun:
-    from cranktopo.tasks.optimise.finalise import finalise_run
-
-    times = job.began, job.clock
-    return finalise_run(job.run, job.prepared, job.problem, state, *times, case, failure, cells)
 
 
 def _compiled(problem: DensityProblem) -> None:
