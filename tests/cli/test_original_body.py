@@ -19,7 +19,8 @@ from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.tasks.density.stage import baseline_notice
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.importing.imported_body import check_original, read_half_throw
+from cranktopo.tasks.importing.imported_body import read_half_throw
+from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import HALF, read_solids, write_original
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal

@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
-from cranktopo.bodies.cells.domain import laterally_symmetric
-from cranktopo.bodies.envelope_file import mirror_difference
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
-from cranktopo.bodies.prisms import is_mirror_image, journal_halves, web_bores, web_region
+from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, kernel_surface, step_solid
 from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
@@ -27,11 +25,8 @@ from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
-from cranktopo.tasks.importing.placement import placed
+from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 
-_KEY = "original.file"
-_SIDES = 5e-4
-"""Share of the volume in which the sides of a body may differ that stands on cells of one side only."""
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05
@@ -106,13 +101,14 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
         body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
     occ.synchronize()
     surface = solid_of(kernel_surface(gmsh), str(path))
-    motion, note = placed(surface, scene, str(path), align)
+    scene, lacking = without_bores_left_out(surface, scene)
+    motion = placed(surface, scene, str(path), align)
     if motion is not None:
         occ.affineTransform(body, motion.affine)
     web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
-    return body, solid_properties(occ, body), web_volume, note
+    return body, solid_properties(occ, body), web_volume, _note(motion, lacking)
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
@@ -194,10 +190,17 @@ def _half_throw(surface: SurfaceMesh, path: Path, scene: Scene, align: bool) -> 
     vertices = surface.vertices_mm
     _check_unit(path, scene, float(vertices[:, Z].min()), float(vertices[:, Z].max()))
     body = solid_of(SurfaceMesh(vertices, faces), str(path))
-    motion, note = placed(body, scene, str(path), align)
+    scene, lacking = without_bores_left_out(body, scene)
+    motion = placed(body, scene, str(path), align)
     if motion is not None:
         vertices = motion.moved(vertices)
-    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), note
+    return SurfaceMesh(_on_planes(vertices, scene, _SNAP_MM / 10 / scene.pitch_mm), faces), _note(
+        motion, lacking
+    )
+
+
+def _note(motion: Placement | None, lacking: str) -> str:
+    return f"moved to where the journals are: it {motion.words}" if motion else lacking
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
@@ -246,45 +249,3 @@ def _properties(surface: SurfaceMesh) -> SolidProperties:
     x, y, z = (float(c) for c in body.center_mass)
     volume = float(body.volume)
     return SolidProperties(volume, (x, y, z), float(body.moment_inertia[2, 2] + volume * (x**2 + y**2)))
-
-
-def original_file(scene: Scene) -> Path | None:
-    """Return the file of the body that is the original, if a file is."""
-    return None if scene.original is None else Path(scene.original.file)
-
-
-def check_original(scene: Scene) -> None:
-    """Check that the original's body is a half throw, lies where the journals are and suits the model.
-
-    Raises:
-        CranktopoError: it does not, or its sides differ where the model has one side only.
-    """
-    path = original_file(scene)
-    if path is None:
-        return
-    surface = half_throw_surface(path, scene)
-    share = mirror_difference(solid_of(surface, f"{_KEY} = '{path}'"))
-    if share > _SIDES and scene.envelope is not None and laterally_symmetric(scene, "envelope"):
-        raise invalid(
-            _KEY,
-            str(path),
-            f"its sides differ by {100 * share:.3g} % of its volume, and the model has the side x >= 0 only",
-            'Set effects.lateral_symmetry = "off".',
-        )
-
-
-def without_its_fillets(path: Path, scene: Scene) -> SurfaceMesh:
-    """The half throw of a body with sharp corners at its journals, as the surface of a density has them.
-
-    Its web, between the web's faces, stays; journals and bores are those of the scene.
-
-    Args:
-        scene: with the fillets and bores of the body.
-
-    Raises:
-        CranktopoError: it is no half throw where the journals are.
-    """
-    name = f"{_KEY} = '{path}'"
-    web = web_region(solid_of(half_throw_surface(path, scene), name), scene)
-    main, pin = journal_halves(scene)
-    return mesh_of(web + main + pin - web_bores(scene))

@@ -83,22 +83,21 @@ class Placement:
         return [*np.column_stack([self.matrix, self.shift_mm]).ravel().tolist(), 0.0, 0.0, 0.0, 1.0]
 
 
-def placed(body: Manifold, scene: Scene, name: str, align: bool) -> tuple[Placement | None, str]:
+def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | None:
     """Check that a half throw lies where the scene says; the motion that puts it there where `align` asks.
 
     Returns:
-        None for a body that lies right; and what was done with it or is to be known of it, empty for nothing.
+        None for a body that lies right.
 
     Raises:
         CranktopoError: it does not: what was found and, where another attitude fits, which one.
     """
-    scene, lacking = without_bores_left_out(body, scene)
     found = misfits(body, scene)
     if not found:
-        return None, lacking
+        return None
     where = _find_placement(body, scene)
     if where is not None and align:
-        return where, f"moved to where the journals are: it {where.words}"
+        return where
     fits = f" It {where.words}." if where else ""
     hint = (
         "Add --align to move it there." if where else f"Is '{scene.name}' the design that it was made from?"

@@ -27,7 +27,7 @@ from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.stage import baseline_notice
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.importing.imported_body import check_original
+from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import StepWeb, finished_step, make_step, original_web
 from cranktopo.tasks.iterate.page import iterate_page, save_steps_plot
 from cranktopo.tasks.iterate.result import (

@@ -30,12 +30,8 @@ from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.importing.imported_body import (
-    half_throw_of,
-    half_throw_surface,
-    original_file,
-    read_half_throw,
-)
+from cranktopo.tasks.importing.imported_body import half_throw_of, half_throw_surface, read_half_throw
+from cranktopo.tasks.importing.original import original_file
 from cranktopo.tasks.iterate.result import LoopStep, Settings, step_of
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation

@@ -32,7 +32,7 @@ from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.goal_values import goal_values
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.importing.imported_body import original_file, without_its_fillets
+from cranktopo.tasks.importing.original import original_file, without_its_fillets
 
 _ROUNDS = 3
 """Most times that the limits are moved."""

@@ -42,7 +42,8 @@ from cranktopo.tasks.bound.bound_for_result import bound_for_goal
 from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.drawing.stage import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.importing.imported_body import check_original, half_throw_surface, original_file
+from cranktopo.tasks.importing.imported_body import half_throw_surface
+from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
