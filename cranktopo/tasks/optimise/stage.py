@@ -46,8 +46,8 @@ from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.level import OPTIMISER
 from cranktopo.tasks.fea.stored_studies import load_study
-from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.importing.original import check_original
+from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
