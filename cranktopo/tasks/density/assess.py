@@ -38,7 +38,7 @@ def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessme
     return _assess(model, scene, domain, original.passive_fraction, original.passive_fraction)
 
 
-def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
+def _assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
     """Return the design space all solid: no design is stiffer."""
     return assess(problem, scene, domain, np.asarray(problem.density_chain.design_fraction > 0, float))
 
@@ -89,7 +89,7 @@ def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
         _of_cells(problem, limit) for limit in problem.optimisation.limits if not limit.response.needs_solve
     ]
     if any(_monotone(limit) for limit in problem.optimisation.limits):
-        full = assess_envelope(problem, scene, domain).quantities
+        full = _assess_envelope(problem, scene, domain).quantities
         found += [
             (limit, full[limit.response.name], "the whole envelope reaches")
             for limit in problem.optimisation.limits

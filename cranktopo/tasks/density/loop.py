@@ -47,7 +47,7 @@ _GREYNESS_LIMIT = 0.15
 STUCK_WINDOW, STUCK, STUCK_LEAST = 6, 0.8, 1e-2
 
 
-def advance(problem: DensityProblem, state: State, new_x: Array) -> State:
+def _advance(problem: DensityProblem, state: State, new_x: Array) -> State:
     """Return the next design, its projection, and whether the evaluated one ends the run."""
     schedule, last = problem.schedule, state.last
     in_stage = len(state.history) - state.stage_start
@@ -86,7 +86,6 @@ def _kept(problem: DensityProblem) -> str:
 
 
 def _broken(problem: DensityProblem, last: Record) -> str:
-    """Return which limits are broken, and what was reached."""
     pairs = zip(problem.optimisation.limits, last.limits, strict=False)
     texts = [
         f"{limit}: reached {limit.shown(value)}"
@@ -132,7 +131,6 @@ def iterations_left(problem: DensityProblem, state: State) -> int:
 
 
 def _plateau(state: State, in_stage: int) -> float:
-    """Return the relative spread of the objective over the last window of the current stage."""
     recent = [row.objective for row in state.history[-min(_WINDOW + 1, in_stage) :]]
     return (max(recent) - min(recent)) / abs(recent[-1])
 
@@ -188,7 +186,7 @@ def step(problem: DensityProblem, state: State) -> State:
         history=(*state.history, record),
         memory=dict(proposal.memory),
     )
-    return advance(problem, advanced, proposal.x)
+    return _advance(problem, advanced, proposal.x)
 
 
 class _Solved(NamedTuple):

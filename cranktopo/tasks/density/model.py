@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import jax
 import jax.numpy as jnp
@@ -168,8 +169,6 @@ def pin_weights(domain: Domain) -> Array:
     cells = domain.pin * domain.volume_mm3
     nodal = np.zeros(tuple(n + 1 for n in cells.shape))
     nx, ny, nz = cells.shape
-    for i in (0, 1):
-        for j in (0, 1):
-            for k in (0, 1):
-                nodal[i : i + nx, j : j + ny, k : k + nz] += cells / 8
+    for i, j, k in product((0, 1), repeat=3):
+        nodal[i : i + nx, j : j + ny, k : k + nz] += cells / 8
     return np.asarray(nodal / cells.sum())

@@ -51,7 +51,8 @@ def shape_step(
     `number` is that of the row in the table of steps. Without `begun` the design's own web is the first.
     """
     wanted_scene = shape_scene(scene)
-    goal = _goal(wanted_scene)
+    goal = wanted(wanted_scene)
+    assert goal is not None
     asked = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
         data = _shaped(run.path / SHAPE, wanted_scene, begun, settings, info)
@@ -66,8 +67,6 @@ def shape_step(
 
 
 def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> ShapeResult:
-    """Return the result of the optimisation: begun, continued, or read where it is done."""
-
     def indented(text: str) -> None:
         info(f"  {text}")
 
@@ -138,9 +137,3 @@ def _values(step: LoopStep) -> dict[str, float]:
         "torsion_per_mass": step.torsion_per_kg,
         "bending_per_mass": step.bending_per_kg,
     }
-
-
-def _goal(scene: Scene) -> Goal:
-    goal = wanted(scene)
-    assert goal is not None
-    return goal

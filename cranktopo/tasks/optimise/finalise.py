@@ -154,7 +154,6 @@ def _goal(
 
 
 def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> BoundStatements | NoBound:
-    """Return the bound beside what the goal's quantity reached, by the evaluation where the run has one."""
     if goal is None or isinstance(bound, NoBound):
         return bound
     return bound.with_reached(goal.reached_percent)

@@ -72,7 +72,6 @@ def run_page(record: RunRecord) -> Page:
 
 
 def _goal(metrics: RunMetrics) -> tuple[Section, ...]:
-    """Return what was wanted and what was reached; nothing for a run without a goal."""
     goal = metrics.goal
     if goal is None:
         return ()
@@ -167,7 +166,6 @@ def accuracy_section(metrics: RunMetrics, studies: StudyResult | None, folder: s
 
 
 def _own_picture(metrics: RunMetrics) -> tuple[Picture, ...]:
-    """Return the run's own error estimates against its seconds, where it has estimates."""
     seconds = metrics.seconds.total
     found = [
         TimedError(name, seconds, case.error_estimate_percent)

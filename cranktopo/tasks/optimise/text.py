@@ -109,7 +109,6 @@ def _walls_text(walls: WallMeasures | None) -> str:
 
 
 def _lengths(metrics: RunMetrics) -> list[Fact]:
-    """Return the minimum member and gap as measured, where they were asked for."""
     return [
         Fact(
             name.capitalize(),
@@ -216,7 +215,6 @@ def _goal_lines(metrics: RunMetrics) -> list[str]:
 
 
 def _case_line(name: str, metrics: RunMetrics) -> str:
-    """Return the stiffness under a load case beside that of the original web."""
     original, case = metrics.original_web, metrics.load_cases[name]
     unit = "kN/mm" if case.stiffness_Nm_per_rad is None else "kN m/rad"
     now, before = (web.load_cases[name].stiffness for web in (metrics, original))
