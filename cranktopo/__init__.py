@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.fea.stage import MeshRequest, evaluate_target, evaluate_targets
     from cranktopo.tasks.fea.targets import Target, resolve_target, resolve_targets
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
-    from cranktopo.tasks.iterate.settings import loop_settings
+    from cranktopo.tasks.iterate.result import loop_settings
     from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation, with_cells_for
     from cranktopo.tasks.refit.fit import FittedWeb, fit_web

@@ -15,11 +15,10 @@ import numpy as np
 
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.density import coarse_start, loop
+from cranktopo.tasks.density import loop, stage
 from cranktopo.tasks.density.build import build_problem
-from cranktopo.tasks.density.coarse_start import first_state
 from cranktopo.tasks.density.problem import DensityProblem
-from cranktopo.tasks.density.stage import Prepared, iterate, prepare
+from cranktopo.tasks.density.stage import Prepared, first_state, iterate, prepare
 from cranktopo.tasks.density.state import State
 
 
@@ -46,7 +45,7 @@ def _rows(process: str, prepared: Prepared) -> None:
 
 def _begun(problem: DensityProblem, prepared: Prepared, softer: int) -> State:
     """A start from larger cells, the projection of the fine ones so many doublings softer than the last."""
-    coarse_start._SOFTER = softer
+    stage._SOFTER = softer
     return first_state(problem, prepared.scene, prepared.domain, prepared.cases)
 
 

@@ -14,7 +14,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.assess import assess
-from cranktopo.tasks.density.assessment import Assessment
+from cranktopo.tasks.density.problem import Assessment
 from tests.studies.example_throws import CAR
 
 ENVELOPE = {"shape": "box", "half_width_mm": 50.0, "y_min_mm": -45.0, "y_max_mm": 85.0}

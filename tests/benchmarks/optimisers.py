@@ -25,7 +25,6 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.assess import assess, assess_original
 from cranktopo.tasks.density.build import build_problem
-from cranktopo.tasks.density.continuation import largest_move
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.proposals import vjp
 from cranktopo.tasks.density.responses import Design, gradients
@@ -90,7 +89,7 @@ def with_mmapy(problem: DensityProblem) -> State:
     def propose(problem: DensityProblem, state: State, design: Design, eroded: Design) -> Proposal:
         values, by_x = functions(problem, state, design)
         x = state.x[free][:, None]
-        move = largest_move(problem.schedule, state.beta)
+        move = problem.schedule.largest_move(state.beta)
         memory = state.memory or {"last": x, "before": x, "low": x, "high": x}
         m = len(values) - 1
         new, *_, low, high = mmasub(

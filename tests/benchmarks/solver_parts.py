@@ -30,7 +30,7 @@ from cranktopo.numerics.grid.transfer import add_prolonged, restrict
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
-from cranktopo.tasks.density.optimality_criteria import update
+from cranktopo.tasks.density.proposals import update
 from cranktopo.tasks.density.response import compliance_gradients, compliances
 from tests.benchmarks.solver import median_s, stream_GB_s
 from tests.studies.cantilever import BETA, MOVE, VOLUME_FRACTION, cantilever, moduli, optimise

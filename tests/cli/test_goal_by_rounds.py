@@ -23,15 +23,14 @@ from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import goal_outcome
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.result import NoBound
-from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
+from cranktopo.tasks.density.problem import ResponseConstraint
 from cranktopo.tasks.density.responses import Response
 from cranktopo.tasks.density.state import Record, State
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import CheckedLimit, enforce_limits_by_fea
 from cranktopo.tasks.optimise.result import RunMetrics
-from cranktopo.tasks.optimise.text import run_summary
-from cranktopo.tasks.optimise.verdict import headline
+from cranktopo.tasks.optimise.text import headline, run_summary
 
 pytestmark = pytest.mark.slow
 OPTIONS = [

@@ -28,9 +28,9 @@ from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.runs.directories import create_run
 from cranktopo.runs.manifest import settings_hash
-from cranktopo.tasks.iterate import one_step, step_solids
+from cranktopo.tasks.iterate import one_step
+from cranktopo.tasks.iterate.one_step import Solids, read_solids, write_solids
 from cranktopo.tasks.iterate.result import LoopResult
-from cranktopo.tasks.iterate.step_solids import Solids, read_solids, write_solids
 from cranktopo.tasks.iterate.text import best_line
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.outline import ObroundWeb
@@ -74,7 +74,7 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             bending_error_percent=0.2,
         )
 
-    monkeypatch.setattr(step_solids, "coarse_facet_mm", lambda scene: 6.0)
+    monkeypatch.setattr(one_step, "coarse_facet_mm", lambda scene: 6.0)
     monkeypatch.setattr(one_step, "write_solids", solids_once)
     monkeypatch.setattr(one_step, "optimised_surface", optimised)
     monkeypatch.setattr(one_step, "fit_web", fit)
@@ -95,7 +95,7 @@ def solids_once(scene: Scene, folder: Path, started: datetime) -> Solids:
             (folder / name).write_bytes(data)
         return read_solids(folder)
     found = write_solids(scene, folder, started)
-    SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", step_solids.WEB)}
+    SOLIDS[web] = {n: (folder / n).read_bytes() for n in ("web.step", "web.stl", one_step.WEB)}
     return found
 
 

@@ -21,7 +21,7 @@ from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.importing.original import check_original
-from cranktopo.tasks.iterate.step_solids import HALF, read_solids, write_original
+from cranktopo.tasks.iterate.one_step import HALF, read_solids, write_original
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal
 from tests.physics.evaluation_cases import LOPSIDED, mikron_with

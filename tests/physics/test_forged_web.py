@@ -17,7 +17,7 @@ from cranktopo.numerics.precision import double_precision
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.assess import assess
-from cranktopo.tasks.density.assessment import Assessment
+from cranktopo.tasks.density.problem import Assessment
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
 
 

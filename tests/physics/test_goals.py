@@ -18,14 +18,16 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.density import loop
-from cranktopo.tasks.density.assess import assess, assess_original
-from cranktopo.tasks.density.assessment import Assessment
+from cranktopo.tasks.density.assess import assess, assess_original, check_limits
 from cranktopo.tasks.density.build import build_problem, with_limits
-from cranktopo.tasks.density.feasibility import check_limits
 from cranktopo.tasks.density.material import eroded_density
 from cranktopo.tasks.density.model import pin_weights
-from cranktopo.tasks.density.optimisation_problem import OptimisationProblem, ResponseConstraint
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import (
+    Assessment,
+    DensityProblem,
+    OptimisationProblem,
+    ResponseConstraint,
+)
 from cranktopo.tasks.density.responses import Design, Response, quantities
 from cranktopo.tasks.density.stage import iterate
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint

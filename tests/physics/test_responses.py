@@ -20,7 +20,7 @@ from cranktopo.tasks.density.material import (
     solid_fraction,
 )
 from cranktopo.tasks.density.model import ThrowModel, build_model, case_forces
-from cranktopo.tasks.density.optimisation_problem import Objective, ResponseConstraint
+from cranktopo.tasks.density.problem import Objective, ResponseConstraint
 from cranktopo.tasks.density.proposals import vjp
 from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import (
@@ -28,13 +28,15 @@ from cranktopo.tasks.density.responses import (
     Response,
     gradients,
     loads_of,
+    middle_strain,
     quantities,
     relative_compliance,
+    stress_norm,
     values_of,
     volume,
+    von_mises_MPa,
     weighted_compliance,
 )
-from cranktopo.tasks.density.stress_response import middle_strain, stress_norm, von_mises_MPa
 from tests.physics.throw_cases import BENDING, CENTRIFUGAL, TORSION
 
 TIGHT = 1e-11

@@ -18,7 +18,7 @@ from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supp
 from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, relative_moduli
 from cranktopo.tasks.density.model import ThrowModel
-from cranktopo.tasks.density.optimality_criteria import update
+from cranktopo.tasks.density.proposals import update
 from cranktopo.tasks.density.response import compliance_gradients, compliances, solve
 
 VOLUME_FRACTION = 0.3

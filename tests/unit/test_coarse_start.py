@@ -12,11 +12,10 @@ from cranktopo.bodies.cells.web_cells import centres_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.density import coarse_start, loop
+from cranktopo.tasks.density import loop, stage
 from cranktopo.tasks.density.build import build_problem
-from cranktopo.tasks.density.coarse_start import coarse_scene, first_state, interpolated
 from cranktopo.tasks.density.problem import DensityProblem
-from cranktopo.tasks.density.stage import Prepared, iterate, prepare
+from cranktopo.tasks.density.stage import Prepared, coarse_scene, first_state, interpolated, iterate, prepare
 from cranktopo.tasks.density.state import CoarseStart, Record, State, Status, from_checkpoint, to_checkpoint
 from tests.run_metrics import run_metrics
 
@@ -86,7 +85,7 @@ def test_void_beside_the_design_space_does_not_thin_it(mikron: Scene) -> None:
 
 
 def test_a_whole_optimisation_is_handed_on(mikron: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(coarse_start, "_FINE_CELLS", 0)
+    monkeypatch.setattr(stage, "_FINE_CELLS", 0)
     monkeypatch.setattr(loop, "step", solved_by_nothing)
     prepared = prepare(mikron.with_optimise(resolution_mm=2.25, filter_radius_mm=7.0))
     with double_precision():

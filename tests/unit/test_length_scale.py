@@ -22,7 +22,7 @@ from cranktopo.numerics.filters.density_filter import (
 )
 from cranktopo.numerics.filters.projection import Projection
 from cranktopo.tasks.density.build import build_chain
-from cranktopo.tasks.density.length_scale import (
+from cranktopo.tasks.density.manufacturing import (
     check_lengths,
     eroded_threshold,
     filter_radius_mm,

@@ -12,10 +12,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.tasks.iterate import shape_step
-from cranktopo.tasks.iterate.result import LoopResult, StepRow
-from cranktopo.tasks.iterate.settings import loop_settings
+from cranktopo.tasks.iterate.result import LoopResult, LoopStep, StepRow, loop_settings
 from cranktopo.tasks.iterate.shape_step import ShapeStep
-from cranktopo.tasks.iterate.step import LoopStep
 from cranktopo.tasks.iterate.text import shape_line
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn
 

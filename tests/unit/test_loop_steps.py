@@ -15,9 +15,9 @@ from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.iterate import step_solids
-from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
-from cranktopo.tasks.iterate.step_solids import read_solids, transition_mm, write_envelope, write_solids
+from cranktopo.tasks.iterate import one_step
+from cranktopo.tasks.iterate.one_step import read_solids, transition_mm, write_envelope, write_solids
+from cranktopo.tasks.iterate.result import LoopStep, best_step, verdict
 from cranktopo.throw.envelope import StlEnvelope
 from tests.unit.remodel_cases import WHOLE, known_scene
 from tests.unit.surface_cases import scene_with
@@ -115,7 +115,7 @@ def test_an_envelope_with_a_crack_is_simplified_otherwise(
     web = write_solids(known_scene(mikron, WHOLE), tmp_path).web
     usual = write_envelope(web, tmp_path).rename(tmp_path / "usual.stl")
     faults = ["touches itself", ""]
-    monkeypatch.setattr(step_solids, "manifold_fault", lambda mesh: faults.pop(0))
+    monkeypatch.setattr(one_step, "manifold_fault", lambda mesh: faults.pop(0))
     path = write_envelope(web, tmp_path)
     assert not faults
     assert path.read_bytes() != usual.read_bytes()

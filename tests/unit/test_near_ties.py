@@ -10,7 +10,7 @@ from manifold3d import Manifold
 
 from cranktopo.base.near_ties import SAME, best_first, clearly_more, exceeds, first_of_the_best
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.iterate.step import LoopStep, best_step, verdict
+from cranktopo.tasks.iterate.result import LoopStep, best_step, verdict
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import fit_problem
 from cranktopo.tasks.refit.search import Fit, FitProblem

@@ -25,7 +25,7 @@ from cranktopo.tasks.density.material import (
     relative_moduli,
     volume_fraction,
 )
-from cranktopo.tasks.density.optimality_criteria import falling_root, update
+from cranktopo.tasks.density.proposals import falling_root, update
 from cranktopo.tasks.density.state import Record, State, from_checkpoint, to_checkpoint
 
 

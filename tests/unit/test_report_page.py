@@ -22,7 +22,7 @@ from cranktopo.tasks.extraction.text import length_lines
 from cranktopo.tasks.fea.verdict_sentence import worse_line
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.run_record import MOST_CELLS, coarsened, evenly_spread
-from cranktopo.tasks.optimise.verdict import fatigue_fact, headline, run_undercuts_fact
+from cranktopo.tasks.optimise.text import fatigue_fact, headline, run_undercuts_fact
 from tests.packed_scenes import unpacked
 from tests.run_metrics import SURFACE, load_of, run_metrics
 

@@ -19,7 +19,7 @@ from cranktopo.runs.directories import RunStore
 from cranktopo.tasks.fea.case_stress import CaseStress
 from cranktopo.tasks.fea.stress_section import stress_section
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
+from cranktopo.tasks.optimise.run_record import read_run_stress, solve_run_stress
 
 TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=685.7, source="by hand")
 BENDING = LoadCase(name="bending", kind="bending", radial_N=32377.0, source="by hand")
@@ -79,7 +79,7 @@ def test_run_keeps_stresses_of_its_surface_alone(
         asked.append((target.file, [case.kind for case in cases]))
         return along_x()
 
-    monkeypatch.setattr("cranktopo.tasks.optimise.run_stress.case_stress", solved)
+    monkeypatch.setattr("cranktopo.tasks.optimise.run_record.case_stress", solved)
     run = RunStore(tmp_path)
     (tmp_path / "web.stl").write_bytes(b"one surface")
     assert read_run_stress(run, "web.stl") is None

@@ -22,7 +22,7 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.accuracy.optimiser_levels import cell_sizes
-from cranktopo.tasks.density.assessment import model_error_percent
+from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.fea.error_target import expected_seconds
 from cranktopo.tasks.fea.level import OPTIMISER
 from cranktopo.tasks.fea.levels import EvaluationMesh

@@ -22,8 +22,7 @@ from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.tasks.density import loop, stage
 from cranktopo.tasks.density.assess import assess
-from cranktopo.tasks.density.assessment import Assessment
-from cranktopo.tasks.density.problem import SolverSettings
+from cranktopo.tasks.density.problem import Assessment, SolverSettings
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate
 from cranktopo.tasks.fea.level import BENDING, NAME_OF_CASE, OPTIMISER, TORSION, Level, PlannedLevel

@@ -40,9 +40,9 @@ from cranktopo.tasks.bound.certificate import (
 )
 from cranktopo.tasks.bound.webs import AdmissibleDensities, ConvexProblem, convex_problem, webs_of
 from cranktopo.tasks.density.assess import assess_original
-from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
+from cranktopo.tasks.density.problem import Assessment
 from cranktopo.tasks.density.response import solve
 
 _MINIMUM_DENSITY = 1e-3

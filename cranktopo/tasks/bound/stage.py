@@ -33,8 +33,8 @@ from cranktopo.tasks.bound.result import (
     VariableStiffness,
 )
 from cranktopo.tasks.bound.webs import STIFFNESSES
-from cranktopo.tasks.density.assessment import model_error_percent
 from cranktopo.tasks.density.manufacturing import is_manufactured
+from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.refit.dimensions import free_dimensions
 
 Info = Callable[[str], None]

@@ -41,7 +41,7 @@ from cranktopo.tasks.fea.scatter import (
 from cranktopo.tasks.fea.stress_section import stress_section
 from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
 from cranktopo.tasks.loads.section import loads_section
-from cranktopo.tasks.optimise.verdict import fatigue_fact
+from cranktopo.tasks.optimise.text import fatigue_fact
 from cranktopo.tasks.plan.section import effects_section
 
 _LABELS = {

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.web_moments import bolted_mass
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.density.assessment import Assessment, CaseResult
-from cranktopo.tasks.density.material import relative_moduli
+from cranktopo.tasks.density.material import MaterialInterpolation, relative_moduli, solid_fraction
 from cranktopo.tasks.density.model import ThrowModel, case_forces
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import Assessment, CaseResult, DensityProblem, ResponseConstraint
 from cranktopo.tasks.density.response import compliances, solve, stiffness
 from cranktopo.tasks.density.responses import Design, quantities, values_of
 
@@ -22,11 +24,7 @@ TOLERANCE = 1e-8
 
 
 def assess(problem: DensityProblem, scene: Scene, domain: Domain, density: Array) -> Assessment:
-    """Return stiffness and mass of a design at a tight solver tolerance; call inside `double_precision()`.
-
-    Raises:
-        CranktopoError: the solve failed.
-    """
+    """Return stiffness and mass of a design, solved to 1e-8; call inside `double_precision()`."""
     first, last = domain.web_layers
     solid = domain.passive_fraction.copy()
     solid[:, :, first:last] += domain.design_fraction[:, :, first:last] * density
@@ -40,7 +38,7 @@ def assess_original(model: ThrowModel, scene: Scene, domain: Domain) -> Assessme
     return _assess(model, scene, domain, original.passive_fraction, original.passive_fraction)
 
 
-def assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
+def _assess_envelope(problem: DensityProblem, scene: Scene, domain: Domain) -> Assessment:
     """Return the design space all solid: no design is stiffer."""
     return assess(problem, scene, domain, np.asarray(problem.density_chain.design_fraction > 0, float))
 
@@ -74,3 +72,73 @@ def _assess(model: ThrowModel, scene: Scene, domain: Domain, moduli: Array, soli
 
 
 _moduli = jax.jit(relative_moduli)
+
+
+_ROUNDING = 1e-6
+
+
+def check_limits(problem: DensityProblem, scene: Scene, domain: Domain) -> None:
+    """Refuse limits that contradict each other or that not even the best design for each alone meets.
+
+    Call it inside `double_precision()`. Stiffness grows with every bit of material: the envelope all solid
+    is the stiffest design. Mass, inertia and unbalance are sums over the cells, whose extreme is solid where
+    that helps. Limits that exclude each other show in the iterations.
+    """
+    _check_together(problem.optimisation.limits)
+    found = [
+        _of_cells(problem, limit) for limit in problem.optimisation.limits if not limit.response.needs_solve
+    ]
+    if any(_monotone(limit) for limit in problem.optimisation.limits):
+        full = _assess_envelope(problem, scene, domain).quantities
+        found += [
+            (limit, full[limit.response.name], "the whole envelope reaches")
+            for limit in problem.optimisation.limits
+            if _monotone(limit) and limit.response.name in full
+        ]
+    broken = [item for item in found if item[0].broken(item[1]) > _ROUNDING]
+    if broken:
+        raise CranktopoError(
+            "; ".join(f"{limit}: {what} {limit.shown(value)}" for limit, value, what in broken) + ".",
+            hint="No design meets it: ask for less, or give the web another envelope.",
+            code=ExitCode.CRITERION_NOT_MET,
+        )
+
+
+def _check_together(limits: Sequence[ResponseConstraint]) -> None:
+    """Refuse a range whose ends, in different units, have changed places."""
+    upper = {limit.response.name: limit for limit in limits if limit.sense == "<="}
+    for low in (limit for limit in limits if limit.sense == ">="):
+        high = upper.get(low.response.name)
+        if high is not None and low.bound > high.bound:
+            percent = low if low.percent else high
+            raise invalid(
+                f"goal.limits.{low.response.name}",
+                f"{low.sense} {low.shown(low.bound)}, {high.sense} {high.shown(high.bound)}",
+                f"contradictory: the original web has {percent.in_unit(percent.original)}, so nothing is "
+                f">= {low.in_unit(low.bound)} and <= {high.in_unit(high.bound)}",
+                "Give both in the same unit, the lower one first.",
+            )
+
+
+def _monotone(limit: ResponseConstraint) -> bool:
+    """Tell whether the limit is met best by the stiffest design."""
+    return limit.response.stiffest == {"<=": "least", ">=": "most"}[limit.sense]
+
+
+def _of_cells(problem: DensityProblem, limit: ResponseConstraint) -> tuple[ResponseConstraint, float, str]:
+    """Return the best value of a sum over the cells, and what has it."""
+    density_chain = problem.density_chain
+
+    def reached(density: jax.Array, density_chain: MaterialInterpolation) -> jax.Array:
+        solid = solid_fraction(density_chain, density)
+        nothing = jnp.zeros(0)
+        return limit.response.value(Design(solid, solid, nothing, nothing, nothing))
+
+    value_and_gradient = jax.jit(jax.value_and_grad(reached))
+    _, gradient = value_and_gradient(np.zeros(density_chain.design_fraction.shape), density_chain)
+    density = np.where((np.asarray(gradient) > 0) == (limit.sense == ">="), 1.0, 0.0)
+    share = float(density[np.asarray(density_chain.design_fraction) > 0].mean())
+    what = {0.0: "the journals alone have", 1.0: "the whole envelope has"}.get(
+        share, "the best share of the envelope has"
+    )
+    return limit, float(value_and_gradient(density, density_chain)[0]), what

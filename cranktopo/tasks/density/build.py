@@ -19,12 +19,17 @@ from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.filters.density_filter import ConeFilter, boundary_correction
 from cranktopo.tasks.density.assess import assess_original
-from cranktopo.tasks.density.length_scale import filter_radius_mm, projection_for
-from cranktopo.tasks.density.manufacturing import designable, process_block
+from cranktopo.tasks.density.manufacturing import designable, filter_radius_mm, process_block, projection_for
 from cranktopo.tasks.density.material import Block, MaterialInterpolation, build_interpolation
 from cranktopo.tasks.density.model import ThrowModel, build_model
-from cranktopo.tasks.density.optimisation_problem import Objective, OptimisationProblem, ResponseConstraint
-from cranktopo.tasks.density.problem import DensityProblem, Schedule, SolverSettings
+from cranktopo.tasks.density.problem import (
+    DensityProblem,
+    Objective,
+    OptimisationProblem,
+    ResponseConstraint,
+    Schedule,
+    SolverSettings,
+)
 from cranktopo.tasks.density.proposals import by_moving_asymptotes, by_optimality_criteria
 from cranktopo.tasks.density.responses import (
     Response,
@@ -42,11 +47,7 @@ _START = 0.5
 def build_problem(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], solving: SolverSettings | None = None
 ) -> DensityProblem:
-    """Return the optimisation problem of a scene on a domain; call inside `double_precision()`.
-
-    Raises:
-        CranktopoError: a goal or limit without its load case.
-    """
+    """Return the optimisation problem of a scene on a domain; call inside `double_precision()`."""
     solving = solving or SolverSettings()
     settings = scene.optimise
     model = build_model(scene, domain, cases, incompatible_modes=solving.incompatible_modes)
@@ -121,12 +122,7 @@ def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
             "Name another goal, or use `cranktopo shape`.",
         )
     case = quantity_named(quantity).load_case
-    raise invalid(
-        key,
-        quantity,
-        f"its load case '{case}' is off",
-        f"Set effects.{case} = 'auto'.",
-    )
+    raise invalid(key, quantity, f"its load case '{case}' is off", f"Set effects.{case} = 'auto'.")
 
 
 def _requirement(limit: Limit, response: Response, original: Mapping[str, float]) -> ResponseConstraint:

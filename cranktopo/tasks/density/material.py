@@ -34,10 +34,7 @@ class MaterialInterpolation:
     Attributes:
         passive_fraction: solid fraction that is not designable (nx, ny, nz).
         design_fraction: designable fraction of the cells of the web's layers (nx, ny, nw).
-        web_layers: range of z layers that holds the web.
-        density_filter: from design variables to a smooth density.
         process: from a smooth density to the nearest one that can be made; None where anything can.
-        penalty: exponent of SIMP.
         boundary_correction: share of the smooth density that the eroded design has, below 1 at walls of the
             design space (nx, ny, nw); None where walls do not erode it.
     """
@@ -62,11 +59,7 @@ def build_interpolation(
 ) -> MaterialInterpolation:
     """Return the density-to-modulus chain of a domain, for a web that any process may make.
 
-    Call it inside `double_precision()`.
-
-    Args:
-        filter_radius_mm: radius of the cone filter, mm; it sets the smallest member.
-        design: designable fraction of the cells of the web's layers, by default the domain's.
+    Call it inside `double_precision()`. `design` (nx, ny, nw) is designable, by default what the domain has.
     """
     first, last = domain.web_layers
     free = jnp.asarray(domain.design_fraction[:, :, first:last] if design is None else design)

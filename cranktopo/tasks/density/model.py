@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import jax
 import jax.numpy as jnp
@@ -65,13 +66,7 @@ class ThrowModel:
 def build_model(
     scene: Scene, domain: Domain, cases: Sequence[LoadCase], *, incompatible_modes: bool = True
 ) -> ThrowModel:
-    """Return the supports and nodal loads of the load cases on a domain's grid.
-
-    Call inside `double_precision()`.
-
-    Args:
-        cases: load cases; forces are those of the full throw.
-    """
+    """Return supports and nodal loads of the cases on a domain's grid; call inside `double_precision()`."""
     dx, dy, dz = domain.grid.steps_mm
     lattice = Lattice(
         domain.grid.cells,
@@ -105,7 +100,6 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
     Bending and centrifugal loads are symmetric about the mid-pin plane and in x; the tangential force is
     symmetric about the mid-pin plane and antisymmetric in x; torsion is antisymmetric about both.
-
     """
     load = LOAD_TYPES[case.kind]
     torsion, odd_in_x = load.odd_in_z, load.odd_in_x
@@ -129,10 +123,9 @@ def case_supports(scene: Scene, domain: Domain, case: LoadCase) -> CaseSupports:
 
 
 def case_forces(model: ThrowModel, solid: jax.Array) -> jax.Array:
-    """Return the nodal forces of every case over the modulus, with the centrifugal force of the solid itself.
+    """Return the nodal forces of every case over the modulus (cases, 3, nodes...), mm2.
 
-    Returns:
-        Forces (cases, 3, nodes...), mm2; differentiable by the solid fraction.
+    They hold the centrifugal force of the solid itself, by whose fraction they are differentiable.
     """
     if not model.spinning or model.arms_mm is None:
         return model.forces
@@ -176,8 +169,6 @@ def pin_weights(domain: Domain) -> Array:
     cells = domain.pin * domain.volume_mm3
     nodal = np.zeros(tuple(n + 1 for n in cells.shape))
     nx, ny, nz = cells.shape
-    for i in (0, 1):
-        for j in (0, 1):
-            for k in (0, 1):
-                nodal[i : i + nx, j : j + ny, k : k + nz] += cells / 8
+    for i, j, k in product((0, 1), repeat=3):
+        nodal[i : i + nx, j : j + ny, k : k + nz] += cells / 8
     return np.asarray(nodal / cells.sum())

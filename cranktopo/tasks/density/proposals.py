@@ -1,29 +1,162 @@
 """Ways to the next design: optimality criteria for a volume alone, moving asymptotes for any limits.
 
-Each takes a solved design and proposes the next design variables; the loop and its continuation know no more.
+Each takes a solved design and proposes the next design variables; the loop knows no more.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.numerics.optimisers.mma import Asymptotes, first_asymptotes, mma_step
-from cranktopo.tasks.density.continuation import largest_move, tolerance_at
 from cranktopo.tasks.density.material import (
     MaterialInterpolation,
     dilated_density,
     eroded_density,
+    physical_density,
     relative_moduli,
     solid_fraction,
+    volume_fraction,
 )
 from cranktopo.tasks.density.model import ThrowModel
-from cranktopo.tasks.density.optimality_criteria import update
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.response import compliance_gradients, compliance_gradients_by_solid, solve
 from cranktopo.tasks.density.responses import Design, gradients, loads_of, values_of
 from cranktopo.tasks.density.state import Proposal, State
+
+_ROOT_ACCURACY = 1e-10
+_ROOT_STEPS = 100
+# Of the logarithm of the multiplier, from the first guess to the other side of the root.
+_FIRST_STEP = 0.5
+
+
+def design_gradients(
+    data: MaterialInterpolation,
+    x: jax.Array,
+    beta: jax.Array,
+    by_moduli: jax.Array,
+    by_solid: jax.Array | None = None,
+) -> tuple[jax.Array, jax.Array]:
+    """Return the derivatives of the objective and of the volume fraction by the design variables."""
+    _, pull_objective = jax.vjp(lambda v: relative_moduli(data, eroded_density(data, v, beta)), x)
+    _, pull_volume = jax.vjp(lambda v: volume_fraction(data, dilated_density(data, v, beta)), x)
+    by_x = pull_objective(by_moduli)[0]
+    if by_solid is not None:
+        _, pull_solid = jax.vjp(lambda v: solid_fraction(data, dilated_density(data, v, beta)), x)
+        by_x = by_x + pull_solid(by_solid)[0]
+    return by_x, pull_volume(jnp.ones((), x.dtype))[0]
+
+
+def update(
+    data: MaterialInterpolation,
+    x: jax.Array,
+    beta: jax.Array,
+    by_moduli: jax.Array,
+    target: jax.Array,
+    move: jax.Array,
+    by_solid: jax.Array | None = None,
+) -> jax.Array:
+    """Return the design variables of one optimality-criteria step that meets the physical volume fraction.
+
+    The derivative by the moduli is never positive for compliance. Where more mass does more harm than good,
+    as with a body force, the variable shrinks as fast as the move allows.
+
+    Source: M. P. Bendsoe, Optimization of Structural Topology, Shape, and Material, 1995; the multiplier
+    is searched by the projected volume as in F. Wang et al., SMO 43, 2011.
+    """
+    by_x, volume_by_x = design_gradients(data, x, beta, by_moduli, by_solid)
+    gain = jnp.maximum(0.0, -by_x) / jnp.where(volume_by_x > 0, volume_by_x, jnp.inf)
+    low, high = jnp.maximum(x - move, 0.0), jnp.minimum(x + move, 1.0)
+    top = jnp.log(jnp.max(gain))
+    # Where nothing is projected and no bound is met, this one keeps the volume.
+    about = 2 * jnp.log(jnp.sum(x * jnp.sqrt(gain)) / jnp.sum(x))
+
+    def candidate(multiplier: jax.Array) -> jax.Array:
+        return jnp.clip(x * jnp.sqrt(gain / jnp.exp(multiplier)), low, high)
+
+    def surplus(multiplier: jax.Array) -> jax.Array:
+        return volume_fraction(data, physical_density(data, candidate(multiplier), beta)) - target
+
+    return candidate(falling_root(surplus, top - 40.0, top + 10.0, about))
+
+
+class _Bracket(NamedTuple):
+    """Two points on both sides of a root, and the values there; infinite while there is none.
+
+    Attributes:
+        weight_low, weight_high: values that the next secant goes through.
+        side: which point the last step replaced: 1 the low one, -1 the high one, 0 before the first step.
+    """
+
+    low: jax.Array
+    high: jax.Array
+    at_low: jax.Array
+    at_high: jax.Array
+    weight_low: jax.Array
+    weight_high: jax.Array
+    side: jax.Array
+    evaluations: jax.Array
+
+    def next_point(self, first: jax.Array) -> jax.Array:
+        """Bracket the root: by longer and longer steps to its other side, then by secants."""
+        span = self.high - self.low
+        reach = jnp.minimum(_FIRST_STEP * 2.0**self.evaluations, span / 2)
+        over, under = jnp.isfinite(self.at_low), jnp.isfinite(self.at_high)
+        outwards = jnp.where(over, self.low + reach, jnp.where(under, self.high - reach, first))
+        secant = self.low + span * self.weight_low / (self.weight_low - self.weight_high)
+        return jnp.where(over & under, secant, outwards)
+
+    def with_value(self, point: jax.Array, value: jax.Array) -> _Bracket:
+        """Return the bracket with a point for the one on its side.
+
+        Where that side has been replaced twice running, the other one's value counts less.
+
+        Source: N. Anderson, A. Bjoerck, A new high order method of regula falsi type, BIT 13, 1973.
+        """
+        low = value > 0
+        side = jnp.where(low, 1, -1).astype(self.side.dtype)
+        replaced = jnp.where(low, self.at_low, self.at_high)
+        share = 1 - value / replaced
+        share = jnp.where(side == self.side, jnp.where(share > 0, share, 0.5), 1.0)
+        return _Bracket(
+            low=jnp.where(low, point, self.low),
+            high=jnp.where(low, self.high, point),
+            at_low=jnp.where(low, value, self.at_low),
+            at_high=jnp.where(low, self.at_high, value),
+            weight_low=jnp.where(low, value, self.weight_low * share),
+            weight_high=jnp.where(low, self.weight_high * share, value),
+            side=side,
+            evaluations=self.evaluations + 1,
+        )
+
+
+def falling_root(
+    function: Callable[[jax.Array], jax.Array], low: jax.Array, high: jax.Array, first: jax.Array
+) -> jax.Array:
+    """Return the root, about `first`, of a function that falls from `low` to `high`.
+
+    It is the end where the function does not cross 0.
+    """
+
+    def narrow(now: _Bracket) -> _Bracket:
+        point = now.next_point(first)
+        return now.with_value(point, function(point))
+
+    def is_open(now: _Bracket) -> jax.Array:
+        near = jnp.minimum(now.at_low, -now.at_high) <= _ROOT_ACCURACY
+        return (now.evaluations < _ROOT_STEPS) & (now.high - now.low > _ROOT_ACCURACY) & ~near
+
+    first = jnp.clip(first, low, high)
+    unknown, none = jnp.full_like(low, jnp.inf), jnp.zeros((), jnp.int32)
+    start = _Bracket(low, high, unknown, -unknown, unknown, -unknown, none, none)
+    end = jax.lax.while_loop(is_open, narrow, start)
+    nearer = jnp.where(end.at_low < -end.at_high, end.low, end.high)
+    return jnp.where(jnp.isinf(end.at_high), end.high, jnp.where(jnp.isinf(end.at_low), end.low, nearer))
+
 
 # Share of a miss that the next step aims further, and the largest such margin, as shares of the limit.
 _GAIN, _LARGEST_MARGIN = 0.5, 0.01
@@ -36,7 +169,7 @@ def by_optimality_criteria(problem: DensityProblem, state: State, design: Design
     )
     factors = factors / sum(problem.weights)
     by_moduli, by_solid = _objective_gradients(problem.model, eroded, factors)
-    limits = jnp.asarray(problem.target), jnp.asarray(largest_move(problem.schedule, state.beta))
+    limits = jnp.asarray(problem.target), jnp.asarray(problem.schedule.largest_move(state.beta))
     x = jnp.asarray(state.x)
     new = _update(problem.density_chain, x, jnp.asarray(state.beta), by_moduli, *limits, by_solid)
     return Proposal(np.asarray(new), float(jnp.dot(factors, design.compliances)))
@@ -56,7 +189,6 @@ def compile_optimality_criteria(problem: DensityProblem) -> None:
 def _objective_gradients(
     model: ThrowModel, design: Design, factors: jax.Array
 ) -> tuple[jax.Array, jax.Array | None]:
-    """Return the derivative of the objective by the moduli, and by the solid where its own mass loads it."""
     by_moduli = jnp.einsum("b,bxyz->xyz", factors, compliance_gradients(model, design.displacements))
     if not model.spinning:
         return by_moduli, None
@@ -78,7 +210,7 @@ def by_moving_asymptotes(problem: DensityProblem, state: State, design: Design, 
     epigraph = jnp.asarray([1.0] * several + [0.0] * len(optimisation.limits))
     bounds = jnp.zeros_like(x), jnp.ones_like(x)
     memory = _remembered(state, x)
-    move = jnp.asarray(largest_move(problem.schedule, state.beta))
+    move = jnp.asarray(problem.schedule.largest_move(state.beta))
     margins = _margins(problem, state, values[rest], epigraph)
     taken = mma_step(x, gradient, values[rest] + margins, by_x[rest], memory, move, bounds, epigraph)
     new = jnp.where(problem.density_chain.design_fraction > 0, taken.x, x)
@@ -125,7 +257,7 @@ def _adjoints(problem: DensityProblem, state: State, design: Design) -> dict[int
                 design.moduli,
                 forces=loads_of(function, design),
                 guess=None if guess is None else jnp.asarray(guess),
-                tolerance=tolerance_at(problem, state.beta),
+                tolerance=problem.tolerance_at(state.beta),
                 precision=problem.solving.precision,
             ).displacements
     return found

@@ -36,14 +36,7 @@ def solve(
     tolerance: float = 1e-8,
     precision: Precision = "float32",
 ) -> Solution:
-    """Return the displacements of every load case.
-
-    Args:
-        guess: what to start from; the array is gone afterwards.
-
-    Raises:
-        CranktopoError: moduli or loads that make no sense, or the residual is not reached (exit code 4).
-    """
+    """Return the displacements of every load case; the array `guess` to start from is gone afterwards."""
     load = model.forces if forces is None else forces
     start = jnp.zeros_like(load) if guess is None else guess
     tables = build_tables(model.lattice, model.levels)
@@ -76,8 +69,7 @@ def adjoint_gradients(
 ) -> tuple[jax.Array, jax.Array]:
     """Return the derivatives (nx, ny, nz) of any function of u by relative moduli and by the solid fraction.
 
-    Args:
-        adjoint: solution (cases, 3, nodes...) whose nodal forces are the function's derivative by u.
+    `adjoint` (cases, 3, nodes...) is the solution whose nodal forces are the function's derivative by u.
     """
     by_moduli = -_energy_density(layer_blocks(model.lattice), adjoint, u)
     if not model.spinning:
@@ -115,18 +107,6 @@ def case_load(case: LoadCase) -> float:
     if case.kind == "torsion":
         return case.torque_Nm * NMM_PER_NM
     return math.hypot(case.radial_N, case.tangential_N)
-
-
-def twist_rad(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Return the relative rotation of the two mid-journal sections under a torsion case, rad."""
-    index = model.case_names.index(case)
-    return compliances(model, u)[index] / case_load(model.cases[index])
-
-
-def pin_displacement_mm(model: ThrowModel, u: jax.Array, case: str) -> jax.Array:
-    """Return the mean displacement of the crankpin's material along the case's pin force, mm."""
-    index = model.case_names.index(case)
-    return compliances(model, u)[index] / case_load(model.cases[index])
 
 
 def stiffness(model: ThrowModel, compliance_N_mm: float, case: str) -> float:

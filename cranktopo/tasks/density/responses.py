@@ -20,6 +20,7 @@ import jax.numpy as jnp
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.goal.quantities import MOTIONS
 from cranktopo.engine.load_case import LoadCase
+from cranktopo.numerics.grid.lattice import Lattice
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.response import (
@@ -54,15 +55,12 @@ class Design(NamedTuple):
 
 @dataclass(frozen=True)
 class Response:
-    """One number of a design.
+    """One number of a design, by a pure JAX function `value` of the solved design.
 
     Attributes:
-        unit: as in messages.
-        value: pure JAX function of the solved design.
-        reads_displacements: whether `value` reads the displacements themselves; its derivative takes a solve.
-        needs_solve: whether `value` depends on the loads; without, it is a sum over the cells.
-        stiffest: whether more material, wherever it is put, gives the response its most or its least value;
-            empty where that depends.
+        reads_displacements: `value` reads the displacements themselves; its derivative takes a solve.
+        needs_solve: `value` depends on the loads; without, it is a sum over the cells.
+        stiffest: what more material, wherever it is put, makes of the response; empty where that depends.
     """
 
     name: str
@@ -104,10 +102,7 @@ def volume(density_chain: MaterialInterpolation) -> Response:
 def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
     """Return every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
 
-    The stiffness of a load case has the case's name.
-
-    Args:
-        bolted: mass moments of what is bolted to each web, kg and mm.
+    The stiffness of a load case has the case's name; `bolted` is of what is bolted to each web, kg and mm.
     """
     parts = (0.0,) * 3 if bolted is None else (bolted.volume, bolted.polar, bolted.first_y)
     mass, *others = (
@@ -179,14 +174,10 @@ def gradients(
     design: Design,
     adjoints: Mapping[int, jax.Array],
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Return the values of k functions of a solved design and their whole derivatives.
+    """Return the values (k,) of functions of a solved design and their whole derivatives (k, nx, ny, nz).
 
-    Args:
-        functions: such as the values of responses; hashable.
-        adjoints: by index of a function that reads displacements, the displacements under `loads_of` it.
-
-    Returns:
-        Values (k,), derivatives (k, nx, ny, nz) by the relative moduli and by the solid fraction.
+    The derivatives are by the relative moduli and by the solid fraction. `adjoints` has, by the index of a
+    function that reads displacements, the displacements under `loads_of` it.
     """
     values, by_moduli, by_solid, by_compliances = _partial_gradients(functions, design)
     u = design.displacements
@@ -239,3 +230,61 @@ def _partial_gradients(
 @jax.jit
 def _combined(shares: jax.Array, fields: jax.Array) -> jax.Array:
     return jnp.einsum("kb,bxyz->kxyz", shares, fields)
+
+
+# The modulus is the cube of the density.
+_ROOT_OF_DENSITY = 1 / 6
+_LEAST = 1e-12
+
+
+def stress_norm(model: ThrowModel, layers: tuple[int, int], power: float = 8.0) -> Response:
+    """Return the power mean over all load cases of the von Mises stress amid the web's cells, MPa.
+
+    `layers` are the web's first and past-the-last z layer. A higher power comes closer to the largest.
+
+    Source: C. Le, J. Norato, T. Bruns, C. Ha, D. Tortorelli, Stress-based topology optimization for continua,
+    SMO 41, 2010: stresses of the solid times the square root of the density, so that void has none.
+    """
+    first, last = layers
+
+    def value(design: Design) -> jax.Array:
+        moduli = design.moduli[:, :, first:last]
+        strain = middle_strain(model.lattice, design.displacements, layers)
+        stress = von_mises_MPa(strain, model.modulus_MPa, model.lattice.poisson)
+        relaxed = stress * jnp.maximum(moduli, _LEAST) ** _ROOT_OF_DENSITY
+        filled = (moduli > 0).astype(relaxed.dtype)
+        # The largest is taken out, so that no power overflows.
+        largest = jax.lax.stop_gradient(jnp.max(relaxed))
+        mean = jnp.sum(filled * (relaxed / largest) ** power) / jnp.sum(filled) / len(relaxed)
+        return largest * mean ** (1 / power)
+
+    return Response("stress", "MPa", value, reads_displacements=True)
+
+
+def middle_strain(lattice: Lattice, u: jax.Array, layers: tuple[int, int]) -> jax.Array:
+    """Return the strain (cases, 3, 3, nx, ny, n) in the middle of the cells of layers, of `u` in mm."""
+    first, last = layers
+    part = u[..., first : last + 1]
+    steps = [jnp.asarray(step) for step in (lattice.dx_mm, lattice.dy_mm, lattice.dz_mm[first:last])]
+    derivatives = []
+    for axis, step in enumerate(steps):
+        derivative = jnp.diff(part, axis=2 + axis) / step
+        for other in {0, 1, 2} - {axis}:
+            size = derivative.shape[2 + other]
+            near = jax.lax.slice_in_dim(derivative, 0, size - 1, axis=2 + other)
+            derivative = (near + jax.lax.slice_in_dim(derivative, 1, size, axis=2 + other)) / 2
+        derivatives.append(derivative)
+    gradient = jnp.stack(derivatives, axis=2)
+    return (gradient + jnp.swapaxes(gradient, 1, 2)) / 2
+
+
+def von_mises_MPa(strain: jax.Array, modulus_MPa: float, poisson: float) -> jax.Array:
+    """Return the von Mises stress (cases, ...) of an isotropic solid, from strain (cases, 3, 3, ...).
+
+    The mean stress drops out, so that the shear modulus is all that counts.
+    """
+    shear_MPa = modulus_MPa / (1 + poisson) / 2
+    mean = jnp.trace(strain, axis1=1, axis2=2) / 3
+    identity = jnp.eye(3).reshape(1, 3, 3, *(1,) * (strain.ndim - 3))
+    deviator = strain - mean[:, None, None] * identity
+    return 2 * shear_MPa * jnp.sqrt(1.5 * jnp.sum(deviator**2, axis=(1, 2)) + _LEAST**2)

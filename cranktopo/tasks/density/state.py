@@ -117,12 +117,7 @@ class State:
 
 
 class Proposal(NamedTuple):
-    """The next design variables, and what their choice found out about the present design.
-
-    Attributes:
-        objective, goals, limits, broken: as in `Record`.
-        memory: what the next proposal needs.
-    """
+    """The next design variables, what the present design reached as in `Record`, and what is remembered."""
 
     x: Array
     objective: float
@@ -150,12 +145,9 @@ def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
         x=arrays["x"],
         evaluated=arrays["evaluated"],
         displacements=arrays["displacements"],
-        beta=data["beta"],
-        stage_start=data["stage_start"],
         initial_N_mm=tuple(data["initial_N_mm"]),
         history=tuple(Record(**row) for row in records),
-        status=data["status"],
-        reason=data["reason"],
+        **{name: data[name] for name in ("beta", "stage_start", "status", "reason")},
         rounds=tuple(MovedBounds(row["iteration"], tuple(row["bounds"])) for row in data.get("rounds", ())),
         coarse_start=CoarseStart(**data["coarse_start"]) if data.get("coarse_start") else None,
         memory={name[len(MEMORY) :]: value for name, value in arrays.items() if name.startswith(MEMORY)},

@@ -20,7 +20,7 @@ from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scen
 from cranktopo.tasks.fatigue.safety_field import check_inputs
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.iterate.settings import Settings
+from cranktopo.tasks.iterate.result import Settings
 from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.usual_size import usual_limits

@@ -89,7 +89,7 @@ def command(
     if resume:
         refuse_beside_resume()
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
-    from cranktopo.tasks.iterate.settings import loop_settings
+    from cranktopo.tasks.iterate.result import loop_settings
     from cranktopo.tasks.iterate.text import LOOP_FILES, loop_summary
     from cranktopo.tasks.refit.usual_size import usual_limits
 

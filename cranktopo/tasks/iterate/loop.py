@@ -28,10 +28,18 @@ from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import StepWeb, finished_step, make_step, original_web
 from cranktopo.tasks.iterate.page import iterate_page, save_steps_plot
-from cranktopo.tasks.iterate.result import LoopResult, LoopRun, StepRow
-from cranktopo.tasks.iterate.settings import Settings, loop_settings
+from cranktopo.tasks.iterate.result import (
+    LoopResult,
+    LoopRun,
+    LoopStep,
+    Settings,
+    StepRow,
+    Verdict,
+    best_step,
+    loop_settings,
+    verdict,
+)
 from cranktopo.tasks.iterate.shape_step import shape_scene, shape_step
-from cranktopo.tasks.iterate.step import LoopStep, Verdict, best_step, verdict
 from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce
 
@@ -53,7 +61,7 @@ def start_loop(
 
     Args:
         scene: the design with all options in it, from `loop_scene` unless its process is to stay free.
-        settings: of the loop; by default those of `loop_settings`.
+        settings: by default those of `loop_settings`.
         out: directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
@@ -72,11 +80,7 @@ def start_loop(
 
 
 def continue_loop(reference: str, info: Info = lambda _: None) -> LoopRun:
-    """Continue an interrupted loop: finished steps are read, not repeated.
-
-    Raises:
-        CranktopoError: not a loop, or as `start_loop`.
-    """
+    """Continue an interrupted loop: finished steps are read, not repeated; raises as `start_loop`."""
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
@@ -96,7 +100,6 @@ def _check_goal(scene: Scene, settings: Settings) -> None:
 
 
 def _without_goal(scene: Scene) -> Scene:
-    """Return the design as the steps take it."""
     return scene.model_copy(update={"goal": None})
 
 
@@ -121,12 +124,7 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume:
 
 
 def _handed_over(
-    run: RunStore,
-    scene: Scene,
-    webs: Sequence[StepWeb],
-    result: LoopResult,
-    settings: Settings,
-    info: Info,
+    run: RunStore, scene: Scene, webs: Sequence[StepWeb], result: LoopResult, settings: Settings, info: Info
 ) -> LoopResult:
     """Optimise the shape of the best web; return the result with it."""
     best = None if result.best_step is None else webs[result.best_step]

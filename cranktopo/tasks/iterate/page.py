@@ -44,15 +44,9 @@ _LINES = (
     (BENDING_PER_MASS, "^--", "#1f6fb4"),
 )
 
-_FACTS = (MASS, TORSION, BENDING, TORSION_PER_MASS, BENDING_PER_MASS)
-
 
 def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[ShownBody, ...]) -> Page:
-    """Return the report of a loop, finished or after any of its steps.
-
-    Args:
-        bodies: the half throw of every step, the original one first.
-    """
+    """Return the report of a loop, finished or after any of its steps, with the half throw of every step."""
     return Page(
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
@@ -85,14 +79,12 @@ def _headline(loop: LoopResult) -> str:
 
 
 def _shown_step(loop: LoopResult) -> int:
-    """Return the row of the best web, or the last where none beats the original."""
     return (loop.best or loop.steps[-1]).number
 
 
 def _facts(loop: LoopResult) -> tuple[Fact, ...]:
-    """Return the shown step against the original web."""
     step, original = loop.steps[_shown_step(loop)], loop.steps[0]
-    return tuple(_fact(step, original, quantity) for quantity in _FACTS)
+    return tuple(_fact(step, original, quantity) for quantity, _, _ in _LINES)
 
 
 def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
@@ -139,7 +131,6 @@ def save_steps_plot(path: Path, loop: LoopResult) -> None:
 
 
 def _steps_figure(loop: LoopResult) -> Figure:
-    """Draw every step in percent of the original web."""
     figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()

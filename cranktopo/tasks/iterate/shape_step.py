@@ -17,10 +17,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.iterate.result import ShapeOutcome
-from cranktopo.tasks.iterate.settings import Settings
-from cranktopo.tasks.iterate.step import LoopStep
-from cranktopo.tasks.iterate.step_solids import transition_mm
+from cranktopo.tasks.iterate.one_step import transition_mm
+from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD
@@ -49,16 +47,11 @@ def shape_step(
 ) -> ShapeStep:
     """Optimise the dimensions of the best web in `shape/`, or read what was done; the loop stands anyway.
 
-    Args:
-        scene: the design of the loop.
-        number: of the row in the table of steps.
-        begun: scene of the best step's web; None to begin with the design's own.
-
-    Raises:
-        CranktopoError: interruption (exit code 130).
+    `number` is that of the row in the table of steps. Without `begun` the design's own web is the first.
     """
     wanted_scene = shape_scene(scene)
-    goal = _goal(wanted_scene)
+    goal = wanted(wanted_scene)
+    assert goal is not None
     asked = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
         data = _shaped(run.path / SHAPE, wanted_scene, begun, settings, info)
@@ -73,8 +66,6 @@ def shape_step(
 
 
 def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> ShapeResult:
-    """Return the result of the optimisation: begun, continued, or read where it is done."""
-
     def indented(text: str) -> None:
         info(f"  {text}")
 
@@ -88,7 +79,6 @@ def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings,
 
 
 def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
-    """Return the result of a shape optimisation as a row of the table of steps."""
     found = data.result
     return LoopStep(
         number=number,
@@ -146,9 +136,3 @@ def _values(step: LoopStep) -> dict[str, float]:
         "torsion_per_mass": step.torsion_per_kg,
         "bending_per_mass": step.bending_per_kg,
     }
-
-
-def _goal(scene: Scene) -> Goal:
-    goal = wanted(scene)
-    assert goal is not None
-    return goal

@@ -51,20 +51,14 @@ if TYPE_CHECKING:
     help="Share of the design space that becomes solid, 0 to 1; default: the design's. "
     "With a goal the limits decide, and it is refused.",
 )
-@click.option(
-    "--resolution-mm",
-    type=CELL_MM,
-    help="Largest cell edge, mm; default: the design's.",
-)
+@click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
 @click.option(
     "--process",
     type=Choice(["free", "forged", "cast", "milled"]),
     help="How the web is made: by a die, in a mould, by a mill, or anyhow; default: the design's.",
 )
 @click.option(
-    "--draft-deg",
-    type=Number(0, 20),
-    help="Draft of forged and cast walls, degrees; default: the design's.",
+    "--draft-deg", type=Number(0, 20), help="Draft of forged and cast walls, degrees; default: the design's."
 )
 @click.option(
     "--min-member-mm",
@@ -183,7 +177,7 @@ class _Bar:
             self._bar.write(line, file=sys.stderr)
 
     def __call__(self, problem: DensityProblem, state: State) -> None:
-        from cranktopo.tasks.density.continuation import iterations_left
+        from cranktopo.tasks.density.loop import iterations_left
 
         row = state.last
         done = len(state.history)

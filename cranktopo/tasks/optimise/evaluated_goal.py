@@ -23,9 +23,8 @@ from cranktopo.engine.plan.simulated import without
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.report.goal_table import broken_limits, percent_line
 from cranktopo.tasks.density import loop
-from cranktopo.tasks.density.continuation import with_bounds
-from cranktopo.tasks.density.optimisation_problem import ResponseConstraint
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.loop import with_bounds
+from cranktopo.tasks.density.problem import DensityProblem, ResponseConstraint
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import checked_surface
@@ -45,13 +44,7 @@ Step = Callable[[State], State]
 
 @dataclass(frozen=True)
 class CheckedLimit:
-    """One limit of the optimisation.
-
-    Attributes:
-        in_cells: the limit as the optimiser has it now.
-        value: what the design reaches of it in the cells.
-        outcome: the limit as it is wanted, by the evaluation.
-    """
+    """One limit as the optimiser has it now, its value in the cells, and its outcome by the evaluation."""
 
     in_cells: ResponseConstraint
     value: float
@@ -94,27 +87,16 @@ class EvaluatedGoal:
     work: Work
 
     def original(self) -> Values:
-        """Return the quantities of the original web.
-
-        Raises:
-            CranktopoError: its file is no half throw, or a failed solve.
-        """
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "original.stl"
-            return self._values(_ORIGINAL, lambda: self._original(path))
+        """Return the quantities of the original web."""
+        return self._values(_ORIGINAL, "original.stl", self._original)
 
     def reached(self, state: State) -> Values:
-        """Return the quantities of the last design of a state.
-
-        Raises:
-            CranktopoError: its density has no surface, or a failed solve.
-        """
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "web.stl"
-            return self._values(_iteration_name(state.last.iteration), lambda: self._surface(state, path))
+        """Return the quantities of the last design of a state; its density may have no surface."""
+        name = _iteration_name(state.last.iteration)
+        return self._values(name, "web.stl", lambda path: self._surface(state, path))
 
     def limits(self, state: State) -> tuple[CheckedLimit, ...]:
-        """Return the limits of the last design of a state; raises as `reached`."""
+        """Return the limits of the last design of a state."""
         limits = self.problem.with_bounds(state.bounds).optimisation.limits
         names = {limit.response.name for limit in limits}
         found = goal_outcome(self.goal, self.reached(state), self.original()).limits
@@ -136,9 +118,10 @@ class EvaluatedGoal:
         name = f"surface of iteration {state.last.iteration}"
         return Target(name, planned_scene(self.scene), path)
 
-    def _values(self, name: str, target: Callable[[], Target]) -> Values:
+    def _values(self, name: str, file: str, target: Callable[[Path], Target]) -> Values:
         def make() -> Json:
-            return evaluate(target(), progress=self.work.info).result.as_json()
+            with TemporaryDirectory() as folder:
+                return evaluate(target(Path(folder) / file), progress=self.work.info).result.as_json()
 
         return goal_values(self.scene, _evaluation(self.work.once(name, make)))
 
@@ -148,7 +131,6 @@ def _evaluation(kept: Json) -> EvaluationResult:
 
 
 def _iteration_name(iteration: int) -> str:
-    """Return the name under which the evaluation of a design is kept."""
     return f"iteration-{iteration}"
 
 
@@ -167,11 +149,7 @@ def enforce_limits_by_fea(
 ) -> tuple[State, str]:
     """Have the limits met by the evaluation, if rounds and iterations suffice.
 
-    Args:
-        case: None where no limit is to be evaluated.
-        state: where the optimisation in the cells has ended.
-        save: keeps a state, so that the run can be resumed.
-        go_on: takes a running state to the end of the optimisation in the cells.
+    `save` keeps a state, so that the run can be resumed; `go_on` takes one to the end in the cells.
 
     Returns:
         The state at the end, and why its design could not be evaluated: that ends the rounds. Empty where it
@@ -207,11 +185,7 @@ def _verdict(told: GoalOutcome, rounds: int) -> str:
 
 
 def goal_by_evaluation(goal: GoalOutcome, case: EvaluatedGoal, state: State, failure: str) -> GoalOutcome:
-    """Return entry `goal` of the metrics with what the evaluation says of the last design; as it is without.
-
-    Args:
-        failure: why the last design could not be evaluated; empty where it was, or was not to be.
-    """
+    """Return entry `goal` of the metrics with what the evaluation says, or the failure that it met."""
     if failure:
         return goal.without_evaluation(failure)
     name, kept = _iteration_name(state.last.iteration), case.work.kept

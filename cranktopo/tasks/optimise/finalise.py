@@ -23,8 +23,7 @@ from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import Cells, bounds_for_result, model_for_result
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.assess import assess, assess_original
-from cranktopo.tasks.density.assessment import Assessment
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import Assessment, DensityProblem
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import Record, State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
@@ -34,8 +33,7 @@ from cranktopo.tasks.optimise.metrics import run_metrics, run_seconds, run_surfa
 from cranktopo.tasks.optimise.page import run_page
 from cranktopo.tasks.optimise.picture import save_run_picture
 from cranktopo.tasks.optimise.result import OptimisedRun
-from cranktopo.tasks.optimise.run_record import record_of, snapshots
-from cranktopo.tasks.optimise.run_stress import read_run_stress
+from cranktopo.tasks.optimise.run_record import read_run_stress, record_of, snapshots
 
 _SURFACE, _PICTURE, _DENSITY = "web.stl", "result.png", "density.vtu"
 
@@ -62,9 +60,7 @@ def finalise_run(
 ) -> OptimisedRun:
     """Judge the final design, make and measure its surface meanwhile, and write every file.
 
-    Args:
-        case: the limits that the evaluation keeps, if there are any; `failure`: why it could not.
-        cells: of the bound; None where the plan leaves it out.
+    There is no `case` without limits that the evaluation keeps, and no `cells` where the bound is left out.
     """
     optimised = time.perf_counter()
     design = loop.final_design(problem, state)
@@ -108,9 +104,7 @@ def finalise_run(
 class _Judgement(NamedTuple):
     """The final design and the scene's own web, solved at a tight tolerance.
 
-    Attributes:
-        bound: what no web of the envelope can beat; None where the plan leaves it out.
-        bound_s: wall time of the bound, without its cells.
+    The bound is None where the plan leaves it out; `bound_s` is its wall time without its cells.
     """
 
     result: Assessment
@@ -160,7 +154,6 @@ def _goal(
 
 
 def _beside_goal(bound: BoundStatements | NoBound, goal: GoalOutcome | None) -> BoundStatements | NoBound:
-    """Return the bound beside what the goal's quantity reached, by the evaluation where the run has one."""
     if goal is None or isinstance(bound, NoBound):
         return bound
     return bound.with_reached(goal.reached_percent)
@@ -203,10 +196,7 @@ def _title(scene: Scene) -> str:
 
 
 def _history_rows(problem: DensityProblem, history: Sequence[Record]) -> list[dict[str, Any]]:
-    """Return the rows of history.csv: one per design, units in the column names.
-
-    Compliances are in N mm by load case. With a goal, its value and those of its limits are among them.
-    """
+    """Return the rows of history.csv: one per design, units in the column names."""
     case_names, responses = problem.model.case_names, problem.optimisation.responses
     return [
         {

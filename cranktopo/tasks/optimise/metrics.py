@@ -12,8 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.density.assessment import Assessment, model_error_percent
-from cranktopo.tasks.density.problem import DensityProblem
+from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
 from cranktopo.tasks.density.stage import Prepared
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface
@@ -54,13 +53,9 @@ def run_metrics(
     surface: RunSurface | NoSurface,
     **others: Any,
 ) -> RunMetrics:
-    """Return the metrics of a finished optimisation.
+    """Return the metrics of a finished optimisation, `others` among their fields.
 
-    Args:
-        prepared: the scene with its plan and cells.
-        density: physical density of the web's layers.
-        result, original: the design and the scene's own web on the same grid.
-        others: further fields of the metrics.
+    The density is the physical one of the web's layers; result and original are on the same grid.
     """
     scene, domain = prepared.scene, prepared.domain
     return RunMetrics(
@@ -90,9 +85,7 @@ def run_metrics(
 def run_seconds(state: State, total: float, outputs: float, compile_s: float, **others: float) -> RunSeconds:
     """Return the wall times of a run.
 
-    Args:
-        total: from the start to the last file but the page.
-        outputs: assessment and bound, and surface and files beside them.
+    `total` ends with the last file but the page; `outputs` are assessment and bound, surface and files.
     """
     times = [row.seconds for row in state.history]
     return RunSeconds(

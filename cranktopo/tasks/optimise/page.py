@@ -26,7 +26,7 @@ from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.picture import PANELS, views_figure
 from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics
 from cranktopo.tasks.optimise.run_record import RunRecord
-from cranktopo.tasks.optimise.verdict import facts, headline
+from cranktopo.tasks.optimise.text import facts, headline
 from cranktopo.tasks.plan.section import effects_section
 from cranktopo.tasks.refit.page import refit_section
 
@@ -69,7 +69,6 @@ def run_page(record: RunRecord) -> Page:
 
 
 def _goal(metrics: RunMetrics) -> tuple[Section, ...]:
-    """Return what was wanted and what was reached; nothing for a run without a goal."""
     goal = metrics.goal
     if goal is None:
         return ()
@@ -83,10 +82,7 @@ def _goal(metrics: RunMetrics) -> tuple[Section, ...]:
 
 def _variants(metrics: RunMetrics) -> Section:
     stiffnesses = [quantity for quantity in STIFFNESS if quantity.key in metrics.load_cases]
-    values = {
-        _NAMES[0]: _values(metrics.original_web, stiffnesses),
-        _NAMES[1]: _values(metrics, stiffnesses),
-    }
+    values = {_NAMES[0]: _values(metrics.original_web, stiffnesses), _NAMES[1]: _values(metrics, stiffnesses)}
     before, after = values.values()
     points = {
         LABELS[stiffness]: [Point(name, found[_THROW], found[stiffness]) for name, found in values.items()]
@@ -106,10 +102,7 @@ def _variants(metrics: RunMetrics) -> Section:
         + "".join(f" Note: {notice}." for notice in metrics.notices),
         (
             ("Values", ResultTable({"design": 0, **{q.column: q.digits for q in before}}, absolute)),
-            (
-                "Change",
-                ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,)),
-            ),
+            ("Change", ResultTable({"design": 0, **dict.fromkeys(change, 1)}, (changed,))),
         ),
         scatter_pictures(points, 0, metrics.bound.stiffest if metrics.bound else {}),
     )
@@ -169,7 +162,6 @@ def accuracy_section(metrics: RunMetrics, studies: StudyResult | None, folder: s
 
 
 def _own_picture(metrics: RunMetrics) -> tuple[Picture, ...]:
-    """Return the run's own error estimates against its seconds, where it has estimates."""
     seconds = metrics.seconds.total
     found = [
         TimedError(name, seconds, case.error_estimate_percent)
@@ -200,9 +192,7 @@ def _provenance(record: RunRecord) -> Section:
         ("peak memory", f"{metrics.peak_memory_MiB:.0f} MiB"),
     ]
     return Section(
-        "provenance",
-        "Where this comes from",
-        tables=(("Run", pairs(rows)), *assumed_tables(metrics.assumed)),
+        "provenance", "Where this comes from", tables=(("Run", pairs(rows)), *assumed_tables(metrics.assumed))
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,30 +28,16 @@ _VIEWS: tuple[tuple[str, Direction, tuple[str, str] | None], ...] = (
 
 
 def save_run_picture(
-    path: Path,
-    mesh: SurfaceMesh,
-    history: _History,
-    title: str,
-    web_z_mm: tuple[float, float],
+    path: Path, mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]
 ) -> None:
-    """Write the picture of a run as PNG, atomically.
-
-    Args:
-        web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
-
-    Raises:
-        CranktopoError: the file cannot be written.
-    """
+    """Write the picture of a run as PNG, atomically; what is outside `web_z_mm` is drawn as journal."""
     write_bytes(path, png(run_figure(mesh, history, title, web_z_mm)))
 
 
 def run_figure(mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple[float, float]) -> Figure:
     """Return the picture of a run as a figure of its own: no global matplotlib state is read or changed.
 
-    Args:
-        history: one row per iteration with `iteration` and any of `objective`, `<case>_compliance_N_mm`,
-            `volume_fraction`, `greyness`, `beta`.
-        web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
+    The rows of `history` have `iteration` and any of the columns of history.csv.
     """
     figure = Figure(figsize=(15, 9.2), dpi=140, facecolor="white")
     FigureCanvasAgg(figure)
@@ -61,11 +48,7 @@ def run_figure(mesh: SurfaceMesh, history: _History, title: str, web_z_mm: tuple
 
 
 def views_figure(mesh: SurfaceMesh, web_z_mm: tuple[float, float]) -> Figure:
-    """Return the four views alone, on no background.
-
-    Args:
-        web_z_mm: axial range of the web (journal face, pin face); the rest is drawn as journal.
-    """
+    """Return the four views alone, on no background."""
     figure = Figure(figsize=(15, 4.9), dpi=110, facecolor="none")
     FigureCanvasAgg(figure)
     _draw_views(figure, mesh, web_z_mm, bottom=0.11, top=0.93)
@@ -121,23 +104,17 @@ def _compliances_panel(axes: Any, history: _History) -> None:
         axes.text(0.5, 0.5, "no history", transform=axes.transAxes, ha="center", color=GREY)
 
 
-def _volume_panel(axes: Any, history: _History) -> None:
-    """Draw the volume fraction."""
-    _draw_fraction(axes, history, "volume_fraction", "volume fraction (-)")
-    _frame(axes, history)
-
-
-def _greyness_panel(axes: Any, history: _History) -> None:
-    """Draw the greyness."""
-    _draw_fraction(axes, history, "greyness", "greyness (-)")
-    axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
+def _fraction_panel(key: str, label: str, axes: Any, history: _History) -> None:
+    _draw_fraction(axes, history, key, label)
+    if key == "greyness":
+        axes.set_ylim(0.0, max(axes.get_ylim()[1], 0.05))
     _frame(axes, history)
 
 
 PANELS: tuple[Callable[[Any, _History], None], ...] = (
     _compliances_panel,
-    _volume_panel,
-    _greyness_panel,
+    partial(_fraction_panel, "volume_fraction", "volume fraction (-)"),
+    partial(_fraction_panel, "greyness", "greyness (-)"),
 )
 
 

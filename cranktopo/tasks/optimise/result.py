@@ -174,11 +174,7 @@ class OptimisedRun(NamedTuple):
 
 
 def read_metrics(run: RunStore) -> RunMetrics | None:
-    """Return what an optimise run reached; None before its end.
-
-    Raises:
-        CranktopoError: the file is damaged.
-    """
+    """Return what an optimise run reached; None before its end."""
     found = read_result(run)
     where = f"run '{run.path}': its results are damaged"
     return None if found is None else RunMetrics.of_json(found, where)

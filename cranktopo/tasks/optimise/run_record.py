@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,13 +12,15 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import read_json
+from cranktopo.base.files import read_json, write_npz
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.analysis import LoadAnalysis, analyse
-from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.load_case import LoadCase
+from cranktopo.engine.plan.planning import plan, planned_scene
+from cranktopo.engine.states import load_cases
 from cranktopo.numerics.precision import double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -25,16 +28,59 @@ from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.runs.checkpoint import load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import require_kind, resume_command
+from cranktopo.runs.manifest import file_hash
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
-from cranktopo.tasks.fea.case_stress import CaseStress
+from cranktopo.tasks.fea.case_stress import CaseStress, case_stress
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.study_result import StudyResult
+from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
-from cranktopo.tasks.optimise.run_stress import read_run_stress, solve_run_stress
 from cranktopo.tasks.refit.result import RefitResult
+
+_FILE = "stress.npz"
+
+
+def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) -> CaseStress:
+    """Solve a run's surface for its load cases on body-fitted elements, and keep the stresses in the run."""
+    cases = load_cases(scene, plan(scene).enabled)
+    path = run.path / surface
+    found = case_stress(Target(run.name, scene, path), cases, progress=progress)
+    about = {
+        "cases": [case.model_dump(by_alias=False) for case in found.cases],
+        "element_size_mm": found.element_size_mm,
+        "mirrored": found.mirrored,
+        "surface_sha256": file_hash(path),
+    }
+    arrays = {
+        "points_mm": found.points_mm.astype(np.float32),
+        "von_mises_MPa": found.von_mises_MPa.astype(np.float32),
+        "about": np.array(json.dumps(about)),
+    }
+    write_npz(run.path / _FILE, arrays, compressed=True)
+    return found
+
+
+def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
+    """Return the stresses that a run keeps for this surface; None where it has none."""
+    path = run.path / _FILE
+    if not path.is_file():
+        return None
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            about = json.loads(str(file["about"]))
+            points, stress = (file[name].astype(np.float64) for name in ("points_mm", "von_mises_MPa"))
+            cases = tuple(LoadCase(**entry) for entry in about["cases"])
+    except Exception as error:  # zipfile, numpy and json raise a dozen types on damaged bytes
+        raise CranktopoError(
+            f"'{path}': corrupted, cannot be read ({error}).", hint="Delete it and write the report again."
+        ) from None
+    if about["surface_sha256"] != file_hash(run.path / surface):
+        return None
+    return CaseStress(cases, points, stress, about["mirrored"], about["element_size_mm"])
+
 
 # What other commands print with --json, where the run holds it.
 _FATIGUE, _ACCURACY, _REMODEL = "fatigue.json", "accuracy.json", "remodel/remodel.json"
@@ -48,17 +94,11 @@ class RunRecord:
     """A finished optimise run.
 
     Attributes:
-        folder: the run directory, as it was named.
-        metrics: what it reached.
-        manifest: content of manifest.json.
-        history: rows of history.csv.
-        scene: the scene as it was simulated.
-        loads: loads of its engine; None without an engine.
+        scene: as it was simulated.
+        loads: of its engine; None without one.
         mesh: surface of the half throw, mm; None where the density has none.
         snapshots: its intermediate designs, as far as they were kept.
-        fatigue: what that command prints with --json, where the run holds it.
-        accuracy: its accuracy study, where the run holds one.
-        refit: its re-modelled web, where the run holds one.
+        fatigue, accuracy, refit: what those commands left in the run, if they did.
         stress: of its load cases by the body-fitted evaluation, where it was solved.
     """
 
@@ -77,11 +117,7 @@ class RunRecord:
 
 
 def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord:
-    """Return the record of a finished run from its directory.
-
-    Raises:
-        CranktopoError: a loop, a run without metrics, or a damaged file.
-    """
+    """Return the record of a finished run from its directory."""
     require_kind(run, "optimise")
     metrics = read_metrics(run)
     if metrics is None:
@@ -145,9 +181,6 @@ def snapshots(
     """Return at most 60 designs of a run in order, the first and the last included; none where it keeps none.
 
     Call inside `double_precision()`; `density_chain` is the filter chain of the run's own cells.
-
-    Raises:
-        CranktopoError: a file of the run is damaged.
     """
     numbers = evenly_spread(saved_iterations(run.path), _MOST_SNAPSHOTS)
     found = []

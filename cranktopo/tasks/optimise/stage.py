@@ -33,19 +33,18 @@ from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_ite
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import require_kind, working_in
 from cranktopo.tasks.accuracy.cell_choice import choose_cells
+from cranktopo.tasks.density.assess import check_limits
 from cranktopo.tasks.density.build import build_problem
-from cranktopo.tasks.density.coarse_start import first_state
-from cranktopo.tasks.density.continuation import with_limit
-from cranktopo.tasks.density.feasibility import check_limits
+from cranktopo.tasks.density.loop import with_limit
 from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_optimality_criteria
-from cranktopo.tasks.density.stage import Prepared, describe, iterate, prepare
+from cranktopo.tasks.density.stage import Prepared, describe, first_state, iterate, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.level import OPTIMISER
 from cranktopo.tasks.fea.stored_studies import load_study
 from cranktopo.tasks.importing.original import check_original
-from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, enforce_limits_by_fea, evaluated_goal
+from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.optimise.result import OptimisedRun
 
 if TYPE_CHECKING:
@@ -70,9 +69,7 @@ RUN_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)
 class _Job:
     """One optimisation of a run, and where it reports to.
 
-    Attributes:
-        scene: as the run has it; `prepared` has it as it is simulated.
-        began: reading of `time.perf_counter` from which the total time counts.
+    `prepared` has the scene as it is simulated; `began` is a reading of `time.perf_counter`.
     """
 
     run: RunStore
@@ -97,7 +94,6 @@ def optimise_design(
     """Optimise the web of a scene in a new run directory; nothing is written before all is validated.
 
     Args:
-        scene: the design with all options in it.
         out: run directory; by default a new one under runs/.
         design_toml: text of the design as the user wrote it; by default written from the scene.
         command: the command line, for the manifest.
@@ -150,11 +146,7 @@ def resume_optimisation(
     progress: Progress = lambda *_: None,
     began: float | None = None,
 ) -> OptimisedRun:
-    """Continue an interrupted, stopped or killed run.
-
-    Args:
-        max_iterations: a new iteration limit; None keeps the run's.
-        info, progress, began: as in `optimise_design`.
+    """Continue an interrupted, stopped or killed run; `max_iterations` of None keeps the run's limit.
 
     Raises:
         CranktopoError: not a run of `optimise`, a changed input, or as `optimise_design`.
@@ -182,18 +174,19 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         end = Ahead(lambda: _ready_for_the_end(job))
         shown = _checked(job.progress, check, end)
         kept = _kept(run, shown)
-        state = (_saved_state(job) if resume else None) or _first_state(job, shown)
+        prepared, work = job.prepared, Work(job.info, KeptWork(run.path / EVALUATIONS), check)
+        state = (_saved_state(job) if resume else None) or first_state(
+            problem, prepared.scene, prepared.domain, prepared.cases, shown
+        )
         state = iterate(problem, state, kept)
-        case = _evaluated_goal(job, check)
+        case = evaluated_goal(job.scene, prepared, problem, work)
         state, failure = enforce_limits_by_fea(
             case, state, lambda now: _save(run, now), lambda now: iterate(problem, now, kept)
         )
-        return _finalised(job, state, case, failure, end.result())
+        from cranktopo.tasks.optimise.finalise import finalise_run
 
-
-def _first_state(job: _Job, progress: Progress) -> State:
-    prepared = job.prepared
-    return first_state(job.problem, prepared.scene, prepared.domain, prepared.cases, progress)
+        times = job.began, job.clock
+        return finalise_run(run, prepared, problem, state, *times, case, failure, end.result())
 
 
 def _saved_state(job: _Job) -> State | None:
@@ -201,20 +194,6 @@ def _saved_state(job: _Job) -> State | None:
         return None
     saved = load_checkpoint(job.run.checkpoint)
     return with_limit(job.problem, from_checkpoint(saved.arrays, saved.state))
-
-
-def _evaluated_goal(job: _Job, check: Callable[[], None]) -> EvaluatedGoal | None:
-    work = Work(job.info, KeptWork(job.run.path / EVALUATIONS), check)
-    return evaluated_goal(job.scene, job.prepared, job.problem, work)
-
-
-def _finalised(
-    job: _Job, state: State, case: EvaluatedGoal | None, failure: str, cells: Cells | None
-) -> OptimisedRun:
-    from cranktopo.tasks.optimise.finalise import finalise_run
-
-    times = job.began, job.clock
-    return finalise_run(job.run, job.prepared, job.problem, state, *times, case, failure, cells)
 
 
 def _compiled(problem: DensityProblem) -> None:

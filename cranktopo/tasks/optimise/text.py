@@ -2,15 +2,173 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from cranktopo.report.goal_table import evaluation_note, goal_line, limits_table, unjudged_line
+from cranktopo.report.goal_table import (
+    broken_limits,
+    evaluation_note,
+    goal_line,
+    goal_words,
+    limits_table,
+    unjudged_line,
+)
+from cranktopo.report.page import Fact, FactStatus
 from cranktopo.report.result_table import terminal
 from cranktopo.tasks.bound.text import bound_lines
-from cranktopo.tasks.extraction.result import NoSurface, RunSurface
-from cranktopo.tasks.extraction.text import length_lines, manufacturing_obstacles
-from cranktopo.tasks.fea.verdict_sentence import percent_change, worse_line
+from cranktopo.tasks.extraction.result import NoSurface, RunSurface, WallMeasures
+from cranktopo.tasks.extraction.text import (
+    asked_lengths,
+    kept,
+    length_lines,
+    length_text,
+    manufacturing_obstacles,
+    released_text,
+)
+from cranktopo.tasks.fea.quantities import MASS, TORSION
+from cranktopo.tasks.fea.verdict_sentence import (
+    NOTICEABLE_PERCENT,
+    comparison_sentence,
+    percent_change,
+    worse_line,
+)
 from cranktopo.tasks.optimise.result import RunMetrics
+
+if TYPE_CHECKING:
+    from cranktopo.tasks.optimise.run_record import RunRecord
+
+_NO_FILLETS = (
+    "a density result has no fillets: 'cranktopo remodel {run}' gives it some, then "
+    "'cranktopo fatigue' with the re-modelled design and '--out' this run"
+)
+
+
+def headline(metrics: RunMetrics) -> str:
+    """Return the verdict against the original web: limits not judged first, then what is worse."""
+    unjudged = unjudged_line(metrics.goal)
+    sentence = comparison_sentence("The optimised throw", metrics.changes_percent, "the original")
+    return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
+
+
+def facts(record: RunRecord) -> tuple[Fact, ...]:
+    """Return the answers of the verdict, mass first."""
+    metrics = record.metrics
+    return (
+        _mass(metrics),
+        *_stiffness(metrics),
+        *_limits(metrics),
+        fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
+        run_undercuts_fact(metrics),
+        *_lengths(metrics),
+        _end(metrics),
+    )
+
+
+def fatigue_fact(fatigue: Mapping[str, Any] | None, otherwise: str) -> Fact:
+    """Return the safety against fatigue, or why it was not assessed.
+
+    `fatigue` is the object that `cranktopo fatigue --json` prints, with a baseline where one was given.
+    """
+    entries = (fatigue or {}).get("fatigue", [])
+    baseline = (fatigue or {}).get("baseline")
+    assessed = next((entry for entry in entries if entry["target"] != baseline), None)
+    if assessed is None or assessed.get("safety") is None:
+        return Fact("Fatigue", "not assessed", otherwise, "unknown")
+    original = next((entry["safety"] for entry in entries if entry["target"] == baseline), None)
+    note = f"least safety of {assessed['target']}"
+    note += "" if original is None else f"; {baseline} has {original:.2f}"
+    return Fact("Fatigue", f"{assessed['safety']:.2f}", note, "good" if assessed["safety"] >= 1 else "bad")
+
+
+def run_undercuts_fact(metrics: RunMetrics) -> Fact:
+    """Tell whether a die or a cutter can make it."""
+    surface, label = metrics.surface, "Released by a die"
+    if isinstance(surface, NoSurface):
+        return Fact(label, "no", "the density has no surface", "bad")
+    found = manufacturing_obstacles(surface.cavities, surface.undercuts)
+    if found:
+        return Fact(label, "no", "; ".join(found), "bad")
+    if surface.undercuts is None:  # a run of an earlier version
+        return Fact(label, "not checked", "the topology was free; undercuts are possible", "unknown")
+    note = f"{released_text(surface.undercuts.by)} it"
+    return Fact(label, "yes", f"{note}{_walls_text(surface.walls)}", "good")
+
+
+def _walls_text(walls: WallMeasures | None) -> str:
+    """Return the minimum draft, member and gap of a web; nothing where they were not measured."""
+    if walls is None:
+        return ""
+    known = (
+        ("draft", walls.least_draft_deg, "deg"),
+        ("member", walls.least_member_mm, "mm"),
+        ("gap", walls.least_gap_mm, "mm"),
+    )
+    parts = [f"{name} {value:.1f} {unit}" for name, value, unit in known if value is not None]
+    return f"; least {', '.join(parts)}" if parts else ""
+
+
+def _lengths(metrics: RunMetrics) -> list[Fact]:
+    return [
+        Fact(
+            name.capitalize(),
+            length_text(found),
+            f"{asked:g} mm asked",
+            "good" if kept(found, asked) else "bad",
+        )
+        for name, (found, asked) in asked_lengths(metrics.walls).items()
+    ]
+
+
+def _limits(metrics: RunMetrics) -> list[Fact]:
+    """Tell whether the limits of a goal hold in the optimiser's model; nothing without a goal."""
+    goal = metrics.goal
+    if goal is None:
+        return []
+    if goal.not_evaluated is not None:
+        return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
+    broken, known = broken_limits(goal), [limit for limit in goal.limits if limit.holds is not None]
+    note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
+    value = f"{len(known) - len(broken)} of {len(known)} hold"
+    return [Fact("Limits", value, note, "bad" if broken else "good")]
+
+
+def _mass(metrics: RunMetrics) -> Fact:
+    now, before = metrics.mass_kg.throw, metrics.original_web.mass_kg.throw
+    change = percent_change(now, before)
+    note = f"{change:+.1f} % against the original's {before:.3f} kg"
+    return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
+
+
+def _stiffness(metrics: RunMetrics) -> list[Fact]:
+    """Return absolute stiffnesses; per mass only in the note, since a softer web may look good by it."""
+    found = []
+    gains = metrics.original_web.gain_of_stiffness_per_mass_percent
+    for quantity, change in metrics.changes_percent.items():
+        if quantity is MASS:
+            continue
+        webs = (metrics, metrics.original_web)
+        now, before = (web.load_cases[quantity.key].stiffness / 1000 for web in webs)
+        note = f"{change:+.1f} % against the original's {before:.1f}"
+        if quantity.key in gains:
+            note += f"; per mass {gains[quantity.key]:+.1f} %"
+        unit = "kN m/rad" if quantity is TORSION else "kN/mm"
+        found.append(Fact(quantity.label.capitalize(), f"{now:.1f} {unit}", note, _status(change)))
+    return found
+
+
+def _end(metrics: RunMetrics) -> Fact:
+    done, value = metrics.status == "converged", metrics.ended
+    if not metrics.connected:
+        return Fact("Optimisation", value, "journal and crankpin are not connected", "bad")
+    return Fact("Optimisation", value, metrics.stop_reason, "good" if done else "bad")
+
+
+def _status(gain_percent: float) -> FactStatus:
+    if abs(gain_percent) < NOTICEABLE_PERCENT:
+        return "neutral"
+    return "good" if gain_percent > 0 else "bad"
+
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
@@ -50,7 +208,6 @@ def run_summary(metrics: RunMetrics, folder: Path) -> str:
 
 
 def _goal_lines(metrics: RunMetrics) -> list[str]:
-    """Return goal and limits of a run that has them."""
     goal = metrics.goal
     if goal is None:
         return []
@@ -58,7 +215,6 @@ def _goal_lines(metrics: RunMetrics) -> list[str]:
 
 
 def _case_line(name: str, metrics: RunMetrics) -> str:
-    """Return the stiffness under a load case beside that of the original web."""
     original, case = metrics.original_web, metrics.load_cases[name]
     unit = "kN/mm" if case.stiffness_Nm_per_rad is None else "kN m/rad"
     now, before = (web.load_cases[name].stiffness for web in (metrics, original))
