@@ -19,7 +19,7 @@ from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.shape.search import EVALUATIONS, SearchResult, search_on_cells
 from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import bevel_start, outline_start

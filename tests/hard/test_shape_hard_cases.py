@@ -17,10 +17,9 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshResponses
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs

@@ -9,8 +9,7 @@ import pytest
 
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from tests.physics.shape_cases import COARSE_FILLET, COARSE_MM, Array, free_throw

@@ -17,15 +17,30 @@ from cranktopo.bodies.cells.resolution import estimated_cells
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.accuracy.cell_choice import choose_cells
-from cranktopo.tasks.accuracy.page import accuracy_page
-from cranktopo.tasks.accuracy.pareto import ParetoFront, pareto_front
-from cranktopo.tasks.accuracy.plot import study_pictures
+from cranktopo.tasks.accuracy.page import (
+    accuracy_page,
+    level_tables,
+    limit_lines,
+    recommendation_table,
+    study_pictures,
+)
+from cranktopo.tasks.accuracy.stage import ParetoFront, pareto_front
 from cranktopo.tasks.accuracy.study import Study, run_studies
-from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table
-from cranktopo.tasks.fea import error_target, stored_studies
-from cranktopo.tasks.fea.error_target import LEVELS, ErrorTarget, evaluate_to, first_level
-from cranktopo.tasks.fea.level import BENDING, EVALUATION, OPTIMISER, TORSION, Level, PlannedLevel, StudyName
-from cranktopo.tasks.fea.stored_studies import StoredStudy, key_of, load_study, store_study
+from cranktopo.tasks.fea import levels, studies
+from cranktopo.tasks.fea.levels import LEVELS, ErrorTarget, evaluate_to, first_level
+from cranktopo.tasks.fea.studies import (
+    BENDING,
+    EVALUATION,
+    OPTIMISER,
+    TORSION,
+    Level,
+    PlannedLevel,
+    StoredStudy,
+    StudyName,
+    key_of,
+    load_study,
+    store_study,
+)
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.optimise.page import accuracy_section
 from tests.run_metrics import load_of, run_metrics
@@ -219,13 +234,13 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch, mik
 @pytest.fixture
 def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(stored_studies, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
+    monkeypatch.setattr(studies, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
 
 
 def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: ParetoFront) -> None:
     result = front.result
     assert load_study("by-hand", EVALUATION) is None
-    assert store_study("by-hand", result) == stored_studies.studies_path()
+    assert store_study("by-hand", result) == studies.studies_path()
     found, other = load_study("by-hand", EVALUATION), load_study("another", EVALUATION)
     assert found is not None
     assert other is not None
@@ -266,7 +281,7 @@ def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> No
 
 def test_a_damaged_file_holds_nothing(cache: None, front: ParetoFront) -> None:
     store_study("by-hand", front.result)
-    stored_studies.studies_path().write_text('{"schema_version": 2, "designs": 3}', encoding="utf-8")
+    studies.studies_path().write_text('{"schema_version": 2, "designs": 3}', encoding="utf-8")
     assert load_study("by-hand", EVALUATION) is None
 
 
@@ -291,9 +306,9 @@ class FakeEvaluation:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now, self.sizes = 0.0, [0.0]
         self.sizes.clear()
-        monkeypatch.setattr(error_target.time, "perf_counter", lambda: self.now)
-        monkeypatch.setattr(error_target, "evaluate_on_mesh", self.mesh)
-        monkeypatch.setattr(error_target, "evaluation", self.evaluation)
+        monkeypatch.setattr(levels.time, "perf_counter", lambda: self.now)
+        monkeypatch.setattr(levels, "evaluate_on_mesh", self.mesh)
+        monkeypatch.setattr(levels, "evaluation", self.evaluation)
 
     def mesh(self, target: Target, size: float, **_: Any) -> Any:
         seconds = 1000 * size**-1.583  # 1.9 per factor 1.5

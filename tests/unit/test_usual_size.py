@@ -9,8 +9,8 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.residual_regions import ResidualRegion
-from cranktopo.tasks.refit.usual_size import scaled_lengths, scaled_region, scaled_throw, usual_limits
+from cranktopo.tasks.refit.fit import scaled_lengths, scaled_region, scaled_throw, usual_limits
+from cranktopo.tasks.refit.select import ResidualRegion
 from tests.unit.remodel_cases import WHOLE, known_scene
 
 

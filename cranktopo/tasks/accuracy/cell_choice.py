@@ -23,11 +23,8 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
 from cranktopo.tasks.accuracy.optimiser_levels import cell_sizes
 from cranktopo.tasks.density.assessment import model_error_percent
-from cranktopo.tasks.fea.error_target import expected_seconds
-from cranktopo.tasks.fea.level import OPTIMISER
-from cranktopo.tasks.fea.levels import EvaluationMesh
-from cranktopo.tasks.fea.stored_studies import StoredStudy
-from cranktopo.tasks.fea.study_result import LevelResult
+from cranktopo.tasks.fea.levels import EvaluationMesh, expected_seconds
+from cranktopo.tasks.fea.studies import OPTIMISER, LevelResult, StoredStudy
 
 _START_S = 13.0
 """Compiling and writing files where nothing was measured, roughly."""

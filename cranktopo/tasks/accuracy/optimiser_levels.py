@@ -26,7 +26,7 @@ from cranktopo.tasks.density.assessment import Assessment
 from cranktopo.tasks.density.problem import SolverSettings
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate
-from cranktopo.tasks.fea.level import BENDING, NAME_OF_CASE, OPTIMISER, TORSION, Level, PlannedLevel
+from cranktopo.tasks.fea.studies import BENDING, NAME_OF_CASE, OPTIMISER, TORSION, Level, PlannedLevel
 from cranktopo.tasks.fea.targets import Target
 
 _STEPS = 9

@@ -1,24 +1,202 @@
-"""The accuracy studies of a target, kept for later commands, and their files."""
+"""An accuracy study: errors of its levels, Pareto front, cheapest levels, and the files that keep them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.files import write_json
 from cranktopo.design.assumed import EVALUATED, filter_by_table
+from cranktopo.numerics.extrapolation import Extrapolation, extrapolate, observed_order
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder
 from cranktopo.runs.directories import RUNS
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.accuracy.page import accuracy_page
-from cranktopo.tasks.accuracy.pareto import pareto_front
-from cranktopo.tasks.accuracy.study import run_studies
+from cranktopo.tasks.accuracy.study import Study, run_studies
 from cranktopo.tasks.fea.stage import print_assumed
-from cranktopo.tasks.fea.stored_studies import key_of, store_study
-from cranktopo.tasks.fea.study_result import StudyResult
+from cranktopo.tasks.fea.studies import (
+    EVALUATION,
+    FILLET_STRESS,
+    OPTIMISER,
+    Level,
+    LevelResult,
+    Recommendation,
+    StudyName,
+    StudyResult,
+    key_of,
+    store_study,
+)
 from cranktopo.tasks.fea.targets import Target, resolve_target
+
+_WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
+_REFERENCES: dict[StudyName, tuple[str, ...]] = {
+    EVALUATION: ("graded", "uniform"),
+    FILLET_STRESS: ("fillet",),
+    OPTIMISER: ("cells",),
+}
+"""Families that the limit of a study is extrapolated from, the first one that has two levels."""
+
+
+@dataclass(frozen=True)
+class LevelError:
+    """A level with its errors.
+
+    Attributes:
+        errors_percent: of each value against the limit of the study.
+        model_errors_percent: of the optimiser's own stiffnesses against those evaluated of the same shape.
+        orders: observed order of convergence up to this level in its family, by value.
+        error_percent: largest of all errors, without sign; None where there is no limit.
+        uncertainty_percent: of the limit, or of the evaluation of the level's shape where that is larger.
+        efficient: on the Pareto front: no cheaper level of the study has a smaller error.
+    """
+
+    level: Level
+    errors_percent: dict[str, float]
+    model_errors_percent: dict[str, float]
+    orders: dict[str, float | None]
+    error_percent: float | None
+    uncertainty_percent: float | None
+    efficient: bool = False
+
+    @property
+    def bound_percent(self) -> float | None:
+        """Error that the level surely does not exceed: its own plus the uncertainty of the limit."""
+        if self.error_percent is None or self.uncertainty_percent is None:
+            return None
+        return self.error_percent + self.uncertainty_percent
+
+    @property
+    def result(self) -> LevelResult:
+        """The level as an entry of `accuracy --json`."""
+        level = self.level
+        return LevelResult(
+            ladder=level.study,
+            name=level.name,
+            family=level.family,
+            settings=level.settings,
+            unknowns=level.unknowns,
+            seconds=level.seconds,
+            compile_seconds=level.compile_seconds,
+            peak_memory_MiB=level.peak_memory_MiB,
+            **level.values,
+            model=level.model,
+            errors_percent=self.errors_percent,
+            model_errors_percent=self.model_errors_percent,
+            orders=self.orders,
+            error_percent=self.error_percent,
+            uncertainty_percent=self.uncertainty_percent,
+            efficient=self.efficient,
+        )
+
+
+@dataclass(frozen=True)
+class ParetoFront:
+    """What each accuracy costs on a design: extrapolated limits by study and value, levels with errors."""
+
+    study: Study
+    limits: dict[StudyName, dict[str, Extrapolation]]
+    levels: tuple[LevelError, ...]
+
+    def cheapest(self, study: StudyName, percent: float) -> LevelError | None:
+        """Return the cheapest level of a study whose error is surely below a percentage."""
+
+        def fits(found: LevelError) -> bool:
+            bound = found.bound_percent
+            return found.level.study == study and bound is not None and bound <= percent
+
+        return min(filter(fits, self.levels), key=lambda found: found.level.seconds, default=None)
+
+    @property
+    def result(self) -> StudyResult:
+        """What `accuracy --json` prints, but for what the design does not say."""
+        study = self.study
+        return StudyResult(
+            design=study.design,
+            budget_s=study.budget_s,
+            spent_s=study.spent_s,
+            interrupted=study.interrupted,
+            machine=study.machine,
+            limits=self.limits,
+            rungs=[found.result for found in self.levels],
+            recommendations=[
+                self._recommendation(name, percent) for name in self.limits for percent in _WANTED_PERCENT
+            ],
+            failures=list(study.failures),
+        )
+
+    def _recommendation(self, study: StudyName, percent: float) -> Recommendation:
+        found = self.cheapest(study, percent)
+        return Recommendation(
+            ladder=study,
+            accuracy_percent=percent,
+            rung=found.level.name if found else None,
+            seconds=found.level.seconds if found else None,
+        )
+
+
+def pareto_front(study: Study) -> ParetoFront:
+    """Errors, orders and the efficient levels of a study."""
+    limits: dict[StudyName, dict[str, Extrapolation]] = {}
+    found: list[LevelError] = []
+    for name in _REFERENCES:
+        levels = [level for level in study.levels if level.study == name]
+        if levels:
+            limits[name] = _limits(name, levels)
+            found += _marked([_level_error(level, levels, limits[name]) for level in levels])
+    return ParetoFront(study, limits, tuple(found))
+
+
+def _limits(study: StudyName, levels: Sequence[Level]) -> dict[str, Extrapolation]:
+    for family in _REFERENCES[study]:
+        chosen = _family(levels, family)
+        if len(chosen) > 1:
+            sizes = [level.size_mm for level in chosen]
+            found = {name: extrapolate(sizes, [r.values[name] for r in chosen]) for name in chosen[0].values}
+            return {name: limit for name, limit in found.items() if limit is not None}
+    return {}
+
+
+def _family(levels: Sequence[Level], family: str) -> list[Level]:
+    """Levels of a family that gave a value, coarsest first."""
+    return sorted((r for r in levels if r.family == family and r.values), key=lambda r: -r.size_mm)
+
+
+def _level_error(level: Level, levels: Sequence[Level], limits: dict[str, Extrapolation]) -> LevelError:
+    errors = {name: limits[name].error_percent(v) for name, v in level.values.items() if name in limits}
+    own = {
+        name: 100 * (value / level.values[name] - 1)
+        for name, value in level.model.items()
+        if name in level.values
+    }
+    largest = max(abs(error) for error in (*errors.values(), *own.values())) if errors else None
+    bands = [max(limits[name].uncertainty_percent, level.band_percent) for name in errors]
+    return LevelError(level, errors, own, _orders(level, levels), largest, max(bands, default=None))
+
+
+def _orders(level: Level, levels: Sequence[Level]) -> dict[str, float | None]:
+    """Observed orders over a level and the two coarser ones of its family."""
+    row = [r for r in _family(levels, level.family) if r.size_mm >= level.size_mm][-3:]
+    if len(row) < 3 or not level.values:
+        return {}
+    sizes = [r.size_mm for r in row]
+    return {name: observed_order(sizes, [r.values[name] for r in row]) for name in level.values}
+
+
+def _marked(found: list[LevelError]) -> list[LevelError]:
+    """Return the same levels, the efficient ones marked."""
+
+    def dominated(this: LevelError) -> bool:
+        return this.error_percent is None or any(
+            other.level.seconds < this.level.seconds
+            and other.error_percent is not None
+            and other.error_percent <= this.error_percent
+            for other in found
+        )
+
+    return [replace(this, efficient=not dominated(this)) for this in found]
+
 
 BUDGET_S = 120.0
 

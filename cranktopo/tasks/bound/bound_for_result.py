@@ -18,7 +18,7 @@ from cranktopo.tasks.bound.convex_problem import STIFFNESSES
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
 from cranktopo.tasks.bound.result import BoundCells, BoundStatement, BoundStatements, NoBound
 from cranktopo.tasks.density.assessment import model_error_percent
-from cranktopo.tasks.refit.dimensions import free_dimensions
+from cranktopo.tasks.refit.family import free_dimensions
 
 Info = Callable[[str], None]
 Cells = Callable[[], BoundModel]

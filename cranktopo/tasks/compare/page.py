@@ -16,7 +16,7 @@ from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.sections import assumed_tables, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.report.viewer.stress_scale import stress_scales
-from cranktopo.tasks.accuracy.plot import TimedError, error_picture
+from cranktopo.tasks.accuracy.page import TimedError, error_picture
 from cranktopo.tasks.bound.page import bound_sections
 from cranktopo.tasks.bound.result import read_bound
 from cranktopo.tasks.compare.plot import scatter_points
@@ -31,10 +31,10 @@ from cranktopo.tasks.fea.quantities import (
     TORSION,
     TORSION_PER_MASS,
     Quantity,
+    comparison_sentence,
 )
 from cranktopo.tasks.fea.scatter import scatter_pictures
-from cranktopo.tasks.fea.stress_section import stress_section
-from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
+from cranktopo.tasks.fea.section import stress_section
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.verdict import fatigue_fact
 from cranktopo.tasks.plan.section import effects_section

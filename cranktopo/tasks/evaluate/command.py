@@ -76,7 +76,7 @@ def command(
         click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))
     else:
         from cranktopo.report.result_table import terminal
-        from cranktopo.tasks.fea.table import evaluation_table, result_line
+        from cranktopo.tasks.fea.quantities import evaluation_table, result_line
         from cranktopo.tasks.shape.sensitivity_text import sensitivity_text
 
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")

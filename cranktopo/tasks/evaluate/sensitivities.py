@@ -22,9 +22,9 @@ from cranktopo.tasks.fatigue.safety_field import check_inputs
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.settings import Settings
-from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
+from cranktopo.tasks.refit.family import free_dimensions, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.meshed_webs import MeshedWebs
 from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at

@@ -25,10 +25,9 @@ from cranktopo.runs.kind import require_kind, resume_command
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import WebDensities, design_of
 from cranktopo.tasks.density.state import from_checkpoint
-from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
-from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
+from cranktopo.tasks.extraction.checked_surface import CheckedSurface, SurfaceReport, checked_surface
+from cranktopo.tasks.extraction.cutter import build_cutter, fine_field, iso_surface_distances_mm
 from cranktopo.tasks.extraction.half_throw import WebSurface
-from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
 from cranktopo.tasks.extraction.result import (
     ExtractedSurface,
     Extraction,
@@ -37,7 +36,6 @@ from cranktopo.tasks.extraction.result import (
     UndercutMeasures,
     quality,
 )
-from cranktopo.tasks.extraction.surface_checks import SurfaceReport
 
 
 def extract_surface(

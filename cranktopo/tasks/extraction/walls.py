@@ -17,7 +17,7 @@ from cranktopo.base.frames import Z
 from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.tasks.extraction.iso_distance import distances_mm
+from cranktopo.tasks.extraction.cutter import distances_mm
 
 _ON_MM = 0.02
 _MOST_POINTS = 5_000

@@ -21,7 +21,14 @@ from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
-from cranktopo.tasks.fea.condense import Superelement, condense
+from cranktopo.tasks.fea.condense import (
+    BendingSupport,
+    Superelement,
+    TorsionSupport,
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors, volume_error
 from cranktopo.tasks.fea.error_bound import bending_bound_percent, change_bound_percent, torsion_bound_percent
 from cranktopo.tasks.fea.result import (
@@ -33,12 +40,6 @@ from cranktopo.tasks.fea.result import (
     StiffnessPerMass,
     SupportNames,
     known,
-)
-from cranktopo.tasks.fea.support_stiffness import (
-    BendingSupport,
-    TorsionSupport,
-    bending_stiffness_N_per_mm,
-    torsional_stiffness_Nm_per_rad,
 )
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.throw.moments import Moments

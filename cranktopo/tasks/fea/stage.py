@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
-from cranktopo.tasks.fea.error_target import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
-from cranktopo.tasks.fea.level import EVALUATION
-from cranktopo.tasks.fea.stored_studies import key_of, load_study
+from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
+from cranktopo.tasks.fea.studies import EVALUATION, key_of, load_study
 from cranktopo.tasks.fea.targets import Target, resolve_target
 
 

@@ -1,8 +1,8 @@
-"""Displacement fields of the half or whole throw under unit loads: load states are sums, no new solve."""
+"""Displacement fields under unit loads: load states and the stress of load cases are sums, no new solve."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,13 +11,32 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_tonne_per_mm3
+from cranktopo.design.halves import require_equal_halves
+from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
-from cranktopo.engine.load_case import LoadKind
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
-from cranktopo.tasks.fea.condense import RX, Lateral, Superelement, condense, loaded_mm
-from cranktopo.tasks.fea.support_stiffness import bending_motion, torque_ends, torsion_motion
+from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.numerics.tetrahedra.elasticity import (
+    Elasticity,
+    assemble,
+    centrifugal_force,
+    mean_displacement,
+)
+from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.tasks.fea.condense import (
+    RX,
+    Lateral,
+    Superelement,
+    bending_motion,
+    condense,
+    loaded_mm,
+    torque_ends,
+    torsion_motion,
+)
+from cranktopo.tasks.fea.evaluation import Info, mesh_target
+from cranktopo.tasks.fea.targets import Target
 
 FieldKind = LoadKind | Literal["moment"]
 _PARITY: dict[FieldKind, Lateral] = {
@@ -161,3 +180,78 @@ def _units(block: Superelement) -> Array:
 def support_spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
     """Stiffness of the bearing spring of a support, N/mm; 0 for others."""
     return required_bearing_spring_N_per_mm(scene) if support == "spring" else 0.0
+
+
+_NEIGHBOURS = 4
+_HAIR_MM = 1e-6
+UNIT_LOADS: dict[FieldKind, Callable[[LoadCase], float]] = {
+    "bending": lambda case: case.radial_N,
+    "tangential": lambda case: case.tangential_N,
+    "torsion": lambda case: case.torque_Nm * NMM_PER_NM,
+    "centrifugal": lambda case: angular_speed_rad_s(case.speed_rpm) ** 2,
+}
+"""How many unit loads of each field a load case holds."""
+
+
+@dataclass(frozen=True)
+class CaseStress:
+    """Von Mises stress of load cases at the nodes of a half throw.
+
+    Attributes:
+        points_mm: nodes, shape (n, 3).
+        von_mises_MPa: shape (cases, n).
+        mirrored: the nodes are those of the half x >= 0.
+    """
+
+    cases: tuple[LoadCase, ...]
+    points_mm: Array
+    von_mises_MPa: Array
+    mirrored: bool
+    element_size_mm: float
+
+    def at(self, points_mm: Array) -> Array:
+        """Stress at points of the surface, MPa, shape (cases, points).
+
+        Mean of the nearest four nodes by the inverse of their distance: a node gives its own value.
+
+        Args:
+            points_mm: shape (points, 3).
+        """
+        from scipy.spatial import cKDTree
+
+        where = np.array(points_mm, dtype=np.float64)
+        if self.mirrored:
+            where[:, 0] = np.abs(where[:, 0])
+        distance, near = cKDTree(self.points_mm).query(where, k=_NEIGHBOURS)
+        weight = 1 / np.maximum(distance, _HAIR_MM)
+        weight /= weight.sum(axis=1, keepdims=True)
+        return np.einsum("cpk,pk->cp", self.von_mises_MPa[:, near], weight)
+
+
+def case_stress(
+    target: Target,
+    cases: Sequence[LoadCase],
+    element_size_mm: float | None = None,
+    progress: Info = lambda _: None,
+) -> CaseStress:
+    """Von Mises stress of a target under load cases, one condensation per symmetry that they need.
+
+    At sharp re-entrant edges it has no limit, and in fillets it needs the finer mesh of
+    `stress_model.solve_stresses`: the largest value depends on the mesh, all but the neighbourhood of such
+    edges does not.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    require_equal_halves(target.scene)
+    size = element_size_mm or default_element_size_mm(target.scene)
+    progress(f"{target.name}: stresses, element size {size:.3g} mm")
+    meshed = mesh_target(target, size)
+    youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
+    model = assemble(meshed.mesh, youngs, poisson)
+    wanted = [kind for kind, factor in UNIT_LOADS.items() if any(factor(case) for case in cases)]
+    fields = unit_fields(model, target.scene, meshed.mesh.mirrored, wanted)
+    share = np.array([[UNIT_LOADS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
+    found = nodal_stress(model, share @ np.stack([f.displacement_mm for f in fields]), youngs, poisson)
+    stress = von_mises(found.nodal_MPa)
+    return CaseStress(tuple(cases), model.nodes_mm.T, stress, meshed.mesh.mirrored, size)

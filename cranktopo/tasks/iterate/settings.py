@@ -8,7 +8,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.refit.fit import usual_limits
 
 _THIN_SHARE = 0.4
 """Least thickness beside a journal over that of the web, by default."""

@@ -14,9 +14,9 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
 from cranktopo.runs.directories import RunStore
 from cranktopo.runs.manifest import file_hash
-from cranktopo.tasks.fea.case_stress import CaseStress, case_stress
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
 
 _FILE = "stress.npz"
 

@@ -45,8 +45,7 @@ from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_op
 from cranktopo.tasks.density.stage import Prepared, describe, iterate, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.fea.level import OPTIMISER
-from cranktopo.tasks.fea.stored_studies import load_study
+from cranktopo.tasks.fea.studies import OPTIMISER, load_study
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal, enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.optimise.result import OptimisedRun

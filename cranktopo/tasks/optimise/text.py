@@ -9,7 +9,7 @@ from cranktopo.report.result_table import terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.result import NoSurface, RunSurface
 from cranktopo.tasks.extraction.text import length_lines, manufacturing_obstacles
-from cranktopo.tasks.fea.verdict_sentence import percent_change, worse_line
+from cranktopo.tasks.fea.quantities import percent_change, worse_line
 from cranktopo.tasks.optimise.result import RunMetrics
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")

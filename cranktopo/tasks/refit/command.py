@@ -39,8 +39,8 @@ def command(
 
     Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """
+    from cranktopo.tasks.refit.page import refit_text
     from cranktopo.tasks.refit.stage import remodel_run
-    from cranktopo.tasks.refit.text import refit_text
 
     data = remodel_run(run, out, limits, not no_evaluation, info)
     click.echo(json.dumps(data.as_json()) if as_json else refit_text(data))

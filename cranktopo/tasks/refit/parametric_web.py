@@ -14,10 +14,8 @@ from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.derivatives import central_difference, complex_step
 from cranktopo.tasks.refit.constraints import outline_rules, part_rules
-from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
-from cranktopo.tasks.refit.dimensions import all_bounds, scene_at, size_rules
-from cranktopo.tasks.refit.family import Layout, flank_of
-from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
+from cranktopo.tasks.refit.family import Layout, all_bounds, flank_of, scene_at, size_rules
+from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, MovedFillet, added_mm, moved_fillet
 from cranktopo.throw.fitted import Axes, Rule
 
 _DIFFERENCE = 1e-6

@@ -13,7 +13,7 @@ from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.tasks.extraction.iso_distance import distances_mm
+from cranktopo.tasks.extraction.cutter import distances_mm
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -31,7 +31,7 @@ from cranktopo.tasks.fea.evaluation import Info, evaluate
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
-from cranktopo.tasks.refit.fit import FittedWeb, fit_web
+from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
 from cranktopo.tasks.refit.page import refit_page
 from cranktopo.tasks.refit.result import (
     FittedParameter,
@@ -43,7 +43,6 @@ from cranktopo.tasks.refit.result import (
     WebMasses,
 )
 from cranktopo.tasks.refit.shape_error import ShapeError, shape_error
-from cranktopo.tasks.refit.usual_size import usual_limits
 
 
 def remodel_run(

@@ -14,7 +14,7 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.evaluation import evaluate
-from cranktopo.tasks.fea.goal_values import goal_values
+from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.free_bores import kept_features

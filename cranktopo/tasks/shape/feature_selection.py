@@ -12,9 +12,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
-from cranktopo.tasks.refit.dimensions import with_free, with_part
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.initial_guess import with_stations
+from cranktopo.tasks.refit.family import Layout, with_free, with_part
+from cranktopo.tasks.refit.search import with_stations
 from cranktopo.tasks.shape.candidate import DOUBT, MINIMUM_GAIN, WebCandidate, doubtful
 from cranktopo.tasks.shape.free_bores import free_bores
 from cranktopo.tasks.shape.pocket_places import pocket_starts

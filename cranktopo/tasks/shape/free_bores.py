@@ -18,8 +18,7 @@ from cranktopo.design.free_dimensions import (
 )
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.tasks.refit.dimensions import free_dimensions, scene_at
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, free_dimensions, scene_at
 from cranktopo.tasks.refit.model_fill import smooth_step
 
 

@@ -33,9 +33,8 @@ from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
 from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
-from cranktopo.tasks.fea.condense import Superelement
+from cranktopo.tasks.fea.condense import Superelement, bending_motion, torsion_motion
 from cranktopo.tasks.fea.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
-from cranktopo.tasks.fea.support_stiffness import bending_motion, torsion_motion
 from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 

@@ -14,9 +14,9 @@ from cranktopo.report.plot import picture
 from cranktopo.report.sections import assumed_tables, origin_rows, pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.tasks.bound.page import bound_sections
-from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import Quantity
+from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.sensitivity_text import dimensions_table, held_table, worst_case_table
 from cranktopo.tasks.shape.text import (

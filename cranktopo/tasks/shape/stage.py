@@ -20,8 +20,7 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers
-from cranktopo.tasks.refit.dimensions import with_free
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.body_fitted import EvaluatedWeb, evaluated_web
