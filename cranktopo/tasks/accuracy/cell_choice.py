@@ -49,7 +49,7 @@ class CellChoice:
 def choose_cells(
     scene: Scene, percent: float | None, budget_s: float | None, measured: StoredStudy | None = None
 ) -> CellChoice:
-    """The coarsest cells for a largest error of the printed stiffnesses, or the finest for a wall time.
+    """Return the coarsest cells for a largest error of the stiffnesses, or the finest for a wall time.
 
     Raises:
         CranktopoError: out of reach of the memory, the budget, or both together.
@@ -95,11 +95,7 @@ def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
 
 
 def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
-    """Usable cell sizes, coarsest first; at least one.
-
-    Raises:
-        CranktopoError: the walls ask for finer cells than there are, or none fit into the memory.
-    """
+    """Return the usable cell sizes, coarsest first; CranktopoError where walls or memory allow none."""
     effects = plan(scene, goal=wanted(scene))
     simulated = simulated_scene(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
@@ -118,7 +114,6 @@ def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
 
 
 def _evaluating_s(todo: ExpectedWork, measured: StoredStudy | None) -> float:
-    """Expected wall time of the body-fitted evaluations, which have elements of the default size."""
     each = expected_seconds(EvaluationMesh(0, graded=True), measured, triangles=True)
     return todo.evaluation_seconds if each is None else todo.evaluations * each
 
@@ -126,11 +121,7 @@ def _evaluating_s(todo: ExpectedWork, measured: StoredStudy | None) -> float:
 def _seconds(
     cells: float, solves: int, todo: ExpectedWork, measured: StoredStudy | None
 ) -> tuple[float, str]:
-    """Expected wall time of the optimiser and what it is taken from.
-
-    Args:
-        solves: load cases times designs of an iteration.
-    """
+    """Return the wall time of the optimiser for load cases times designs of an iteration, and its source."""
     levels = [r for r in measured.levels(OPTIMISER) if r.family == "cells"] if measured else []
     if measured is None or not levels:
         iterations = todo.iterations + todo.more_iterations
@@ -145,7 +136,6 @@ def _seconds(
 
 
 def _timed(level: LevelResult, todo: ExpectedWork) -> tuple[float, float]:
-    """Cells times load cases times designs of a measured level; its seconds with the iterations to come."""
     settings = level.settings
     work = settings["cells"] * settings["load_cases"] * settings.get("designs", 1)  # older studies have one
     return work, level.seconds * (1 + todo.more_iterations / settings["iterations"])

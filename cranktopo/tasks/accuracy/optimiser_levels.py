@@ -54,7 +54,7 @@ class OptimiserModel:
 
 
 def optimiser_models(scene: Scene) -> Sequence[OptimiserModel]:
-    """Cell sizes that double the number of cells; after three of them every other setting at the second.
+    """Return sizes that double the number of cells; after three of them every other setting at the second.
 
     Walls so thin that only the finest cells hold them leave one size or none, and no second one.
     """
@@ -64,7 +64,7 @@ def optimiser_models(scene: Scene) -> Sequence[OptimiserModel]:
 
 
 def cell_sizes(scene: Scene) -> list[float]:
-    """Cell sizes that double the number of cells, coarsest first, from the coarsest that walls allow, mm.
+    """Return sizes that double the number of cells, coarsest first, from the coarsest that walls allow, mm.
 
     The scene's own resolution is one of them where the walls allow it.
     """
@@ -74,7 +74,6 @@ def cell_sizes(scene: Scene) -> list[float]:
 
 
 def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
-    """Return one model for each setting beside the cell size."""
     tight = SolverSettings(tolerance_early=1e-8, tolerance=1e-8)
     double = replace(tight, precision="float64")
     return (
@@ -88,13 +87,7 @@ def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
 
 @dataclass(frozen=True)
 class Optimised:
-    """A finished optimisation.
-
-    Attributes:
-        target: its surface on the disk; None where the density is too grey for one.
-        own: stiffnesses by the optimiser's model.
-        unknowns: degrees of freedom of one solve.
-    """
+    """A finished optimisation; its target is None where the density is too grey for a surface."""
 
     target: Target | None
     own: Assessment

@@ -28,7 +28,6 @@ _KILO = 1000.0
 
 
 def _scaled(name: str) -> Callable[[LevelResult], float | None]:
-    """Return a stiffness in thousands of its unit."""
     return lambda level: None if getattr(level, name) is None else getattr(level, name) / _KILO
 
 
@@ -72,7 +71,7 @@ _COLUMNS: dict[str, tuple[Column[LevelResult], ...]] = {
 }
 
 
-def study_name(study: str) -> str:
+def _study_name(study: str) -> str:
     """Return the name of a study as it is printed."""
     return TITLES.get(study, study)
 
@@ -85,7 +84,7 @@ def level_tables(result: StudyResult) -> list[tuple[str, ResultTable]]:
         if levels:
             efficient = frozenset((row, "level") for row, level in enumerate(levels) if level.efficient)
             table = tabulate((*_COST, *columns), levels, efficient)
-            found.append((study_name(study).capitalize(), table))
+            found.append((_study_name(study).capitalize(), table))
     return found
 
 
@@ -93,7 +92,7 @@ def recommendation_table(result: StudyResult) -> ResultTable:
     """Return the cheapest level of each study for each accuracy."""
     columns: tuple[Column[Recommendation], ...] = (
         Column("accuracy", 0, lambda r: f"{r.accuracy_percent:g} %"),
-        Column("study", 0, lambda r: study_name(r.ladder)),
+        Column("study", 0, lambda r: _study_name(r.ladder)),
         Column("cheapest_level", 0, lambda r: r.rung or "none within this budget"),
         Column("time_s", 1, lambda r: r.seconds),
     )
@@ -105,7 +104,7 @@ def limit_lines(result: StudyResult) -> list[str]:
     lines = []
     for study, limits in result.limits.items():
         values = ", ".join(_limit_text(name, limit) for name, limit in limits.items())
-        lines.append(f"{study_name(study)}, extrapolated: {values or 'nothing, fewer than two levels'}")
+        lines.append(f"{_study_name(study)}, extrapolated: {values or 'nothing, fewer than two levels'}")
     return lines
 
 
@@ -157,7 +156,7 @@ def _draw_fronts(axes: Any, levels: Sequence[LevelResult]) -> None:
         mine = [level for level in levels if level.ladder == study]
         best = sorted((level for level in mine if level.efficient), key=lambda level: level.seconds)
         others = [level for level in mine if not level.efficient]
-        axes.plot(*_points(best), marker, color=colour, ls="-", label=f"{study_name(study)}, Pareto front")
+        axes.plot(*_points(best), marker, color=colour, ls="-", label=f"{_study_name(study)}, Pareto front")
         if others:
             axes.plot(*_points(others), marker, color=colour, mfc="none", ls="")
         for level in best:
@@ -204,7 +203,7 @@ def accuracy_page(result: StudyResult, written: str) -> Page:
         subtitle=f"{machine.processor}, {machine.cores} cores, {written}",
         headline=accuracy_headline(result),
         facts=tuple(
-            Fact(study_name(study).capitalize(), *_cheapest(result, study), "neutral")
+            Fact(_study_name(study).capitalize(), *_cheapest(result, study), "neutral")
             for study in result.limits
         ),
         sections=(
@@ -234,7 +233,6 @@ def accuracy_headline(result: StudyResult) -> str:
 
 
 def _cheapest(result: StudyResult, study: str) -> tuple[str, str]:
-    """Return the most exact recommendation of a study that its budget reached."""
     rows = [r for r in result.recommendations if r.ladder == study and r.rung]
     if not rows:
         return "no accuracy reached", "give it a larger budget"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from cranktopo.base.files import write_json
@@ -39,113 +39,46 @@ _REFERENCES: dict[StudyName, tuple[str, ...]] = {
 """Families that the limit of a study is extrapolated from, the first one that has two levels."""
 
 
-@dataclass(frozen=True)
-class LevelError:
-    """A level with its errors.
+def cheapest(levels: Iterable[LevelResult], study: StudyName, percent: float) -> LevelResult | None:
+    """Return the cheapest level of a study whose error is surely below a percentage."""
 
-    Attributes:
-        errors_percent: of each value against the limit of the study.
-        model_errors_percent: of the optimiser's own stiffnesses against those evaluated of the same shape.
-        orders: observed order of convergence up to this level in its family, by value.
-        error_percent: largest of all errors, without sign; None where there is no limit.
-        uncertainty_percent: of the limit, or of the evaluation of the level's shape where that is larger.
-        efficient: on the Pareto front: no cheaper level of the study has a smaller error.
-    """
+    def fits(found: LevelResult) -> bool:
+        bound = found.bound_percent
+        return found.ladder == study and bound is not None and bound <= percent
 
-    level: Level
-    errors_percent: dict[str, float]
-    model_errors_percent: dict[str, float]
-    orders: dict[str, float | None]
-    error_percent: float | None
-    uncertainty_percent: float | None
-    efficient: bool = False
-
-    @property
-    def bound_percent(self) -> float | None:
-        """Error that the level surely does not exceed: its own plus the uncertainty of the limit."""
-        if self.error_percent is None or self.uncertainty_percent is None:
-            return None
-        return self.error_percent + self.uncertainty_percent
-
-    @property
-    def result(self) -> LevelResult:
-        """The level as an entry of `accuracy --json`."""
-        level = self.level
-        return LevelResult(
-            ladder=level.study,
-            name=level.name,
-            family=level.family,
-            settings=level.settings,
-            unknowns=level.unknowns,
-            seconds=level.seconds,
-            compile_seconds=level.compile_seconds,
-            peak_memory_MiB=level.peak_memory_MiB,
-            **level.values,
-            model=level.model,
-            errors_percent=self.errors_percent,
-            model_errors_percent=self.model_errors_percent,
-            orders=self.orders,
-            error_percent=self.error_percent,
-            uncertainty_percent=self.uncertainty_percent,
-            efficient=self.efficient,
-        )
+    return min(filter(fits, levels), key=lambda found: found.seconds, default=None)
 
 
-@dataclass(frozen=True)
-class ParetoFront:
-    """What each accuracy costs on a design: extrapolated limits by study and value, levels with errors."""
-
-    study: Study
-    limits: dict[StudyName, dict[str, Extrapolation]]
-    levels: tuple[LevelError, ...]
-
-    def cheapest(self, study: StudyName, percent: float) -> LevelError | None:
-        """Return the cheapest level of a study whose error is surely below a percentage."""
-
-        def fits(found: LevelError) -> bool:
-            bound = found.bound_percent
-            return found.level.study == study and bound is not None and bound <= percent
-
-        return min(filter(fits, self.levels), key=lambda found: found.level.seconds, default=None)
-
-    @property
-    def result(self) -> StudyResult:
-        """What `accuracy --json` prints, but for what the design does not say."""
-        study = self.study
-        return StudyResult(
-            design=study.design,
-            budget_s=study.budget_s,
-            spent_s=study.spent_s,
-            interrupted=study.interrupted,
-            machine=study.machine,
-            limits=self.limits,
-            rungs=[found.result for found in self.levels],
-            recommendations=[
-                self._recommendation(name, percent) for name in self.limits for percent in _WANTED_PERCENT
-            ],
-            failures=list(study.failures),
-        )
-
-    def _recommendation(self, study: StudyName, percent: float) -> Recommendation:
-        found = self.cheapest(study, percent)
-        return Recommendation(
-            ladder=study,
-            accuracy_percent=percent,
-            rung=found.level.name if found else None,
-            seconds=found.level.seconds if found else None,
-        )
-
-
-def pareto_front(study: Study) -> ParetoFront:
-    """Errors, orders and the efficient levels of a study."""
+def pareto_front(study: Study) -> StudyResult:
+    """Return errors, orders and the efficient levels of a study, and what each accuracy costs."""
     limits: dict[StudyName, dict[str, Extrapolation]] = {}
-    found: list[LevelError] = []
+    found: list[LevelResult] = []
     for name in _REFERENCES:
         levels = [level for level in study.levels if level.study == name]
         if levels:
             limits[name] = _limits(name, levels)
-            found += _marked([_level_error(level, levels, limits[name]) for level in levels])
-    return ParetoFront(study, limits, tuple(found))
+            found += _marked([_level_result(level, levels, limits[name]) for level in levels])
+    return StudyResult(
+        design=study.design,
+        budget_s=study.budget_s,
+        spent_s=study.spent_s,
+        interrupted=study.interrupted,
+        machine=study.machine,
+        limits=limits,
+        rungs=found,
+        recommendations=[_recommendation(found, name, p) for name in limits for p in _WANTED_PERCENT],
+        failures=list(study.failures),
+    )
+
+
+def _recommendation(levels: Sequence[LevelResult], study: StudyName, percent: float) -> Recommendation:
+    found = cheapest(levels, study, percent)
+    return Recommendation(
+        ladder=study,
+        accuracy_percent=percent,
+        rung=found and found.name,
+        seconds=found and found.seconds,
+    )
 
 
 def _limits(study: StudyName, levels: Sequence[Level]) -> dict[str, Extrapolation]:
@@ -159,24 +92,35 @@ def _limits(study: StudyName, levels: Sequence[Level]) -> dict[str, Extrapolatio
 
 
 def _family(levels: Sequence[Level], family: str) -> list[Level]:
-    """Levels of a family that gave a value, coarsest first."""
     return sorted((r for r in levels if r.family == family and r.values), key=lambda r: -r.size_mm)
 
 
-def _level_error(level: Level, levels: Sequence[Level], limits: dict[str, Extrapolation]) -> LevelError:
-    errors = {name: limits[name].error_percent(v) for name, v in level.values.items() if name in limits}
-    own = {
-        name: 100 * (value / level.values[name] - 1)
-        for name, value in level.model.items()
-        if name in level.values
-    }
-    largest = max(abs(error) for error in (*errors.values(), *own.values())) if errors else None
+def _level_result(level: Level, levels: Sequence[Level], limits: dict[str, Extrapolation]) -> LevelResult:
+    values = level.values
+    errors = {name: limits[name].error_percent(v) for name, v in values.items() if name in limits}
+    own = {name: 100 * (v / values[name] - 1) for name, v in level.model.items() if name in values}
     bands = [max(limits[name].uncertainty_percent, level.band_percent) for name in errors]
-    return LevelError(level, errors, own, _orders(level, levels), largest, max(bands, default=None))
+    return LevelResult(
+        ladder=level.study,
+        name=level.name,
+        family=level.family,
+        settings=level.settings,
+        unknowns=level.unknowns,
+        seconds=level.seconds,
+        compile_seconds=level.compile_seconds,
+        peak_memory_MiB=level.peak_memory_MiB,
+        **values,
+        model=level.model,
+        errors_percent=errors,
+        model_errors_percent=own,
+        orders=_orders(level, levels),
+        error_percent=max(abs(error) for error in (*errors.values(), *own.values())) if errors else None,
+        uncertainty_percent=max(bands, default=None),
+        efficient=False,
+    )
 
 
 def _orders(level: Level, levels: Sequence[Level]) -> dict[str, float | None]:
-    """Observed orders over a level and the two coarser ones of its family."""
     row = [r for r in _family(levels, level.family) if r.size_mm >= level.size_mm][-3:]
     if len(row) < 3 or not level.values:
         return {}
@@ -184,18 +128,18 @@ def _orders(level: Level, levels: Sequence[Level]) -> dict[str, float | None]:
     return {name: observed_order(sizes, [r.values[name] for r in row]) for name in level.values}
 
 
-def _marked(found: list[LevelError]) -> list[LevelError]:
-    """Return the same levels, the efficient ones marked."""
+def _marked(found: list[LevelResult]) -> list[LevelResult]:
+    """Mark the levels on the Pareto front: no cheaper one has a smaller error."""
 
-    def dominated(this: LevelError) -> bool:
+    def dominated(this: LevelResult) -> bool:
         return this.error_percent is None or any(
-            other.level.seconds < this.level.seconds
+            other.seconds < this.seconds
             and other.error_percent is not None
             and other.error_percent <= this.error_percent
             for other in found
         )
 
-    return [replace(this, efficient=not dominated(this)) for this in found]
+    return [this.model_copy(update={"efficient": not dominated(this)}) for this in found]
 
 
 BUDGET_S = 120.0
@@ -217,12 +161,9 @@ def study_accuracy(
     design: str | None = None,
     info: Callable[[str], None] = lambda _: None,
 ) -> AccuracyStudy:
-    """Error against seconds, from cheap levels to exact ones, until the time is used; Ctrl-C ends it early.
+    """Return error against seconds, from cheap levels to exact ones, until the time is used or Ctrl-C.
 
-    Args:
-        target: a design, a run or a surface file.
-        out: folder for JSON, Markdown and PNG; by default runs/accuracy-DESIGN, or the run itself.
-        design: design for the journals and material of an STL or STEP file.
+    Writes JSON, Markdown and PNG to `out`, by default runs/accuracy-DESIGN, or the run itself.
 
     Raises:
         CranktopoError: no such target, or a folder that cannot be written.
@@ -231,7 +172,7 @@ def study_accuracy(
     folder = out or _folder(resolved)
     check_folder(folder)
     print_assumed([resolved], EVALUATED, info)
-    result = pareto_front(run_studies(resolved, budget_s, info)).result
+    result = pareto_front(run_studies(resolved, budget_s, info))
     kept = store_study(key_of(resolved), result)
     result = result.model_copy(update={"assumed": list(filter_by_table(resolved.assumed, EVALUATED))})
     return AccuracyStudy(result, _write(result, folder), kept)

@@ -29,14 +29,14 @@ from cranktopo.tasks.fea.studies import (
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import UNIT_LOADS
 
-FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
+_FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
 """Element sizes in the fillets over their radius; the rule IACS UR M53 asks for 0.25 at most."""
 _COST_POWER = 1.8
 """Growth of a mesh's cost with the fineness of its fillets (`python -m tests.benchmarks.fatigue_mesh`)."""
 
 
-def stress_levels(target: Target) -> list[PlannedLevel]:
-    """Levels of a target, cheapest first; none where it has sharp fillets or the scene asks for no stress."""
+def _stress_levels(target: Target) -> list[PlannedLevel]:
+    """Return levels, cheapest first; none with sharp fillets or where the scene asks for no stress."""
     if not _calls_for_stress(target):
         return []
 
@@ -45,7 +45,7 @@ def stress_levels(target: Target) -> list[PlannedLevel]:
             f"{fraction:g} of the radius", fraction**-_COST_POWER, lambda: _solve(target, fraction)
         )
 
-    return [planned(fraction) for fraction in FRACTIONS]
+    return [planned(fraction) for fraction in _FRACTIONS]
 
 
 def _calls_for_stress(target: Target) -> bool:
@@ -55,7 +55,6 @@ def _calls_for_stress(target: Target) -> bool:
 
 
 def _factors(scene: Scene) -> Mapping[str, float]:
-    """Factor of the unit loads (1 N on the pin, 1 N mm) in the load cases of the scene."""
     cases = load_cases(scene, plan(scene).enabled)
     return {case.kind: UNIT_LOADS[case.kind](case) for case in cases if case.kind in ("bending", "torsion")}
 
@@ -101,7 +100,7 @@ class Study:
 def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
     """Return the studies that a target calls for; a surface file has only that of the evaluation."""
     found: dict[StudyName, list[PlannedLevel]] = {EVALUATION: evaluation_levels(target)}
-    found[FILLET_STRESS] = stress_levels(target)
+    found[FILLET_STRESS] = _stress_levels(target)
     if target.file is None and target.scene.envelope is not None and not difference(target.scene):
         from cranktopo.tasks.accuracy.optimiser_levels import optimiser_levels
 
@@ -141,7 +140,6 @@ def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None
 
 
 def _left_out(target: Target) -> list[str]:
-    """Return a sentence where the halves of a throw differ."""
     key = difference(target.scene)
     return [f"{TITLES[OPTIMISER]}: models half of a throw, and {key} makes its halves differ"] if key else []
 

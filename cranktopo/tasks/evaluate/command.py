@@ -88,7 +88,6 @@ def command(
 
 
 def _worth(targets: Sequence[str], element_size_mm: float | None, web: WebName | None) -> list[Sensitivities]:
-    """Return what a millimetre is worth in each target; the search that it needs is loaded only here."""
     from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
 
     return [evaluate_sensitivities(target, element_size_mm, info, web) for target in targets]

@@ -23,13 +23,7 @@ _VOLUME_TOLERANCE_PERCENT = 0.5
 
 @dataclass(frozen=True)
 class SurfaceReport:
-    """Measured values of a surface that passed.
-
-    Attributes:
-        bodies: outer shells.
-        cavities: inner shells (closed hollows).
-        web_volume_error_percent: against the volume of the density, with sign.
-    """
+    """Measured values of a surface that passed; the volume error is against the density, with sign."""
 
     vertices: int
     faces: int
@@ -42,9 +36,6 @@ class SurfaceReport:
 
 def check_surface(surface: WebSurface) -> SurfaceReport:
     """Check that the surface is one sound body with the volume of the density.
-
-    Returns:
-        The measured values.
 
     Raises:
         CranktopoError: first check that fails, with code CRITERION_NOT_MET.
@@ -83,7 +74,6 @@ class CheckedSurface:
 
     Attributes:
         grid: physical density of the web's cells.
-        usable: part of each cell that can hold material.
         smooth: filtered density.
     """
 
@@ -119,11 +109,9 @@ def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> Check
 
 
 def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array, Array]:
-    """Return the fields of the web's cells over the full width, for the surface.
+    """Return the web's density over the full width, the usable part of each cell, and the filtered density.
 
-    Returns:
-        Physical density, the part of each cell that can hold material, and the filtered density. Journals
-        that go on through a clearance count as solid.
+    Journals that go on through a clearance count as solid.
     """
     first, last = domain.web_layers
     fixed, free = domain.passive_fraction[:, :, first:last], domain.design_fraction[:, :, first:last]

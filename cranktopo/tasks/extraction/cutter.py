@@ -37,12 +37,7 @@ from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, resample
 def released(
     field: Array, first_mm: Array, spacing_mm: Array, usable: NDArray[np.bool_], scene: Scene
 ) -> Array:
-    """Return the least field above a given one that its process can make.
-
-    Args:
-        field: (nx, ny, nz) on a lattice whose first point is at `first_mm`.
-        usable: points that can hold material; the others are no obstacle.
-    """
+    """Return the least field above a given one that its process can make; unusable points are no obstacle."""
     way = withdrawal_of(scene)
     if way.parting_mm is not None:
         return _by_die(field, first_mm, spacing_mm, way, scene)
@@ -54,7 +49,6 @@ def released(
 
 
 def _journal_sections(field: Array, first_mm: Array, spacing_mm: Array, scene: Scene) -> tuple[Array, Array]:
-    """Return the layers beyond both faces: 1 where a journal stands."""
     x, y = (first_mm[axis] + spacing_mm[axis] * np.arange(field.shape[axis]) for axis in (X, Y))
     main, pin = (
         (np.hypot(x[:, None], y[None, :] - centre) < journal.radius_mm).astype(np.float64)[:, :, None]
@@ -82,7 +76,6 @@ def _by_die(field: Array, first_mm: Array, spacing_mm: Array, way: Withdrawal, s
 
 
 def _closed_along(solid: Array, axis: int, spacing_mm: Array, scene: Scene) -> Array:
-    """Return what both ways along an axis leave."""
     moved, draft_slope = np.moveaxis(solid, axis, 0), _draft_slope(spacing_mm, axis, scene)
     both = np.minimum(closed(moved, draft_slope), closed(moved[::-1], draft_slope)[::-1])
     return np.moveaxis(both, 0, axis)
@@ -145,9 +138,7 @@ class Cutter:
         """Return the web at an iso-value.
 
         Args:
-            iso: iso-value, 0 < iso < 1.
             rough_mm: places (n, 3) around which the surface is not smoothed.
-            smoothed: False leaves the iso-surface as marching cubes find it.
             on_mirror_mm: points nearer to x = 0 are put on it where the web is its own mirror image.
         """
         solid = iso_solid(field, iso, SIMPLIFY_MM, rough_mm) if smoothed else unsmoothed_solid(field, iso)
@@ -195,9 +186,6 @@ def fine_field(
 def find_iso(volume_at: Callable[[float], float], target_mm3: float) -> float:
     """Return the iso-value that encloses the target volume: secant steps inside a bisection bracket.
 
-    Args:
-        volume_at: volume (mm3) at an iso-value; it falls as the iso-value grows.
-
     Raises:
         CranktopoError: the volume jumps far past the target, as it does for a grey or uniform density.
     """
@@ -232,13 +220,10 @@ _MOST_POINTS = 20000
 
 
 def iso_surface_distances_mm(cutter: Cutter, field: FineField, iso: float, web: SurfaceMesh) -> Array:
-    """Return the distances from an iso-surface, before any smoothing, to the surface of a web.
+    """Return the distances from an iso-surface, before any smoothing, to the surface of a web, (n,), mm.
 
     Only its points inside the envelope and outside bores and journals count: elsewhere the exact solids make
-    the surface.
-
-    Returns:
-        One distance per point, (n,), mm; at most 20 000 points, evenly chosen.
+    the surface. At most 20 000 points, evenly chosen.
     """
     raw = unsmoothed_solid(field, iso)
     # Booleans keep the vertices they do not remove: those that are left bound the web.
@@ -249,10 +234,9 @@ def iso_surface_distances_mm(cutter: Cutter, field: FineField, iso: float, web: 
 
 
 def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
-    """Return the distance of points to a surface: to the nearest of the facets around, cut small before.
+    """Return the distance of points to the nearest of the facets around, cut small before, (n,), mm.
 
-    Returns:
-        (n,), mm; an upper bound, sharp where facets are regular.
+    An upper bound, sharp where facets are regular.
     """
     import trimesh
     from scipy.spatial import cKDTree

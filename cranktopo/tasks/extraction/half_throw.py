@@ -77,16 +77,8 @@ WAYS = (
 
 
 @dataclass(frozen=True)
-class SoundThrow:
-    """The half throw of one way.
-
-    Attributes:
-        body: the piece that joins both journals.
-        mesh: its surface, as it is written.
-        islands: pieces that hang on nothing.
-        iso: iso-value of its field.
-        way: how it was reached.
-    """
+class _SoundThrow:
+    """The half throw of one way: the piece that joins both journals, its surface, what hangs on nothing."""
 
     body: Manifold
     mesh: SurfaceMesh
@@ -96,14 +88,8 @@ class SoundThrow:
 
 
 @dataclass(frozen=True)
-class Field:
-    """Density and settings that a surface is extracted from.
-
-    Attributes:
-        field: the resampled density.
-        iso: iso-value of the usual way.
-        target_mm3: volume of the web by the density.
-    """
+class _Field:
+    """What a surface is extracted from; `iso` is that of the usual way, `target_mm3` by the density."""
 
     cutter: Cutter
     field: FineField
@@ -112,7 +98,7 @@ class Field:
     scene: Scene
 
 
-def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scene) -> SoundThrow:
+def _sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scene) -> _SoundThrow:
     """Return the half throw by the first way that leads to a sound surface.
 
     Where none does, that of the usual way is returned, and the checks refuse it.
@@ -121,7 +107,7 @@ def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scen
         CranktopoError: no iso-value with that volume, or journal and pin not connected.
     """
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target_mm3)
-    source = Field(cutter, field, iso, target_mm3, scene)
+    source = _Field(cutter, field, iso, target_mm3, scene)
     first, places = _by(_USUAL, source, np.zeros((0, 3)))
     if places is None:
         return first
@@ -139,7 +125,7 @@ def sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Scen
     return first
 
 
-def _by(way: ExtractionMethod, source: Field, rough: Array) -> tuple[SoundThrow, Array | None]:
+def _by(way: ExtractionMethod, source: _Field, rough: Array) -> tuple[_SoundThrow, Array | None]:
     """Return the throw of a way; None where it is sound, else the places where it passes through itself."""
     cutter, field, iso = source.cutter, source.field, source.iso
     if way.blur:
@@ -149,7 +135,7 @@ def _by(way: ExtractionMethod, source: Field, rough: Array) -> tuple[SoundThrow,
     for sliver_mm in SLIVERS_MM:
         body, islands = _keep_throw(web, source.scene, sliver_mm)
         mesh = sound_mesh_of(body, sliver_mm)
-        found, places = SoundThrow(body, mesh, islands, iso + way.shift, way), np.zeros((0, 3))
+        found, places = _SoundThrow(body, mesh, islands, iso + way.shift, way), np.zeros((0, 3))
         if not manifold_fault(mesh):
             places = self_intersections_mm(mesh)
             if not len(places):
@@ -163,7 +149,7 @@ def _web(
     return cutter.web(field, iso, rough, way.smoothed, way.on_mirror_mm)
 
 
-def _near(found: SoundThrow, source: Field) -> bool:
+def _near(found: _SoundThrow, source: _Field) -> bool:
     """Tell whether a throw has the volume of the density, islands counted, and lies near its iso-surface."""
     web = web_region(found.body, source.scene)
     volume = web.volume() + sum(piece.volume() for piece in found.islands)
@@ -193,7 +179,6 @@ def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold
 
 
 def _joins(piece: Manifold, scene: Scene) -> bool:
-    """Tell whether a piece reaches both cut planes, which only the journals do."""
     bounds = piece.bounding_box()
     return bool(bounds[2] < 1e-6 and bounds[5] > scene.pitch_mm / 2 - 1e-6)
 
@@ -212,12 +197,8 @@ class WebSurface:
     Attributes:
         half_throw: web with both journal halves, bores removed.
         web: the part between the web faces.
-        iso_value: density at the surface.
         target_volume_mm3: volume of the web by the density.
         volume_mm3: volume of the web by its surface, islands left out.
-        dropped_islands: pieces that hung on nothing and were left out.
-        dropped_volume_mm3: their volume.
-        cavities: closed hollows inside the half throw.
         x_symmetric: the surface is its own mirror image in x = 0, by construction.
         fallback: what was done because the usual surface was not sound, as in `WAYS`; empty where it was.
     """
@@ -253,9 +234,6 @@ def extract_half_throw(
             before its projection: a projected density steps from cell to cell, and the steps would show.
             The volume stays that of the density, which is taken for both by default.
 
-    Returns:
-        Surface in mm, coordinates rounded to single precision as the binary STL holds them.
-
     Raises:
         CranktopoError: empty density, no iso-value with that volume, journal and pin not connected, or a
             grid that does not span the web.
@@ -263,7 +241,7 @@ def extract_half_throw(
     target = _target(grid, scene, solid_fraction)
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
-    throw = sound_throw(cutter, field, target, scene)
+    throw = _sound_throw(cutter, field, target, scene)
     web = web_region(throw.body, scene)
     return WebSurface(
         half_throw=throw.mesh,

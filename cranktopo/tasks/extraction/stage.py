@@ -70,7 +70,6 @@ def extract_surface(
 
 
 def _checked(run: RunStore, iteration: int | None) -> tuple[Scene, int, CheckedSurface]:
-    """Return the scene of a run as it was simulated, and the number and surface of one of its designs."""
     scene = planned_scene(design_from_run(run))
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
@@ -135,14 +134,7 @@ def iso_distance_mm(
     solid_fraction: Array | None = None,
     smooth: Array | None = None,
 ) -> Array:
-    """Return distances from the unsmoothed iso-surface of the resampled density to the final surface.
-
-    Only its points inside the envelope and outside bores and journals count: elsewhere the exact solids make
-    the surface.
-
-    Returns:
-        One distance per point, (n,), mm; at most 20 000 points, evenly chosen.
-    """
+    """Return distances from the unsmoothed iso-surface to the final one, as `iso_surface_distances_mm`."""
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     return iso_surface_distances_mm(cutter, field, surface.iso_value, surface.web)

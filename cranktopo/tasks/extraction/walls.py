@@ -36,13 +36,7 @@ rounding of an edge do not decide."""
 
 @dataclass(frozen=True)
 class Walls:
-    """Points evenly spread over walls.
-
-    Attributes:
-        points_mm: (n, 3).
-        normals: unit normals, out of the solid (n, 3).
-        areas_mm2: area that each stands for (n,).
-    """
+    """Points (n, 3) evenly spread over walls, unit normals out of the solid, areas that each stands for."""
 
     points_mm: Array
     normals: Array
@@ -73,7 +67,7 @@ def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
     return Walls(corners.mean(axis=1)[sound], doubled[sound] / size[sound, None], size[sound] / 2)
 
 
-def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
+def _shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
     """Return the walls between the web's faces that neither envelope nor bores nor journals bound."""
     start, end = scene.web_z_mm
     x, y, z = walls.points_mm.T
@@ -143,7 +137,7 @@ def measure(
     edge is rounded; of a mill or of a free web there is none.
     """
     body = walls_of(half_throw, cell_mm)
-    walls = shaped(body, envelope, scene)
+    walls = _shaped(body, envelope, scene)
     way = withdrawal_of(scene)
     drafted = walls.where(from_parting_mm(walls, way) > _PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
@@ -159,13 +153,7 @@ def measure(
 
 
 def members_mm(walls: Walls, body: Walls) -> Array:
-    """Return the thickness of the member behind each wall: the diameter of the ball that fits inside it, mm.
-
-    Args:
-        body: the whole surface that bounds the ball.
-
-    Returns:
-        (n,), infinite where no wall lies opposite.
+    """Return the thickness behind each wall, mm: the diameter of the ball that fits inside, else infinite.
 
     Source: J. Ma, S. W. Bae, S. Choi, 3D medial axis point approximation using nearest neighbors and the
     normal field, The Visual Computer 28, 2012.
@@ -190,7 +178,7 @@ def _balls_mm(walls: Walls, side: float, body: Walls) -> Array:
 
 
 def _shrink(radius: Array, opposite: Array, walls: Walls, side: float, body: Walls) -> None:
-    """Shrink balls, in place, until they hold no point of a body.
+    """Shrink balls in place until they hold no point of a body.
 
     Args:
         opposite: radius with which each ball last touched a wall that faces its own.

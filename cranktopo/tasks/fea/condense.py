@@ -28,7 +28,7 @@ from cranktopo.numerics.tetrahedra.linear_solve import RESIDUAL_LIMIT, symmetric
 Lateral = Literal["even", "odd", "none"]
 
 UX, UY, UZ, RX, RY, RZ = range(6)
-EVEN, ODD = (UY, UZ, RX), (UX, RY, RZ)
+_EVEN, _ODD = (UY, UZ, RX), (UX, RY, RZ)
 _PLANE_MM = 1e-6
 _STRESS_FREE = 1e-9
 """Relative displacement of a held plane below which a motion of the whole body leaves it where it is."""
@@ -51,9 +51,6 @@ class Superelement:
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         extra_loads: section forces of the half throw that answer the further loads, shape (m, k).
-        held: unknowns at zero, or moved with the section.
-        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
-            matrix is factorised already.
         copies: how many of what is modelled make the throw: 2 half throws, or 1 whole one.
     """
 
@@ -89,15 +86,13 @@ def condense(
     """Condense the half or whole throw to the motions of its rigid sections.
 
     Args:
-        model: half or whole throw, or its half x >= 0 when lateral is not "none".
         extra_loads: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
-        residual: largest accepted relative residual of a solve.
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
     """
-    motions = {"even": EVEN, "odd": ODD, "none": tuple(range(6))}[lateral]
+    motions = {"even": _EVEN, "odd": _ODD, "none": tuple(range(6))}[lateral]
     sections, held = _constraints(model, scene, span, lateral)
     rigid = np.hstack([section_motions(model.nodes_mm, section)[:, motions] for section in sections])
     free = np.setdiff1d(np.arange(model.nodes_mm.size), held)
@@ -135,13 +130,12 @@ def condense(
 
 
 def loaded_mm(scene: Scene, whole: bool) -> tuple[float, float]:
-    """Heights between which the crankpin carries its load, in a model of the half or the whole throw."""
+    """Return the heights between which the crankpin carries its load in the half or the whole throw."""
     start = scene.web_z_mm[1]
     return (start, scene.pitch_mm - halves(scene)[1].web_z_mm[1]) if whole else (start, math.inf)
 
 
 def _solver(model: Elasticity, free: NDArray[np.intp], residual: float) -> Callable[[Array], Array]:
-    """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
     stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
     inner = symmetric_solver(stiffness, prolongation, residual=residual)
@@ -155,7 +149,7 @@ def _solver(model: Elasticity, free: NDArray[np.intp], residual: float) -> Calla
 
 
 def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
-    """The six rigid motions of a section across z about its own centre, (unknowns, 6), from nodes (3, n)."""
+    """Return the six rigid motions of a section across z about its own centre, (unknowns, 6)."""
     x, y = nodes_mm[0, section], nodes_mm[1, section]
     motions = np.zeros((nodes_mm.size, 6))
     for axis in range(3):
@@ -170,12 +164,7 @@ def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
 def _stress_free(
     nodes_mm: Array, motions: tuple[int, ...], section: NDArray[np.intp], held: NDArray[np.intp]
 ) -> tuple[Array, Array]:
-    """What of the unit motions moves the body as a whole, which needs no solve, and the axes of the rest.
-
-    Returns:
-        Displacements of the unit motions' whole-body part, shape (unknowns, m); orthonormal axes of the rest
-        among the motions, shape (m, rest).
-    """
+    """Split unit motions into those of the whole body, (unknowns, m), and axes of the rest, (m, rest)."""
     body = _body_motions(nodes_mm)[:, motions]
     own = (3 * section[:, None] + np.arange(3)).ravel()
     _, sizes, axes = np.linalg.svd(body[np.setdiff1d(held, own)], full_matrices=False)
@@ -184,18 +173,14 @@ def _stress_free(
 
 
 def _body_motions(nodes_mm: Array) -> Array:
-    """The six rigid motions of the whole body about the origin, shape (unknowns, 6), from nodes (3, n)."""
+    """Return the six rigid motions of the whole body about the origin, (unknowns, 6)."""
     body = section_motions(nodes_mm, np.arange(nodes_mm.shape[1]))
     body[1::3, RX], body[::3, RY] = -nodes_mm[2], nodes_mm[2]
     return body
 
 
 def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> tuple[Array, Array]:
-    """As `_stress_free` for the sections of a whole throw, which as one body moves in every way.
-
-    Args:
-        motions: those of the near section; the far one has the same.
-    """
+    """As `_stress_free` for the sections of a whole throw, which as one body moves in every way."""
     far = np.eye(6)
     far[UY, RX], far[UX, RY] = -pitch_mm, pitch_mm
     together = np.vstack([np.eye(len(motions)), far[np.ix_(motions, motions)]])
@@ -205,11 +190,7 @@ def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> t
 
 
 def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.intp]:
-    """Numbers of the nodes, (3, n), on a coordinate plane; axis 0, 1, 2 is across x, y, z.
-
-    Raises:
-        CranktopoError: none there.
-    """
+    """Return the nodes, of (3, n), on the plane across an axis; CranktopoError where there are none."""
     found = np.nonzero(np.abs(nodes_mm[axis] - position_mm) < _PLANE_MM)[0]
     if found.size == 0:
         raise CranktopoError(
@@ -223,7 +204,6 @@ def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.in
 def _constraints(
     model: Elasticity, scene: Scene, span: Span, lateral: Lateral
 ) -> tuple[list[NDArray[np.intp]], NDArray[np.intp]]:
-    """Nodes of each section, and all unknowns that are not free."""
     ends = (0.0, scene.pitch_mm) if span == "whole" else (0.0,)
     sections = [plane_nodes(model.nodes_mm, 2, z) for z in ends]
     held = [(3 * section[:, None] + np.arange(3)).ravel() for section in sections]
@@ -265,7 +245,6 @@ def torsional_stiffness_Nm_per_rad(
 
     Args:
         block: antisymmetric or whole block holding ux, ry, rz (and more).
-        support: "free" to translate and tilt, "held" against both, "spring" radial springs.
     """
     twist = torque_ends(block) @ torsion_motion(block, support, spring_N_per_mm)
     return 1.0 / (block.copies * float(twist)) / NMM_PER_NM
@@ -287,7 +266,6 @@ def bending_stiffness_N_per_mm(
 
     Args:
         block: symmetric or whole block holding uy, uz, rx (and more).
-        support: "pinned" section centre, "clamped" (no tilt either), or "spring" radial springs.
     """
     motion = bending_motion(block, block.load, support, spring_N_per_mm)
     return block.copies / (block.load_compliance + float(block.load @ motion))
@@ -296,11 +274,7 @@ def bending_stiffness_N_per_mm(
 def torsion_motion(
     block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0, force: Array | None = None
 ) -> Array:
-    """Section motion under section forces, shape (m,), mm and rad.
-
-    Args:
-        force: on the section of the half throw, shape (m,), N and N mm; by default `torque_ends`.
-    """
+    """Section motion under section forces, shape (m,), mm and rad."""
     force = torque_ends(block) if force is None else force
     return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), force)
 
@@ -316,7 +290,6 @@ def bending_motion(
     """Section motion under section forces, shape (m,), mm and rad.
 
     Args:
-        force: on the section of the half throw, shape (m,), N and N mm.
         turning: whether the section may turn about the crank axis; a tangential force needs a torque there.
     """
     released = _BENDING[support] - (frozenset() if turning else {RZ})

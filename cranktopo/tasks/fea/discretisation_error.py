@@ -34,7 +34,7 @@ from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.tasks.fea.condense import Superelement, loaded_mm
 from cranktopo.tasks.fea.node_gradients import chunks, section_slopes, shape_slopes, work_slopes
 
-EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 """Corners of the edges and faces of a tetrahedron, in the order of scikit-fem."""
 _CHUNK = 4000
@@ -43,24 +43,17 @@ _QUADRATURE = 4
 _CORNER_SLOPES = np.vstack([-np.ones(3), np.eye(3)])
 
 
-def hierarchical_estimator(
+def _hierarchical_estimator(
     model: Elasticity,
     blocks: Sequence[Superelement],
     youngs_MPa: float,
     poisson: float,
     pin_mm: tuple[float, float],
 ) -> list[Array]:
-    """Energy that the fields of condensed blocks miss, as a quadratic form over their amplitudes.
+    """Return the energy that the fields of condensed blocks miss, as a quadratic form over their amplitudes.
 
     Twice the energy of the half or whole throw that motions q and a mean pin load f on the model miss is
-    (q, f) G (q, f).
-
-    Args:
-        blocks: condensed from this model.
-        pin_mm: heights between which the material carries the pin load.
-
-    Returns:
-        G per block, shape (m, m), or (m + 1, m + 1) where the block has a load field.
+    (q, f) G (q, f): one G per block, (m, m), or (m + 1, m + 1) where the block has a load field.
     """
     fields = [block.fields for block in blocks]
     residual, stiffness = _residual(model, np.hstack(fields), youngs_MPa, poisson)
@@ -84,11 +77,7 @@ def _answered(residual: Array, stiffness: Array, held: NDArray[np.bool_]) -> Arr
 
 
 def _residual(model: Elasticity, fields: Array, youngs: float, poisson: float) -> tuple[Array, Array]:
-    """Minus the inner forces of fields on the cubic functions, and each function's own stiffness.
-
-    Returns:
-        Shapes (functions, 3, fields) and (functions, 3, 3).
-    """
+    """Return minus the forces of fields on the cubic functions, (functions, 3, fields), and the stiffness."""
     count, middle = model.mesh.nelements, model.mesh.nelements // 2
     part = partial(_part, model, fields, youngs, poisson)
     (force, own), (more_force, more) = side_by_side(lambda: part(0, middle), lambda: part(middle, count))
@@ -98,7 +87,6 @@ def _residual(model: Elasticity, fields: Array, youngs: float, poisson: float) -
 def _part(
     model: Elasticity, fields: Array, youngs: float, poisson: float, first: int, end: int
 ) -> tuple[Array, Array]:
-    """Return what the elements from the first to before the end add to `_residual`."""
     from skfem import Basis, ElementTetP2
 
     count = model.mesh.nedges + model.mesh.nfacets
@@ -119,11 +107,7 @@ def _part(
 
 
 def _stress(basis: Any, nodal: Array, lame: float, shear: float) -> Array:
-    """Stress of fields at the quadrature points, shape (fields, elements, points, 3, 3).
-
-    Args:
-        nodal: displacements of each element's nodes, shape (10, elements, 3, fields).
-    """
+    """Return the stress of fields at the quadrature points, (fields, elements, points, 3, 3)."""
     shapes = np.stack([phi[0].grad for phi in basis.basis])
     slope = np.einsum("nieq,neak->keqai", shapes, nodal, optimize=True)
     stress = shear * (slope + slope.swapaxes(3, 4))
@@ -142,13 +126,12 @@ def _functions(model: Elasticity, basis: Any) -> tuple[NDArray[np.intp], Array]:
     numbers = np.vstack([mesh.t2e[:, elements], mesh.nedges + mesh.t2f[:, elements]])
     corners = mesh.t[:, elements]
     signs = np.ones(numbers.shape)
-    for function, (a, b) in enumerate(EDGES):
+    for function, (a, b) in enumerate(_EDGES):
         signs[function] = np.where(corners[a] < corners[b], 1.0, -1.0)
     return numbers, signs
 
 
 def _slopes(model: Elasticity, basis: Any) -> Array:
-    """Gradients of the cubic functions at the quadrature points, shape (10, elements, points, 3)."""
     inverse = basis.mapping.invDF(basis.X, tind=basis.tind)
     signs = _functions(model, basis)[1][:, :, None, None]
     found = np.einsum("jieq,njq->neqi", inverse, _reference_slopes(basis.X), optimize=True)
@@ -158,15 +141,14 @@ def _slopes(model: Elasticity, basis: Any) -> Array:
 def _reference_values(points: Array) -> Array:
     """Cubic functions at points (3, q) of the reference tetrahedron: a b (a - b) on edges, a b c on faces."""
     corner = np.vstack([1 - points.sum(axis=0), points])
-    edges = [corner[a] * corner[b] * (corner[a] - corner[b]) for a, b in EDGES]
+    edges = [corner[a] * corner[b] * (corner[a] - corner[b]) for a, b in _EDGES]
     return np.stack([*edges, *(corner[a] * corner[b] * corner[c] for a, b, c in FACES)])
 
 
 def _reference_slopes(points: Array) -> Array:
-    """Gradients of the cubic functions at points (3, q) of the reference tetrahedron, shape (10, 3, q)."""
     corner = np.vstack([1 - points.sum(axis=0), points])
     slopes = []
-    for i, j in EDGES:
+    for i, j in _EDGES:
         a, b = corner[i], corner[j]
         slopes.append(np.outer(_CORNER_SLOPES[i], 2 * a * b - b * b))
         slopes[-1] += np.outer(_CORNER_SLOPES[j], a * a - 2 * a * b)
@@ -178,7 +160,6 @@ def _reference_slopes(points: Array) -> Array:
 
 
 def _mean_weights(model: Elasticity, z_mm: tuple[float, float]) -> Array:
-    """Mean of each cubic function over the material between two heights, shape (functions,)."""
     basis, inside = basis_above_plane(model, *z_mm)
     numbers, signs = _functions(model, basis)
     weights = np.zeros(model.mesh.nedges + model.mesh.nfacets)
@@ -199,11 +180,9 @@ def _held(model: Elasticity, block: Superelement) -> NDArray[np.bool_]:
 def straightened(
     model: Elasticity, mesh: TetMesh, blocks: Sequence[Superelement], youngs_MPa: float, poisson: float
 ) -> tuple[list[Array], float]:
-    """Energy that straight elements add to fields of condensed blocks, and the volume of the model, mm3.
+    """Return the energy that straight elements add to fields of condensed blocks, and the volume, mm3.
 
-    Returns:
-        A quadratic form per block, less than 0 where volume is added, as `hierarchical_estimator` has them:
-        twice the energy that the mesh misses; and the volume that it has too much.
+    A quadratic form per block as `_hierarchical_estimator` has them, less than 0 where volume is added.
     """
     away = np.zeros(model.nodes_mm.shape)
     if mesh.off_surface_mm is not None:
@@ -266,7 +245,7 @@ class DiscretisationError:
 
 
 def volume_error(model: Elasticity, meshed: MeshedThrow) -> float:
-    """Volume of a model of the half or whole throw over that of the body, less one."""
+    """Return the volume of a model over that of its body, less one."""
     return model.volume_mm3 * (2 if meshed.mesh.mirrored else 1) / meshed.body.volume_mm3 - 1
 
 
@@ -275,7 +254,7 @@ def discretisation_errors(
 ) -> list[DiscretisationError]:
     """Return what a mesh misses by the fields of each block that was condensed from it."""
     youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
-    surplus = hierarchical_estimator(model, blocks, youngs, poisson, loaded_mm(scene, meshed.whole))
+    surplus = _hierarchical_estimator(model, blocks, youngs, poisson, loaded_mm(scene, meshed.whole))
     straight, added_mm3 = straightened(model, meshed.mesh, blocks, youngs, poisson)
     left = volume_error(model, meshed) - added_mm3 / model.volume_mm3
     return [DiscretisationError(*forms, left) for forms in zip(surplus, straight, strict=True)]

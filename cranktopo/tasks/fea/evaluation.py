@@ -63,8 +63,6 @@ class Stiffness:
     """Stiffnesses of the full throw on one mesh; spring values are None without a bearing spring.
 
     Attributes:
-        torsion: N m/rad by support "free", "held", "spring".
-        bending: N/mm by support "pinned", "clamped", "spring".
         torsion_error_percent, bending_error_percent: bound of the error on this mesh, by support; empty with
             linear elements.
     """
@@ -84,11 +82,8 @@ class Evaluation:
     """All that is reported about one target; units in the field names.
 
     Attributes:
-        throw_kg, web_kg: mass of the throw, and of one web between its faces.
         second_web_kg: mass of the second web where the halves of the throw differ, else None.
         unbalance_kg_mm: mass times y of the centre of mass.
-        torsion_support, bending_support: the supports that the scene asks for.
-        torsion_error_percent, bending_error_percent: bound of the discretisation error with these supports.
         assumed: what the design does not say and the stiffnesses depend on.
         triangles: the body is a surface of triangles, which the mesh replaces.
     """
@@ -194,10 +189,7 @@ def evaluate_on_mesh(
     order: Order = 2,
     progress: Info = lambda _: None,
 ) -> MeshResult:
-    """Return a target on one mesh.
-
-    Args:
-        graded: refine at fillets and sharp rings; surface files are always graded.
+    """Return a target on one mesh; `graded` refines at fillets and sharp rings, and always in surface files.
 
     Raises:
         CranktopoError: impossible geometry or a failed solve.
@@ -217,7 +209,7 @@ def evaluate_on_mesh(
 def condensed_stiffness(
     meshed: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
 ) -> Stiffness:
-    """Stiffnesses of a meshed half or whole throw for every support: two condensations, or one.
+    """Return the stiffnesses of a meshed throw for every support, by two condensations or one.
 
     Raises:
         CranktopoError: a mesh that does not fill the solid, or a failed solve.
@@ -242,7 +234,6 @@ def condensed_stiffness(
 
 
 def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Superelement, Superelement]:
-    """Return what torsion and what bending is read off."""
     mirrored = meshed.mesh.mirrored
     if meshed.whole and not mirrored:
         both = condense(model, scene, "whole", "none")
@@ -274,7 +265,7 @@ def _check_volume(meshed: MeshedThrow, error: float) -> None:
 
 
 def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
-    """Mesh of a target's half throw, or of its whole one where the halves differ.
+    """Return the mesh of a target's half throw, or of its whole one where the halves differ.
 
     Raises:
         CranktopoError: impossible geometry, or no valid mesh.
@@ -287,11 +278,7 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
 
 
 def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> Evaluation:
-    """Return all that is reported, with bounds of the error by what the mesh itself tells.
-
-    Args:
-        coarse: for triangles, the target on a mesh 1.5 times coarser.
-    """
+    """Return all that is reported; of triangles `coarse` is the target on a mesh 1.5 times coarser."""
     target, meshed = fine.target, fine.meshed
     scene = target.scene
     (near, far), supports = halves(scene), scene.supports
@@ -317,7 +304,6 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
 
 
 def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> tuple[float, float]:
-    """Bounds of the error in torsion and in bending with the supports of the scene."""
     torsion = known(fine.torsion_error_percent[scene.supports.torsion])
     bending = known(fine.bending_error_percent[scene.supports.bending])
     if coarse is None:
@@ -329,13 +315,13 @@ def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> t
 
 
 def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
-    """Mass of the whole throw, from the exact volume of what is meshed, bolted counterweights counted."""
+    """Return the mass of the whole throw from the exact volume, bolted counterweights counted."""
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return meshed.copies * density * meshed.body.volume_mm3 + _bolted(scene).volume
 
 
 def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
-    """Inertia of the whole throw about the crank axis."""
+    """Return the inertia of the whole throw about the crank axis."""
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return meshed.copies * density * meshed.body.inertia_z_mm5 + _bolted(scene).polar
 

@@ -26,12 +26,7 @@ _COST_GROWTH = 1.9
 
 @dataclass(frozen=True)
 class EvaluationMesh:
-    """A mesh whose elements are `steps` times a factor of 1.5 coarser than by default.
-
-    Attributes:
-        graded: refined at fillets and sharp rings.
-        order: degree of the displacements.
-    """
+    """A mesh whose elements are `steps` times a factor of 1.5 coarser than by default."""
 
     steps: int
     graded: bool
@@ -76,7 +71,7 @@ MESHES = (
 
 
 def evaluation_levels(target: Target) -> list[PlannedLevel]:
-    """Levels of a target, cheapest first; surface files are always meshed graded."""
+    """Return the levels of a target, cheapest first; surface files are always meshed graded."""
 
     def planned(mesh: EvaluationMesh) -> PlannedLevel:
         name = f"{mesh.family} {mesh.size_mm(target):.3g} mm"
@@ -133,12 +128,9 @@ def evaluate_to(
     measured: StoredStudy | None = None,
     progress: Info = lambda _: None,
 ) -> tuple[Evaluation, bool]:
-    """Evaluate on the cheapest mesh that should do, and on finer ones until its own estimate agrees.
+    """Return the last evaluation on ever finer meshes, and whether it has the accuracy.
 
-    A budget ends the refinement before a mesh that would not fit; the cheapest one is always solved.
-
-    Returns:
-        The last evaluation, and whether it has the accuracy.
+    Starts on the cheapest mesh that should do. A budget ends the refinement before a mesh that would not fit.
 
     Raises:
         CranktopoError: impossible geometry or a failed solve.
@@ -163,7 +155,7 @@ def evaluate_to(
 
 
 def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
-    """Number of the level to start on."""
+    """Return the number of the level to start on."""
     first_levels = []
     if wanted.percent is not None:
         enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
@@ -176,19 +168,17 @@ def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bo
 
 
 def _meshes(fine: EvaluationMesh, triangles: bool) -> list[EvaluationMesh]:
-    """Return the meshes of an evaluation, coarse to fine."""
     return [*([EvaluationMesh(fine.steps + 1, fine.graded)] if triangles else []), fine]
 
 
 def _expected_percent(number: int, measured: StoredStudy | None) -> float:
     level = _stored_level(LEVELS[number], measured)
-    if level is None or level.error_percent is None or level.uncertainty_percent is None:
-        return _EXPECTED_PERCENT[number]
-    return level.error_percent + level.uncertainty_percent
+    bound = None if level is None else level.bound_percent
+    return _EXPECTED_PERCENT[number] if bound is None else bound
 
 
 def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None, triangles: bool) -> float | None:
-    """Wall time of an evaluation; None where one of its meshes was never measured."""
+    """Return the wall time of an evaluation; None where one of its meshes was never measured."""
     levels = [_stored_level(mesh, measured) for mesh in _meshes(fine, triangles)]
     if measured is None or None in levels:
         return None
@@ -204,7 +194,6 @@ def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> LevelRe
 def _too_long(
     wanted: ErrorTarget, spent: float, todo: list[EvaluationMesh], solved: dict[EvaluationMesh, MeshResult]
 ) -> bool:
-    """Tell whether the next meshes would not fit into the budget, by what the last one took."""
     if wanted.budget_s is None:
         return False
     mesh, last = list(solved.items())[-1]

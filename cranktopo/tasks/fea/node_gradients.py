@@ -36,12 +36,7 @@ def work_slopes(
     second: Array,
     elements: NDArray[np.intp] | None = None,
 ) -> Array:
-    """Derivative of first' K second by the nodes, (3, nodes), N.
-
-    Args:
-        first, second: displacements, (unknowns,), mm.
-        elements: those that count; by default all.
-    """
+    """Return the derivative of first' K second by the nodes, (3, nodes), N; by default of all elements."""
     total = np.zeros(model.nodes_mm.shape)
     for basis in chunks(model, STIFFNESS_ORDER, elements):
         shapes = shape_slopes(basis)
@@ -56,16 +51,7 @@ def work_slopes(
 
 
 def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
-    """Derivative of forces' field by the nodes of a rigid section, which move with their place.
-
-    Args:
-        forces: (unknowns,) N, held.
-        field: displacements with a rigid section, (unknowns,), mm.
-        z_mm: place of the section.
-
-    Returns:
-        (3, nodes); 0 off the section.
-    """
+    """Return the derivative of forces' field by the nodes of a rigid section, (3, nodes), forces held."""
     section = plane_nodes(model.nodes_mm, 2, z_mm)
     unknowns = (3 * section[:, None] + np.arange(3)).ravel()
     rigid = section_motions(model.nodes_mm, section)[unknowns]
@@ -154,5 +140,4 @@ def gather(total: Array, basis: Any, found: Array) -> None:
 
 
 def _values(basis: Any) -> Array:
-    """Shape functions, (10, elements, points)."""
     return np.stack([np.broadcast_to(np.asarray(phi[0]), basis.dx.shape) for phi in basis.basis])

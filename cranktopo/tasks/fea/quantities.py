@@ -20,12 +20,7 @@ from cranktopo.tasks.fea.result import EvaluationResult
 
 
 def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
-    """Return the quantities that are known, each in its internal unit.
-
-    Args:
-        scene: with the engine whose loads move the throw.
-        found: with the fatigue safety where that was assessed.
-    """
+    """Return the quantities of a goal that an evaluation tells, each in its internal unit."""
     mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
     safety = found.fatigue_safety
     return {
@@ -42,7 +37,6 @@ def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
 
 
 def _motions(scene: Scene, torsion: float, bending: float) -> dict[str, float]:
-    """Motions of the loads of the engine; none where the loads are unit loads."""
     if scene.engine is None:
         return {}
     cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=wanted(scene)).enabled)}
@@ -62,9 +56,7 @@ class Quantity:
     """Something that webs are compared by.
 
     Attributes:
-        key: its name among values, percentages and changes, e.g. `torsion_per_mass`.
         unit: as machine names end, e.g. `kNm_per_rad_kg`; empty for a pure number.
-        digits: decimals when it is printed.
         better: +1 where more is better, -1 where less is.
         error: which error estimate it carries; None where it is exact.
     """

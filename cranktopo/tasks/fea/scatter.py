@@ -45,7 +45,6 @@ def draw_stiffness_over_mass(
 
     Args:
         baseline: number of the point that counts as 100 %.
-        most: drawn above the points where it is known.
     """
     masses = [point.mass_kg for point in points]
     stiffness = [point.stiffness for point in points]
@@ -64,7 +63,6 @@ def draw_stiffness_over_mass(
 
 
 def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
-    """Return what a curve says within the range of the masses."""
     if most is None:
         return []
     pairs = zip(most.mass_kg, most.stiffness, strict=True)
@@ -72,12 +70,7 @@ def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
 
 
 def most_by_label(bound: Mapping[str, Any] | None, baseline: Mapping[str, Point]) -> dict[str, Most]:
-    """Return the curves of a bound by the label of their stiffness.
-
-    Args:
-        bound: as metrics.json holds it; None where there is none.
-        baseline: the original in each plot.
-    """
+    """Return the curves of a bound of metrics.json by the label of their stiffness."""
     curves, found = (bound or {}).get("stiffest", {}), {}
     for stiffness, label in LABELS.items():
         if label in baseline and f"{stiffness.key}_percent" in curves:
@@ -92,11 +85,7 @@ def most_by_label(bound: Mapping[str, Any] | None, baseline: Mapping[str, Point]
 
 
 def equal_ratio_factors(ratios: Sequence[float]) -> list[float]:
-    """Where the lines of equal stiffness per mass lie, so that every point is below one and above another.
-
-    Args:
-        ratios: stiffness per mass of every point over the baseline's.
-    """
+    """Return the factors of the lines of equal stiffness per mass: every point between two of them."""
     steps = (round_number * _CLOSEST_LINES * 10**power for power in count() for round_number in (1, 2, 5))
     for step in steps:
         first, last = math.ceil(min(ratios) / step) - 1, math.floor(max(ratios) / step) + 1
@@ -106,7 +95,6 @@ def equal_ratio_factors(ratios: Sequence[float]) -> list[float]:
 
 
 def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, float], top: float) -> None:
-    """One dashed line through the origin, labelled where it leaves the picture."""
     low, high = x_range
     axes.plot([low, high], [slope * low, slope * high], "--", color="0.75", linewidth=1, zorder=1)
     x = min(high, top / slope)
@@ -126,13 +114,7 @@ def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, 
 def scatter_pictures(
     points: Mapping[str, Sequence[Point]], baseline: int, bound: Mapping[str, Any] | None = None
 ) -> tuple[Picture, ...]:
-    """Stiffness over mass, one plot per stiffness.
-
-    Args:
-        points: by the label of the stiffness.
-        baseline: number of the point that counts as 100 %.
-        bound: whose curves are drawn, where there is one; the baseline is then the original.
-    """
+    """Return stiffness over mass, one plot per stiffness; the curves of a bound scale with the baseline."""
     most = most_by_label(bound, {label: row[baseline] for label, row in points.items()})
     return tuple(
         picture(

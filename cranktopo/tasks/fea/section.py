@@ -105,19 +105,13 @@ _FAR = 1.12
 """How far it is drawn over the farthest point of the bodies."""
 
 
-def draw_clearance(
+def _draw_clearance(
     axes: Any,
     silhouettes: Mapping[str, Sequence[Array]],
     limits: Mapping[str, ClearanceLimit],
     least: ClearanceLimit | None,
 ) -> None:
-    """Everything in the frame of the web, which turns about (0, 0) with its crankpin upward.
-
-    Args:
-        silhouettes: loops (n, 2) of each body by its name.
-        limits: what is in the way, by its name.
-        least: the same with the least gap.
-    """
+    """Draw loops (n, 2) of bodies and limits in the frame of the web, which turns about (0, 0)."""
     far = _FAR * max(np.abs(loop).max() for loops in silhouettes.values() for loop in loops)
     for order, ((name, loops), colour) in enumerate(zip(silhouettes.items(), _BODIES, strict=False)):
         for number, loop in enumerate(loops):
@@ -136,7 +130,6 @@ def draw_clearance(
 
 
 def _near(limit: ClearanceLimit, far: float) -> Array:
-    """Its contour, x and y, left out far beyond the plot."""
     radius = np.where(limit.radius_mm < 2 * far, limit.radius_mm, np.nan)
     angle = np.concatenate([-limit.angle_rad[::-1], limit.angle_rad])
     both = np.concatenate([radius[::-1], radius])
@@ -164,7 +157,7 @@ def clearance_sections(scene: Scene, bodies: Sequence[ShownBody]) -> tuple[Secti
         "material there (envelope.rod_clearance_mm)."
     )
     alt = "; ".join(f"{body}: {clearances_text(room)}" for body, room in rooms.items())
-    drawn = picture("clearance", alt, draw_clearance, silhouettes, limits, clearance_limit(scene))
+    drawn = picture("clearance", alt, _draw_clearance, silhouettes, limits, clearance_limit(scene))
     return (Section("clearance", "Room of the turning web", text, (("Room", _table(rooms)),), (drawn,)),)
 
 
@@ -184,7 +177,6 @@ def _silhouette(body: ShownBody) -> list[Array]:
 
 
 def _bolted(scene: Scene) -> list[Array]:
-    """Loop around a counterweight that is a part of its own, which no surface has."""
     weight = scene.web.counterweight
     return [np.array(weight.drawing(scene).added)] if weight is not None and weight.bolted else []
 

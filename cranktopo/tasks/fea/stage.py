@@ -17,9 +17,6 @@ from cranktopo.tasks.fea.targets import Target, resolve_target
 class MeshRequest:
     """How exactly to evaluate: by the size of the elements, or by accuracy and time; nothing: the default.
 
-    Attributes:
-        accuracy_percent: error that the estimates are to stay below.
-
     Raises:
         CranktopoError: a size beside accuracy or time.
     """

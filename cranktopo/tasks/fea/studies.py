@@ -37,10 +37,8 @@ class Level:
     """A model of a design, solved once.
 
     Attributes:
-        name: printed, unique within its study.
         family: levels that differ only in size and converge to one value have the same family.
         size_mm: element size, element size in the fillet, or cell size.
-        unknowns: degrees of freedom.
         seconds: wall time without JAX's compilation.
         values: stiffnesses N m/rad and N/mm, peak stress MPa; always from the body-fitted evaluation.
         band_percent: error bound of `values` themselves, where the evaluation gives one.
@@ -165,6 +163,13 @@ class LevelResult(Result):
     """Largest of all errors, without sign; None where there is no limit."""
     uncertainty_percent: float | None
     efficient: bool
+
+    @property
+    def bound_percent(self) -> float | None:
+        """Error that the level surely does not exceed: its own plus the uncertainty of the limit."""
+        if self.error_percent is None or self.uncertainty_percent is None:
+            return None
+        return self.error_percent + self.uncertainty_percent
 
 
 class Recommendation(Result):

@@ -63,8 +63,7 @@ class UnitField:
             bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
             at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
             "centrifugal" 1 rad2/s2 about the crank axis.
-        sign_x: +1 if the load is its own mirror image in x, -1 if its opposite.
-        sign_z: the same for the mirror at the mid-pin plane; a whole throw is not mirrored there.
+        sign_x, sign_z: +1 if the load is its own mirror image in x or the mid-pin plane, -1 if its opposite.
     """
 
     kind: FieldKind
@@ -76,14 +75,9 @@ class UnitField:
 def unit_fields(
     model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind], *, whole: bool = False
 ) -> tuple[UnitField, ...]:
-    """Displacement fields of the load kinds that are asked for; the others cost no solve.
+    """Return the displacement fields of the load kinds that are asked for; the others cost no solve.
 
-    Args:
-        mirrored: the model is the half x >= 0.
-        whole: the model is the whole throw, of which no moment is asked.
-
-    Returns:
-        The fields in the order moment, bending, tangential, torsion, centrifugal.
+    In the order moment, bending, tangential, torsion, centrifugal; of a whole throw no moment is asked.
 
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
@@ -115,7 +109,6 @@ def twisted(block: Superelement, scene: Scene) -> UnitField:
 def _by_side(
     model: Elasticity, scene: Scene, mirrored: bool, span: Span, kinds: Collection[FieldKind]
 ) -> dict[FieldKind, UnitField]:
-    """Fields of the loads that a span takes: one condensation per lateral parity has all of them."""
     laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
     found: dict[FieldKind, UnitField] = {}
     for lateral in laterals:
@@ -139,10 +132,9 @@ def _loaded(
 
 
 def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
-    """Fields of some loads from a symmetric condensation, or that of a whole throw.
+    """Return fields of some loads from a symmetric condensation, or that of a whole throw.
 
-    Args:
-        kinds: those of `tangential` and `centrifugal` are the block's further loads, in this order.
+    Those of `tangential` and `centrifugal` are the block's further loads, in this order.
     """
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
     turn = np.array([1.0 if m == RX else 0.0 for m in block.motions])
@@ -198,7 +190,6 @@ class CaseStress:
     """Von Mises stress of load cases at the nodes of a half throw.
 
     Attributes:
-        points_mm: nodes, shape (n, 3).
         von_mises_MPa: shape (cases, n).
         mirrored: the nodes are those of the half x >= 0.
     """
@@ -213,9 +204,6 @@ class CaseStress:
         """Stress at points of the surface, MPa, shape (cases, points).
 
         Mean of the nearest four nodes by the inverse of their distance: a node gives its own value.
-
-        Args:
-            points_mm: shape (points, 3).
         """
         from scipy.spatial import cKDTree
 

@@ -57,7 +57,6 @@ def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> li
 
 
 def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
-    """Return what keeps the outline off each journal: the wall of its bore or the shoulder of its fillet."""
     least = least_shoulder_mm(scene.throw)
     return [
         wall_rule(f"between the outline and the bore of the {name}", limits.min_wall_mm)
@@ -87,12 +86,7 @@ def part_rules(
     scene: Scene,
     limits: ManufacturingLimits,
 ) -> list[Rule]:
-    """Return the rules of the features: walls, shoulders, access, mm.
-
-    Args:
-        points: (n, 2) points of the outline's right half, mm.
-        values: parameters of the features.
-    """
+    """Return the rules of the features, mm: walls, shoulders, access; points of the outline's right half."""
     named = list(named_parts(parts, values))
     arcs = (part.arc(own, points[[0, -1], 1]) for part, own in named)
     around = Surroundings(scene, limits, points, tuple(arc for arc in arcs if arc is not None))

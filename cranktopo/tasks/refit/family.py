@@ -38,7 +38,6 @@ class Layout:
 
     Attributes:
         stations: points of the profile, both round ends included.
-        parts: its features.
         dimensions: free dimensions of the throw; their values come after those of the features.
     """
 
@@ -103,7 +102,7 @@ def flank_of(layout: Layout, values: Any) -> Flank:
 
 
 def bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[Array, Array]:
-    """Lower and upper bounds of the web's parameters, (n,) each, mm or degrees."""
+    """Return lower and upper bounds of the web's parameters, (n,) each, mm or degrees."""
     far = 4 * scene.throw.radius_mm
     pairs = [(-far, far)] * 2 + [(LEAST_MM / 2, far)] * (layout.stations - 2)
     pairs += [pair for part in layout.parts for pair in part.bounds(scene, limits)]
@@ -135,7 +134,6 @@ def exact_web_of(layout: Layout, values: Array, scene: Scene) -> dict[str, Any]:
 
 
 def _unchanged(scene: Scene) -> dict[str, Any]:
-    """Return the scene's features that no fit to a body changes."""
     found = {key: getattr(scene.web, key) for key in scene.web.single_keys}
     return {key: one.model_dump(exclude_none=True) for key, one in found.items() if one is not None}
 
@@ -146,7 +144,6 @@ def surroundings_of(flank: Flank) -> Frame:
 
 
 def _rounded(table: Any) -> Any:
-    """Return the plain data with every number rounded to 0.01."""
     if isinstance(table, dict):
         return {key: _rounded(value) for key, value in table.items()}
     if isinstance(table, list):
@@ -180,10 +177,9 @@ def with_free(
     names: tuple[DimensionName, ...],
     begun: Mapping[DimensionName, float] | None = None,
 ) -> tuple[Layout, Array]:
-    """Return the same web with further free dimensions, which start as they are; a solid journal gets a bore.
+    """Return the same web with further free dimensions, which start as they are or were begun, mm.
 
-    Args:
-        begun: other starts, mm.
+    A solid journal gets a bore.
     """
     new = tuple(name for name in names if name not in layout.dimensions)
     free = replace(layout, dimensions=(*layout.dimensions, *new))
@@ -208,18 +204,14 @@ def rounded_dimensions(scene: Scene, layout: Layout, values: Array) -> Array:
 
 
 def all_bounds(layout: Layout, scene: Scene, limits: ManufacturingLimits) -> tuple[Array, Array]:
-    """Lower and upper bounds of all parameters, (n,) each; those of features for the thickest web."""
+    """Return lower and upper bounds of all parameters, (n,) each; those of features for the thickest web."""
     low, high = bounds(layout, _end_of_thickness(scene, layout, 1), limits)
     sizes = np.array([_range(scene, name) for name in layout.dimensions]).reshape(-1, 2)
     return np.concatenate([low, sizes[:, 0]]), np.concatenate([high, sizes[:, 1]])
 
 
 def size_rules(layout: Layout, values: Array, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:
-    """Return rules on the dimensions of the throw, mm, kept where <= 0: walls of bores, depths of features.
-
-    Args:
-        scene: the design; its dimensions are those of the values.
-    """
+    """Return rules on the dimensions of the throw, mm, kept where <= 0: walls of bores, feature depths."""
     sized, found = scene_at(scene, layout, values), list[Rule]()
     if any(name.endswith(("bore", "fillet", "axial")) for name in layout.dimensions):
         found += _bore_rules(sized, limits.min_wall_mm)
@@ -266,7 +258,6 @@ def _end_of_thickness(scene: Scene, layout: Layout, end: int) -> Scene:
 
 
 def _range(scene: Scene, name: DimensionName) -> tuple[float, float]:
-    """Return the bounds of a dimension, mm."""
     found = free_range_mm(scene, name)
     assert found is not None
     if not name.endswith("bore"):

@@ -42,12 +42,12 @@ _DIGITS = 6
 
 def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimits:
     """Return manufacturing limits of a throw: those given, and the usual ones in proportion to it."""
-    usual = scaled_limits(ManufacturingLimits(), 1 / usual_scale(scene))
+    usual = _scaled_limits(ManufacturingLimits(), 1 / usual_scale(scene))
     kept: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     return replace(usual, **kept)
 
 
-def scaled_limits(limits: ManufacturingLimits, factor: float) -> ManufacturingLimits:
+def _scaled_limits(limits: ManufacturingLimits, factor: float) -> ManufacturingLimits:
     """Return the limits with their lengths multiplied."""
     return ManufacturingLimits(**scaled_lengths(vars(limits), factor))
 
@@ -89,12 +89,8 @@ class FittedWeb:
     """A web of the family, and how it was reached.
 
     Attributes:
-        scene: the design with the fitted web; everything but web and name is as it was.
-        names: names of the parameters.
         values: their fitted values before rounding, mm or degrees.
-        trials: which stations and features were tried, and what each gained.
         overlaps: overlap of the fills from each initial guess of the final fit, the best first.
-        residual_regions: where the family cannot follow the body.
     """
 
     scene: Scene
@@ -110,8 +106,6 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
 
     Args:
         surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
-        scene: the design it was extracted for: journals, thickness and fillets stay.
-        limits: by default the usual ones of a throw of that size.
 
     Raises:
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
@@ -121,7 +115,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
     scale, limits = usual_scale(scene), limits or usual_limits(scene)
     throw = scene if scale == 1 else scaled_throw(scene, scale)
     usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)
-    body, within = solid_of(usual, "surface to be re-modelled"), scaled_limits(limits, scale)
+    body, within = solid_of(usual, "surface to be re-modelled"), _scaled_limits(limits, scale)
     coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
     chosen, trials = select(fit_problem(body, throw, within, coarse_mm))
     fine = fit_problem(body, throw, within, within.cell_mm)
@@ -141,10 +135,6 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
 
 def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     """Return the scene with another web, checked as if it were read from a file.
-
-    Args:
-        scene: the throw; what was published about it is left out.
-        web: the `[web]` table as plain data.
 
     Raises:
         CranktopoError: the web does not fit the throw.

@@ -65,13 +65,7 @@ class Fill:
     def vjp(
         self, points: Array, values: Array, which: NDArray[np.int8], weight: Array
     ) -> tuple[Array, Array]:
-        """Return derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts.
-
-        Args:
-            points: (n, 2) points of the outline's right half, from end to end, mm.
-            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
-            weight: (nx, ny, nz) weight of each cell's distance.
-        """
+        """Return derivative of sum(weight * inside_mm) by the points, (n, 2), and the values of the parts."""
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
         by_points = _outline_vjp(points, *self.axes[:2], chosen)
         by_values = []
@@ -87,13 +81,13 @@ def added_mm(scene: Scene, axes: Axes) -> Array | None:
     """Signed distance of cells from what no fit takes away, (nx, ny, nz), mm."""
     x, y, z = axes
     found = [
-        np.minimum(body.inside_mm(x[:, None], y[None, :])[:, :, None], between_mm(scene, body, z))
+        np.minimum(body.inside_mm(x[:, None], y[None, :])[:, :, None], _between_mm(scene, body, z))
         for body in kept_bodies(scene)
     ]
     return functools.reduce(np.maximum, found) if found else None
 
 
-def between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
+def _between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
     """Distance of heights from the nearer face of a body, positive between both."""
     (start, end), (low, high) = scene.web_z_mm, body.z_mm
     # The web's own faces bound the cells already.
@@ -102,10 +96,9 @@ def between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
 
 
 def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
-    """Return the fill from signed distance, and its derivative by the distance, 1/mm.
+    """Return the fill from signed distance, positive inside, and its derivative, 1/mm.
 
     Args:
-        inside_mm: signed distance, positive inside.
         width_mm: half-width of the step.
     """
     u = np.clip(inside_mm / width_mm, -1.0, 1.0)
@@ -117,12 +110,6 @@ def _ends(points: Array) -> Array:
 
 
 def _outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
-    """Return the signed distance from the outline, (nx, ny), mm; positive inside.
-
-    Args:
-        points: (n, 2) points of the outline's right half, from end to end, mm.
-        x_mm, y_mm: (nx,) and (ny,) coordinates of the cells.
-    """
     return _nearest(points, x_mm, y_mm)[0]
 
 
@@ -165,11 +152,7 @@ FITS = "the flank of the counterweight holds its fillet"
 
 @dataclass(frozen=True)
 class MovedFillet:
-    """The fillet at some values of the parameters.
-
-    Attributes:
-        scene: with the dimensions of these values.
-    """
+    """The fillet at some values of the parameters, in the scene with their dimensions."""
 
     scene: Scene
     layout: Layout
@@ -233,7 +216,7 @@ class MovedFillet:
         off = self.circle.off_mm(x, y)
         flat = np.minimum(np.minimum(off, _DEPTH * self._radius_mm - off), self.sector.below_rim_mm(x, y))
         flat = np.where(self.circle.behind(x, y), flat, -np.inf)[:, :, None]
-        return np.minimum(flat, between_mm(self.scene, self.sector, axes[2]))
+        return np.minimum(flat, _between_mm(self.scene, self.sector, axes[2]))
 
     def vjp(self, axes: Axes, weight: Array) -> Array:
         """Return derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""
@@ -255,11 +238,7 @@ class MovedFillet:
 
 
 def moved_fillet(scene: Scene, layout: Layout, values: Array) -> MovedFillet | None:
-    """Return the fillet of a scene's counterweight; None without one.
-
-    Args:
-        scene: whose dimensions the values change.
-    """
+    """Return the fillet of a scene's counterweight at some values; None without one."""
     weight = scene.web.counterweight
     if weight is None or weight.fillet_mm is None:
         return None

@@ -35,10 +35,10 @@ _REST: tuple[Column[UnrepresentedRegion], ...] = (
 
 def refit_text(data: RefitResult) -> str:
     """Return the content of remodel.json for a terminal."""
-    rows = [*shape_rows(data), *stiffness_rows(data.stiffness)]
+    rows = [*_shape_rows(data), *_stiffness_rows(data.stiffness)]
     lines = [
-        terminal(fit_trials_table(data)),
-        *fit_lines(data),
+        terminal(_fit_trials_table(data)),
+        *_fit_lines(data),
         "",
         *(f"{name:19} {text}" for name, text in rows),
         *_estimate(data.stiffness),
@@ -48,17 +48,17 @@ def refit_text(data: RefitResult) -> str:
     return "\n".join([*lines, "", *files])
 
 
-def fit_trials_table(data: RefitResult) -> ResultTable:
+def _fit_trials_table(data: RefitResult) -> ResultTable:
     """Return what was tried, with the overlap that it reached."""
     return tabulate(_TRIALS, data.trials)
 
 
-def rest_table(data: RefitResult) -> ResultTable:
+def _rest_table(data: RefitResult) -> ResultTable:
     """Return one row per region that the parametric web cannot represent."""
     return tabulate(_REST, data.not_represented)
 
 
-def shape_rows(data: RefitResult) -> list[tuple[str, str]]:
+def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
     """Return the distance of the web from the body: overlap, distance, mass."""
     iou, distance, mass = data.iou, data.distance_mm, data.web_mass_kg
     place = ", ".join(f"{value:.1f}" for value in distance.max_at)
@@ -76,7 +76,7 @@ def shape_rows(data: RefitResult) -> list[tuple[str, str]]:
     ]
 
 
-def stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
+def _stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
     """Return the stiffnesses of the web without fillets beside those of the body, and with fillets."""
     if stiffness is None:
         return []
@@ -106,7 +106,6 @@ def _stiffness_text(stiffness: RefitStiffness, kind: str) -> str:
 
 
 def _rest(data: RefitResult) -> list[str]:
-    """Return one line per region that the parametric web cannot represent."""
     if not data.not_represented:
         return ["the parametric web represents the whole body to within two cells of its surface"]
     lines = [
@@ -137,7 +136,7 @@ def _kind(item: UnrepresentedRegion) -> str:
     return {"window": "window", "hollow": "hollow", "material": "missing material"}[item.kind]
 
 
-def fit_lines(data: RefitResult) -> list[str]:
+def _fit_lines(data: RefitResult) -> list[str]:
     """Say why so many stations, and what the final fit reached from each initial guess."""
     tried = [trial for trial in data.trials if trial.step.endswith("stations")]
     kept = [trial.step for trial in tried if trial.kept]
@@ -160,12 +159,7 @@ _KINDS = {"torsion": "Torsional stiffness", "bending": "Bending stiffness"}
 def refit_page(
     data: RefitResult, bodies: tuple[ShownBody, ...], versions: Mapping[str, str | None], written: str
 ) -> Page:
-    """Return the report of a re-model.
-
-    Args:
-        bodies: the fitted half throw, and the body that it was fitted to.
-        written: a date.
-    """
+    """Return the report of a re-model: the fitted half throw, and the body that it was fitted to."""
     return Page(
         title=f"Re-modelled web {data.design}",
         subtitle=f"Fitted to the body of run {data.run}, {written}",
@@ -180,14 +174,14 @@ def refit_page(
 def refit_section(data: RefitResult) -> Section:
     """Return the shape error, stiffnesses, what was tried and what is left over."""
     tables: list[tuple[str, ResultTable]] = [
-        ("Web against body", pairs([*shape_rows(data), *stiffness_rows(data.stiffness)])),
-        ("Features tried, each kept only for what it gains", fit_trials_table(data)),
+        ("Web against body", pairs([*_shape_rows(data), *_stiffness_rows(data.stiffness)])),
+        ("Features tried, each kept only for what it gains", _fit_trials_table(data)),
     ]
     if data.not_represented:
-        tables.append(("Not represented by the parametric web", rest_table(data)))
+        tables.append(("Not represented by the parametric web", _rest_table(data)))
     text = (
         "The body has no fillets, so the web is compared without its own. "
-        + " ".join(f"{line[0].upper()}{line[1:]}." for line in fit_lines(data))
+        + " ".join(f"{line[0].upper()}{line[1:]}." for line in _fit_lines(data))
         + " Places: x across, y along the throw from the crank axis, z along the crank from the middle of "
         "the main journal."
     )

@@ -77,11 +77,7 @@ class _Outline:
 
 
 class ParametricWeb:
-    """A web of the family on a grid of cells, as functions of its parameters.
-
-    Attributes:
-        bounds: lower and upper bounds of their values, mm or degrees.
-    """
+    """A web of the family on a grid of cells, as functions of its parameters, with their bounds."""
 
     def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits, axes: Axes) -> None:
         self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
@@ -102,12 +98,7 @@ class ParametricWeb:
         return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
 
     def vjp(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
-        """Return the derivative of sum(weight * inside_mm) by the parameters.
-
-        Args:
-            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
-            weight: (nx, ny, nz) weight of each cell's distance.
-        """
+        """Return the derivative of sum(weight * inside_mm) by the parameters."""
         shape = self._outline.at(values)
         by_points, by_parts = self._grid.vjp(shape.points, self._parts(values), which, weight)
         by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))

@@ -35,13 +35,7 @@ _LINES = 3
 
 @dataclass(frozen=True)
 class VoxelFill:
-    """Share of each cell that is filled, mean of both sides of x = 0.
-
-    Attributes:
-        x_mm, y_mm, z_mm: cell centres; x > 0 only.
-        cell_mm: (3,) edge lengths of a cell.
-        filled: (nx, ny, nz) in [0, 1].
-    """
+    """Share of each cell that is filled, mean of both sides of x = 0; centres have x > 0 only."""
 
     x_mm: Array
     y_mm: Array
@@ -64,10 +58,6 @@ def voxel_fill(body: Manifold, scene: Scene, cell_mm: float) -> VoxelFill:
     """Return the fill of the cells between the web faces.
 
     Exact in x (lengths of chords), by the mean of 3 x 3 lines per cell in y and z.
-
-    Args:
-        body: solid of the half throw or of its web.
-        cell_mm: largest edge of a cell.
 
     Raises:
         CranktopoError: nothing of the body lies between the web faces.
@@ -130,13 +120,7 @@ _REACH = 15.0
 
 @dataclass(frozen=True)
 class FitProblem:
-    """A fit: what to match and what to keep.
-
-    Attributes:
-        target: fill of the cells by the extracted body.
-        free: (nx, ny) share of each cell that no bore takes.
-        scene, limits: what the web must keep.
-    """
+    """What to match and to keep; `free` is the share of each cell, (nx, ny), that no bore takes."""
 
     target: VoxelFill
     free: Array
@@ -154,11 +138,7 @@ class Fit:
         self._target, self._free = cells.filled, problem.free[:, :, None]
 
     def misfit(self, values: Array, width_mm: float) -> tuple[float, Array]:
-        """Return the squared difference of the fills over the filled volume, and its gradient.
-
-        Args:
-            width_mm: half-width of the smooth step.
-        """
+        """Return the squared difference of the fills over the filled volume, and its gradient."""
         inside, which = self.web.inside_mm(values)
         model, steepness = smooth_step(inside, width_mm)
         off = model * self._free - self._target
@@ -166,32 +146,19 @@ class Fit:
         return float((off**2).sum() / self._target.sum()), self.web.vjp(values, which, weight)
 
     def fill(self, values: Array, width_mm: float) -> Array:
-        """Return the fill of the cells (nx, ny, nz), bores cut out.
-
-        Args:
-            width_mm: half-width of the smooth step.
-        """
+        """Return the fill of the cells (nx, ny, nz), bores cut out, by half the width of the step."""
         return smooth_step(self.web.inside_mm(values)[0], width_mm)[0] * self._free
 
     def overlap(self, values: Array, width_mm: float) -> float:
-        """Return the intersection over union of the fills.
-
-        Args:
-            width_mm: half-width of the smooth step.
-        """
+        """Return the intersection over union of the fills."""
         model = self.fill(values, width_mm)
         return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
 
 
 def minimise_misfit(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
-    """Fit the parameters from one initial guess, with ever sharper steps.
+    """Return values that keep the constraints, by searches with ever sharper steps, and their misfit.
 
-    Args:
-        guess: initial values.
-        widths_mm: half-widths of the smooth step, one search each.
-
-    Returns:
-        Values that keep the constraints, and their misfit; the misfit is infinite when none were found.
+    The misfit is infinite when none were found.
     """
     values, error = guess, np.inf
     for width in widths_mm:
@@ -224,11 +191,7 @@ _TYPICAL = 0.75
 
 
 def outline_guess(problem: FitProblem, stations: int) -> Array:
-    """Return ends and half-widths at the stations, from each row's lateral extent; clear of the journals.
-
-    Args:
-        stations: points of the profile, both round ends included.
-    """
+    """Return ends and half-widths at the stations, from each row's lateral extent; clear of the journals."""
     cells = problem.target
     rows = np.flatnonzero(_solid(problem).any(axis=(0, 2)))
     half = cells.cell_mm[1] / 2
@@ -245,12 +208,7 @@ def outline_guess(problem: FitProblem, stations: int) -> Array:
 
 
 def with_stations(layout: Layout, values: Array, stations: int) -> Array:
-    """Return the same web with another number of stations, its outline taken over.
-
-    Args:
-        values: (n,) parameters of the web, mm or degrees.
-        stations: points of the new profile, both round ends included.
-    """
+    """Return the same web with another number of stations, both ends included, its outline taken over."""
     n = layout.stations
     low, high = values[:2]
     places = low + (high - low) * station_shares(stations)[1:-1]
@@ -259,7 +217,6 @@ def with_stations(layout: Layout, values: Array, stations: int) -> Array:
 
 
 def _extents(problem: FitProblem) -> Array:
-    """Return the lateral extent of each row in each layer, (ny, nz), mm."""
     cells = problem.target
     outer = cells.x_mm + cells.cell_mm[0] / 2
     return np.asarray((_solid(problem) * outer[:, None, None]).max(axis=0))

@@ -35,9 +35,6 @@ class ResidualRegion:
         kind: "window" (open at both web faces), "recess" (open at one face or the side), "hollow" (closed,
             or open into a bore only) where the body has a hole that the model lacks; "material" where the
             body has material that the model lacks.
-        volume_mm3: on both sides of x = 0.
-        centre_mm: centre of the part at x >= 0, (x, y, z).
-        low_mm, high_mm: its bounding box, x >= 0.
         pair: it does not reach x = 0, so there is one on either side.
         face: the web face at which a recess is open, or None.
     """
@@ -52,11 +49,7 @@ class ResidualRegion:
 
 
 def residual_regions(problem: FitProblem, model: Array) -> list[ResidualRegion]:
-    """Return the regions in which a model differs from the body, largest first.
-
-    Args:
-        model: (nx, ny, nz) fill of the cells by the model.
-    """
+    """Return the regions in which a model's fill differs from the body, largest first."""
     target = problem.target.filled
     found = []
     for excess, lacking in ((model - target, False), (target - model, True)):
@@ -127,14 +120,7 @@ _MOST_POCKETS = 4
 
 @dataclass(frozen=True)
 class Candidate:
-    """A web of the family on the way.
-
-    Attributes:
-        layout: its parameters.
-        values: their values.
-        overlap: intersection over union of the fills, bores left out.
-        step: what was tried, for the table.
-    """
+    """A web of the family on the way; the overlap of the fills leaves bores out."""
 
     layout: Layout
     values: Array
@@ -144,15 +130,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class FitTrial:
-    """One row of the table of what was tried.
-
-    Attributes:
-        step: stations or feature.
-        parameters: how many parameters the web then has.
-        iou_percent: overlap of the fills.
-        gain_percent: against what was there before, percentage points.
-        kept: whether it is in the web.
-    """
+    """One row of the table of what was tried; the gain is in percentage points against the web before."""
 
     step: str
     parameters: int
@@ -163,9 +141,6 @@ class FitTrial:
 
 def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
     """Return the web in which every parameter gains enough overlap, and all trials in their order.
-
-    Args:
-        problem: on cells coarse enough for many searches.
 
     Raises:
         CranktopoError: not even the plain outline keeps the limits.
@@ -185,12 +160,7 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
 
 
 def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
-    """Return one search from one initial guess; None when it finds nothing that keeps the limits.
-
-    Args:
-        guess: (n,) initial values, mm or degrees.
-        step: what is tried, for the table.
-    """
+    """Return one search from one initial guess; None when it finds nothing that keeps the limits."""
     cell = float(problem.target.cell_mm[0])
     fit = Fit(problem, layout)
     values, error = minimise_misfit(fit, guess, (2 * cell, cell, cell / 2))
@@ -221,7 +191,6 @@ def _try(
     choices: Sequence[tuple[FittedFeature, Array]],
     trials: list[FitTrial],
 ) -> Candidate:
-    """Return the web with the best one of several features, if it gains enough overlap."""
     found = []
     for part, guess in choices:
         layout = replace(best.layout, parts=(*best.layout.parts, part))

@@ -126,7 +126,6 @@ def write_refit(
 def _write_page(
     result: RefitResult, scene: Scene, half_throw: SurfaceMesh, surface: SurfaceMesh, folder: Path
 ) -> None:
-    """Write the report: the web and the body that it was fitted to, and all that was measured."""
     bodies = tuple(
         ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2)
         for name, mesh in (("re-modelled", half_throw), ("body of the run", surface))
