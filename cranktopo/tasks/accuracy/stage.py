@@ -74,10 +74,7 @@ def pareto_front(study: Study) -> StudyResult:
 def _recommendation(levels: Sequence[LevelResult], study: StudyName, percent: float) -> Recommendation:
     found = cheapest(levels, study, percent)
     return Recommendation(
-        ladder=study,
-        accuracy_percent=percent,
-        rung=found and found.name,
-        seconds=found and found.seconds,
+        ladder=study, accuracy_percent=percent, rung=found and found.name, seconds=found and found.seconds
     )
 
 

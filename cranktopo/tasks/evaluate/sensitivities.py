@@ -62,10 +62,7 @@ class Sensitivities:
 
 
 def evaluate_sensitivities(
-    target: str,
-    element_size_mm: float | None = None,
-    info: Info = lambda _: None,
-    web: WebName | None = None,
+    target: str, element_size_mm: float | None = None, info: Info = lambda _: None, web: WebName | None = None
 ) -> Sensitivities:
     """Return what a millimetre of each dimension of a parametric web is worth, by exact gradients.
 

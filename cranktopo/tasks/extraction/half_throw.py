@@ -216,10 +216,7 @@ class WebSurface:
 
 
 def extract_half_throw(
-    grid: DensityGrid,
-    scene: Scene,
-    solid_fraction: Array | None = None,
-    smooth: Array | None = None,
+    grid: DensityGrid, scene: Scene, solid_fraction: Array | None = None, smooth: Array | None = None
 ) -> WebSurface:
     """Return the closed surface of the half throw, with the volume of the density.
 

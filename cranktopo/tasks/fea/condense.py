@@ -225,11 +225,7 @@ BendingSupport = Literal["pinned", "clamped", "spring"]
 
 
 _ALL = frozenset({UX, UY, UZ, RX, RY, RZ})
-_TORSION: dict[TorsionSupport, frozenset[int]] = {
-    "free": _ALL,
-    "held": frozenset({RZ, UZ}),
-    "spring": _ALL,
-}
+_TORSION: dict[TorsionSupport, frozenset[int]] = {"free": _ALL, "held": frozenset({RZ, UZ}), "spring": _ALL}
 _BENDING: dict[BendingSupport, frozenset[int]] = {
     "pinned": frozenset({UZ, RX, RY, RZ}),
     "clamped": frozenset({UZ}),

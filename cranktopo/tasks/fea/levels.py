@@ -123,10 +123,7 @@ class ErrorTarget:
 
 
 def evaluate_to(
-    target: Target,
-    wanted: ErrorTarget,
-    measured: StoredStudy | None = None,
-    progress: Info = lambda _: None,
+    target: Target, wanted: ErrorTarget, measured: StoredStudy | None = None, progress: Info = lambda _: None
 ) -> tuple[Evaluation, bool]:
     """Return the last evaluation on ever finer meshes, and whether it has the accuracy.
 

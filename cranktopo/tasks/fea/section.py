@@ -34,13 +34,7 @@ if TYPE_CHECKING:
 
 # Name of a body, what to draw of it, and the stress on its faces (cases, faces), MPa.
 _Solved = tuple[str, ShadedMesh, NDArray[np.float64]]
-_COLUMNS = {
-    "design": 0,
-    "load_case": 0,
-    "99_percent_below_MPa": 1,
-    "half_below_MPa": 1,
-    "element_size_mm": 2,
-}
+_COLUMNS = {"design": 0, "load_case": 0, "99_percent_below_MPa": 1, "half_below_MPa": 1, "element_size_mm": 2}
 _TITLE = "Stress"
 _TEXT = (
     "Von Mises stress of each load case alone on body-fitted quadratic tetrahedra. The colours "

@@ -24,13 +24,7 @@ from cranktopo.cli.verbosity import info, verbosity_options
 @click.option("--no-judge", "no_evaluation", is_flag=True, hidden=True)
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
 @verbosity_options
-def command(
-    run: str,
-    out: Path | None,
-    no_evaluation: bool,
-    as_json: bool,
-    **limits: Any,
-) -> None:
+def command(run: str, out: Path | None, no_evaluation: bool, as_json: bool, **limits: Any) -> None:
     """Fit a web that a die or a mill can make to the extracted body of RUN.
 
     Spline outline, end bevels, side pocket and pockets, each kept only for the overlap it gains. Writes a

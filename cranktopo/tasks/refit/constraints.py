@@ -80,11 +80,7 @@ def _rises(flank: Flank, u: Array) -> Any:
 
 
 def part_rules(
-    parts: tuple[FittedFeature, ...],
-    points: Array,
-    values: Array,
-    scene: Scene,
-    limits: ManufacturingLimits,
+    parts: tuple[FittedFeature, ...], points: Array, values: Array, scene: Scene, limits: ManufacturingLimits
 ) -> list[Rule]:
     """Return the rules of the features, mm: walls, shoulders, access; points of the outline's right half."""
     named = list(named_parts(parts, values))

@@ -65,10 +65,7 @@ def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
     half, web = 100 * iou.half_throw, 100 * iou.web
     return [
         ("overlap (IoU)", f"half throw {half:.1f} %, web alone {web:.1f} %"),
-        (
-            "surface distance",
-            f"mean {distance.mean:.2f} mm, largest {distance.max:.2f} mm at ({place}) mm",
-        ),
+        ("surface distance", f"mean {distance.mean:.2f} mm, largest {distance.max:.2f} mm at ({place}) mm"),
         (
             "mass of the web",
             f"{mass.fitted:.3f} kg, body {mass.body:.3f} kg ({mass.difference_percent:+.1f} %)",
