@@ -51,6 +51,8 @@ class Superelement:
         displacement: unit-motion fields, then the load field where there is one, then the fields of further
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         extra_loads: section forces of the half throw that answer the further loads, shape (m, k).
+        held: unknowns at zero, or moved with the section.
+        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed.
         copies: how many of what is modelled make the throw: 2 half throws, or 1 whole one.
     """
 
@@ -199,6 +201,17 @@ def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.in
             code=ExitCode.SOLVER,
         )
     return found
+
+
+def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
+    """Return the derivative of forces' field by the nodes of a rigid section, (3, nodes), forces held."""
+    section = plane_nodes(model.nodes_mm, 2, z_mm)
+    unknowns = (3 * section[:, None] + np.arange(3)).ravel()
+    rigid = section_motions(model.nodes_mm, section)[unknowns]
+    turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]
+    total = np.zeros(model.nodes_mm.shape)
+    total[:, section] = np.cross(forces[unknowns].reshape(-1, 3), turn).T
+    return total
 
 
 def _constraints(

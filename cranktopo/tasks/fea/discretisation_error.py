@@ -31,8 +31,8 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     lame_constants_MPa,
 )
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Superelement, loaded_mm
-from cranktopo.tasks.fea.node_gradients import chunks, section_slopes, shape_slopes, work_slopes
+from cranktopo.numerics.tetrahedra.node_gradients import chunks, shape_slopes, work_slopes
+from cranktopo.tasks.fea.condense import Superelement, loaded_mm, section_slopes
 
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))

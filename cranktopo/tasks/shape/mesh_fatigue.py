@@ -21,6 +21,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.numerics.derivatives import central_difference
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
+from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress
 from cranktopo.numerics.tetrahedra.stressed_surface import (
     Surface,
@@ -33,8 +34,7 @@ from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
 from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
-from cranktopo.tasks.fea.condense import Superelement, bending_motion, torsion_motion
-from cranktopo.tasks.fea.node_gradients import centrifugal_slopes, mean_slopes, section_slopes, work_slopes
+from cranktopo.tasks.fea.condense import Superelement, bending_motion, section_slopes, torsion_motion
 from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 

@@ -22,6 +22,7 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
 from cranktopo.tasks.fea.condense import (
     RZ,
     Lateral,
@@ -29,10 +30,10 @@ from cranktopo.tasks.fea.condense import (
     bending_motion,
     bending_stiffness_N_per_mm,
     condense,
+    section_slopes,
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
-from cranktopo.tasks.fea.node_gradients import mean_slopes, moments, section_slopes, work_slopes
 from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web

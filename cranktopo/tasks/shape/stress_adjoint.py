@@ -12,9 +12,14 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.curving import shape_gradients
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity
+from cranktopo.numerics.tetrahedra.node_gradients import (
+    displacement_slopes,
+    full_tensor,
+    gather,
+    shape_slopes,
+)
 from cranktopo.numerics.tetrahedra.stress import NodalStress, hooke, nodes_from_points
 from cranktopo.numerics.tetrahedra.stressed_surface import Surface, node_points, triangle_gradients
-from cranktopo.tasks.fea.node_gradients import displacement_slopes, full_tensor, gather, shape_slopes
 
 Index = NDArray[np.intp]
 _BOTH_HALVES = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])

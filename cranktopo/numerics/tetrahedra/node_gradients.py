@@ -21,7 +21,6 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     basis_above_plane,
 )
 from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
-from cranktopo.tasks.fea.condense import RX, RY, RZ, plane_nodes, section_motions
 
 _CHUNK = 4000
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -47,17 +46,6 @@ def work_slopes(
         flow -= np.einsum("eqik,eqij->eqkj", slopes[1], stresses[0])
         flow += density[:, :, None, None] * np.eye(3)
         gather(total, basis, np.einsum("eqkj,njeq,eq->nke", flow, shapes, basis.dx, optimize=True))
-    return total
-
-
-def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
-    """Return the derivative of forces' field by the nodes of a rigid section, (3, nodes), forces held."""
-    section = plane_nodes(model.nodes_mm, 2, z_mm)
-    unknowns = (3 * section[:, None] + np.arange(3)).ravel()
-    rigid = section_motions(model.nodes_mm, section)[unknowns]
-    turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]
-    total = np.zeros(model.nodes_mm.shape)
-    total[:, section] = np.cross(forces[unknowns].reshape(-1, 3), turn).T
     return total
 
 
