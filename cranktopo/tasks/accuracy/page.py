@@ -160,18 +160,13 @@ def _draw_fronts(axes: Any, levels: Sequence[LevelResult]) -> None:
         if others:
             axes.plot(*_points(others), marker, color=colour, mfc="none", ls="")
         for level in best:
-            _name(axes, level)
+            style = {"textcoords": "offset points", "xytext": (4, 4), "fontsize": 6, "color": GREY}
+            axes.annotate(level.name, (level.seconds, level.error_percent), **style)
     _frame(axes)
 
 
 def _points(levels: Sequence[LevelResult]) -> tuple[list[float], list[float | None]]:
     return [level.seconds for level in levels], [level.error_percent for level in levels]
-
-
-def _name(axes: Any, level: LevelResult) -> None:
-    place = level.seconds, level.error_percent
-    style = {"textcoords": "offset points", "xytext": (4, 4), "fontsize": 6, "color": GREY}
-    axes.annotate(level.name, place, **style)
 
 
 def _frame(axes: Any) -> None:

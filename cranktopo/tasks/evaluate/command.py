@@ -18,7 +18,6 @@ from cranktopo.cli.verbosity import detail, info, verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.one_web import WebName
-    from cranktopo.tasks.evaluate.sensitivities import Sensitivities
 
 
 @click.command()
@@ -58,7 +57,11 @@ def command(
     wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
     if web and not sensitivities:
         raise click.UsageError("--web names the web of --sensitivities; both webs are evaluated without it")
-    worth = _worth(texts, element_size_mm, web) if sensitivities else []
+    worth = []
+    if sensitivities:  # only these need the search of dimensions
+        from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
+
+        worth = [evaluate_sensitivities(text, element_size_mm, info, web) for text in texts]
     resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
     found = evaluate_targets(resolved, wanted, info)
     for evaluation in found.evaluations:
@@ -85,12 +88,6 @@ def command(
         for told in worth:
             click.echo("\n" + "\n".join(sensitivity_text(told.table, told.scene.name)))
     warn_missed(found.missed, accuracy)
-
-
-def _worth(targets: Sequence[str], element_size_mm: float | None, web: WebName | None) -> list[Sensitivities]:
-    from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
-
-    return [evaluate_sensitivities(target, element_size_mm, info, web) for target in targets]
 
 
 def warn_missed(missed: Sequence[str], accuracy: float | None) -> None:

@@ -24,6 +24,7 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import (
     STIFFNESS_ORDER,
     Elasticity,
@@ -34,10 +35,8 @@ from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import chunks, shape_slopes, work_slopes
 from cranktopo.tasks.fea.condense import Superelement, loaded_mm, section_slopes
 
-_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
-"""Corners of the edges and faces of a tetrahedron, in the order of scikit-fem."""
-_CHUNK = 4000
+_FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
+"""Corners of the faces of a tetrahedron, in the order of scikit-fem."""
 _QUADRATURE = 4
 """Exact for the products of the cubic functions' gradients on straight elements."""
 _CORNER_SLOPES = np.vstack([-np.ones(3), np.eye(3)])
@@ -87,15 +86,11 @@ def _residual(model: Elasticity, fields: Array, youngs: float, poisson: float) -
 def _part(
     model: Elasticity, fields: Array, youngs: float, poisson: float, first: int, end: int
 ) -> tuple[Array, Array]:
-    from skfem import Basis, ElementTetP2
-
     count = model.mesh.nedges + model.mesh.nfacets
     force, own = np.zeros((count, 3, fields.shape[1])), np.zeros((count, 3, 3))
     nodal = fields.reshape(-1, 3, fields.shape[1])
     lame, shear = lame_constants_MPa(youngs, poisson)
-    for start in range(first, end, _CHUNK):
-        elements = np.arange(start, min(start + _CHUNK, end))
-        basis = Basis(model.mesh, ElementTetP2(), intorder=_QUADRATURE, elements=elements)
+    for basis in chunks(model, _QUADRATURE, np.arange(first, end)):
         numbers, slopes = _functions(model, basis)[0], _slopes(model, basis)
         stress = _stress(basis, nodal[basis.element_dofs], lame, shear)
         weighted = slopes * basis.dx[:, :, None]
@@ -108,8 +103,7 @@ def _part(
 
 def _stress(basis: Any, nodal: Array, lame: float, shear: float) -> Array:
     """Return the stress of fields at the quadrature points, (fields, elements, points, 3, 3)."""
-    shapes = np.stack([phi[0].grad for phi in basis.basis])
-    slope = np.einsum("nieq,neak->keqai", shapes, nodal, optimize=True)
+    slope = np.einsum("nieq,neak->keqai", shape_slopes(basis), nodal, optimize=True)
     stress = shear * (slope + slope.swapaxes(3, 4))
     dilation = lame * np.einsum("keqaa->keq", slope)
     for axis in range(3):
@@ -126,7 +120,7 @@ def _functions(model: Elasticity, basis: Any) -> tuple[NDArray[np.intp], Array]:
     numbers = np.vstack([mesh.t2e[:, elements], mesh.nedges + mesh.t2f[:, elements]])
     corners = mesh.t[:, elements]
     signs = np.ones(numbers.shape)
-    for function, (a, b) in enumerate(_EDGES):
+    for function, (a, b) in enumerate(EDGES):
         signs[function] = np.where(corners[a] < corners[b], 1.0, -1.0)
     return numbers, signs
 
@@ -141,18 +135,18 @@ def _slopes(model: Elasticity, basis: Any) -> Array:
 def _reference_values(points: Array) -> Array:
     """Cubic functions at points (3, q) of the reference tetrahedron: a b (a - b) on edges, a b c on faces."""
     corner = np.vstack([1 - points.sum(axis=0), points])
-    edges = [corner[a] * corner[b] * (corner[a] - corner[b]) for a, b in _EDGES]
-    return np.stack([*edges, *(corner[a] * corner[b] * corner[c] for a, b, c in FACES)])
+    edges = [corner[a] * corner[b] * (corner[a] - corner[b]) for a, b in EDGES]
+    return np.stack([*edges, *(corner[a] * corner[b] * corner[c] for a, b, c in _FACES)])
 
 
 def _reference_slopes(points: Array) -> Array:
     corner = np.vstack([1 - points.sum(axis=0), points])
     slopes = []
-    for i, j in _EDGES:
+    for i, j in EDGES:
         a, b = corner[i], corner[j]
         slopes.append(np.outer(_CORNER_SLOPES[i], 2 * a * b - b * b))
         slopes[-1] += np.outer(_CORNER_SLOPES[j], a * a - 2 * a * b)
-    for face in FACES:
+    for face in _FACES:
         a, b, c = (corner[k] for k in face)
         products = zip(face, (b * c, a * c, a * b), strict=True)
         slopes.append(np.sum([np.outer(_CORNER_SLOPES[k], others) for k, others in products], axis=0))

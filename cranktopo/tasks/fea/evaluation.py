@@ -63,6 +63,8 @@ class Stiffness:
     """Stiffnesses of the full throw on one mesh; spring values are None without a bearing spring.
 
     Attributes:
+        torsion: N m/rad by support "free", "held", "spring".
+        bending: N/mm by support "pinned", "clamped", "spring".
         torsion_error_percent, bending_error_percent: bound of the error on this mesh, by support; empty with
             linear elements.
     """

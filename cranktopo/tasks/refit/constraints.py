@@ -24,8 +24,6 @@ from cranktopo.throw.fitted import (
 )
 from cranktopo.throw.flank import Flank
 
-_NamedBox = tuple[str, Array]
-
 _CHECKS, _POINTS = 8, 16
 _LEAST_RISE = 0.01
 """Least rise in y per mm along the outline, which keeps its half-width single-valued."""
@@ -33,7 +31,6 @@ _BEND_MARGIN = 0.99
 _RADIUS, _RISE = "least radius of the outline", "the outline does not fold back"
 NO_LENGTHS = _RADIUS, _RISE
 """How the names of rules begin whose excess is no length."""
-_ENDLESS_MM = 1e4
 
 
 def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:

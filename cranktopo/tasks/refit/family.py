@@ -151,7 +151,6 @@ def _rounded(table: Any) -> Any:
     return round(float(table), DECIMALS) + 0.0 if isinstance(table, float) else table
 
 
-_DECIMALS = 2
 _LEAST_BORE, _FIRST_BORE = 0.05, 0.3
 """Over the journal's diameter: the least bore, as one that is there does not close; the first of a solid
 journal."""
@@ -199,7 +198,7 @@ def rounded_dimensions(scene: Scene, layout: Layout, values: Array) -> Array:
     result = np.array(values, dtype=np.float64)
     for k, name in enumerate(layout.dimensions, len(values) - len(layout.dimensions)):
         low, high = free_range_mm(scene, name) or (-np.inf, np.inf)
-        result[k] = np.clip(round(float(values[k]), _DECIMALS), low, high)
+        result[k] = np.clip(round(float(values[k]), DECIMALS), low, high)
     return result
 
 

@@ -80,6 +80,7 @@ _SEARCH_CELL_MM, _SCALED_DOWN_CELL_MM = 2.0, 4.0
 have the largest usual journals and so get as many cells across as the smallest."""
 _SPREAD = 1.0
 """Standard deviation of the further initial guesses about the first, mm or degrees."""
+_SUFFIX = "-remodel"
 _ANGLE = "draft"
 """Ending of the parameters that are degrees."""
 
@@ -89,7 +90,7 @@ class FittedWeb:
     """A web of the family, and how it was reached.
 
     Attributes:
-        values: their fitted values before rounding, mm or degrees.
+        values: of the parameters before rounding, mm or degrees.
         overlaps: overlap of the fills from each initial guess of the final fit, the best first.
     """
 
@@ -142,9 +143,6 @@ def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
     name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
     return scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
-
-
-_SUFFIX = "-remodel"
 
 
 def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float) -> FitProblem:

@@ -50,7 +50,7 @@ class Fill:
             added: signed distances from what is added to the outline, (nx, ny, nz), by number of the field.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
-        inside[:] = _outline_distance(points, *self.axes[:2])[:, :, None]
+        inside[:] = _nearest(points, *self.axes[:2])[0][:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
         for number, field in added.items():
             which[field > inside] = number
@@ -107,10 +107,6 @@ def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
 
 def _ends(points: Array) -> Array:
     return points[[0, -1], 1]
-
-
-def _outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
-    return _nearest(points, x_mm, y_mm)[0]
 
 
 def _outline_vjp(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:

@@ -10,7 +10,6 @@ from cranktopo.report.result_table import Column, ResultTable, tabulate, termina
 from cranktopo.report.sections import pairs, versions_section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody
 from cranktopo.tasks.fea.quantities import estimate_line
-from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
 from cranktopo.tasks.refit.select import FitTrial
 
@@ -77,10 +76,15 @@ def _stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
     """Return the stiffnesses of the web without fillets beside those of the body, and with fillets."""
     if stiffness is None:
         return []
-    return [
-        ("torsion, kN m/rad", _stiffness_text(stiffness, "torsion")),
-        ("bending, kN/mm", _stiffness_text(stiffness, "bending")),
-    ]
+    evaluated = (stiffness.fitted_without_fillets, stiffness.body, stiffness.fitted)
+    torsion, bending = [e.torsion_Nm_per_rad for e in evaluated], [e.bending_N_per_mm for e in evaluated]
+    rows = []
+    for label, values in (("torsion, kN m/rad", torsion), ("bending, kN/mm", bending)):
+        bare, body, whole = (value / 1000 for value in values)
+        difference = stiffness.difference_percent[label.split(",")[0]]
+        text = f"{bare:.1f} without fillets, body {body:.1f} ({difference:+.1f} %); with fillets {whole:.1f}"
+        rows.append((label, text))
+    return rows
 
 
 def _estimate(stiffness: RefitStiffness | None) -> list[str]:
@@ -89,17 +93,6 @@ def _estimate(stiffness: RefitStiffness | None) -> list[str]:
     evaluated = (stiffness.body, stiffness.fitted_without_fillets, stiffness.fitted)
     found = [entry.error_estimate_percent for entry in evaluated]
     return [estimate_line(*([errors[kind] for errors in found] for kind in ("torsion", "bending")))]
-
-
-def _stiffness_text(stiffness: RefitStiffness, kind: str) -> str:
-    def value(entry: EvaluationResult) -> float:
-        return (entry.torsion_Nm_per_rad if kind == "torsion" else entry.bending_N_per_mm) / 1000
-
-    difference = stiffness.difference_percent[kind]
-    return (
-        f"{value(stiffness.fitted_without_fillets):.1f} without fillets, body {value(stiffness.body):.1f} "
-        f"({difference:+.1f} %); with fillets {value(stiffness.fitted):.1f}"
-    )
 
 
 def _rest(data: RefitResult) -> list[str]:

@@ -104,8 +104,10 @@ def write_refit(
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
     scene = fitted.scene
-    files = {"design": f"{scene.name}.toml", "step": "half_throw.step", "stl": "half_throw.stl"}
-    files |= {
+    files = {
+        "design": f"{scene.name}.toml",
+        "step": "half_throw.step",
+        "stl": "half_throw.stl",
         "drawing": "drawing.png",
         "drawing_svg": "drawing.svg",
         "json": "remodel.json",
