@@ -50,7 +50,7 @@ def work_slopes(
 
 
 def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) -> Array:
-    """Derivative of `mean_displacement(model, axis, z_from_mm) @ field` by the nodes, (3, nodes).
+    """Return the derivative of `mean_displacement(model, axis, z_from_mm) @ field` by the nodes, (3, nodes).
 
     Which quadrature points lie beyond z is held.
     """
@@ -64,7 +64,7 @@ def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) ->
 
 
 def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: Array) -> Array:
-    """Derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
+    """Return the derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
     total = np.zeros(model.nodes_mm.shape)
     for basis in chunks(model, LOAD_ORDER):
         values, place = _values(basis), np.asarray(basis.global_coordinates())
@@ -81,7 +81,7 @@ def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: A
 
 
 def moments(model: Elasticity) -> tuple[Array, Array]:
-    """Volume, its moment in y and that of x2 + y2, (3,), and their derivatives by the nodes."""
+    """Return the volume, its moment in y and that of x2 + y2, (3,), and their derivatives by the nodes."""
     totals, slopes = np.zeros(3), np.zeros((3, *model.nodes_mm.shape))
     for basis in chunks(model, LOAD_ORDER):
         x, y, _ = np.asarray(basis.global_coordinates())
@@ -97,7 +97,7 @@ def moments(model: Elasticity) -> tuple[Array, Array]:
 
 
 def chunks(model: Elasticity, order: int, elements: NDArray[np.intp] | None = None) -> Iterator[Any]:
-    """Bases of some thousand elements each, together those given; by default all."""
+    """Return the bases of some thousand elements each, together those given; by default all."""
     from skfem import Basis, ElementTetP2
 
     numbers = np.arange(model.mesh.nelements) if elements is None else elements
@@ -106,18 +106,18 @@ def chunks(model: Elasticity, order: int, elements: NDArray[np.intp] | None = No
 
 
 def shape_slopes(basis: Any) -> Array:
-    """Derivatives of the shape functions by the place, (10, 3, elements, points), 1/mm."""
+    """Return the derivatives of the shape functions by the place, (10, 3, elements, points), 1/mm."""
     return np.stack([phi[0].grad for phi in basis.basis])
 
 
 def displacement_slopes(basis: Any, shapes: Array, field: Array) -> Array:
-    """grad u, (elements, points, 3 components, 3 axes)."""
+    """Return grad u, (elements, points, 3 components, 3 axes)."""
     nodes = field.reshape(-1, 3)[basis.element_dofs]
     return np.asarray(np.einsum("nei,njeq->eqij", nodes, shapes, optimize=True))
 
 
 def full_tensor(components: Array) -> Array:
-    """Symmetric tensors (..., 3, 3) from their six components."""
+    """Return the symmetric tensors (..., 3, 3) from their six components."""
     return components[..., _TENSOR]
 
 

@@ -130,7 +130,7 @@ def _surface(ready: stage.Prepared, design: loop.WebDensities, folder: Path) -> 
 
 
 def optimiser_levels(scene: Scene) -> list[PlannedLevel]:
-    """Levels of a scene that has an envelope, in the order of `optimiser_models`."""
+    """Return the levels of a scene that has an envelope, in the order of `optimiser_models`."""
 
     def planned(model: OptimiserModel) -> PlannedLevel:
         return PlannedLevel(model.name, model.cell_mm**-3, lambda: _solve(scene, model))

@@ -71,7 +71,7 @@ def blurred(field: FineField, steps: float) -> FineField:
 
 
 def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array | None = None) -> Manifold:
-    """Smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
+    """Return the smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
 
     Args:
         tolerance_mm: how far simplification may move the surface.

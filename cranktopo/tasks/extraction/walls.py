@@ -82,7 +82,7 @@ def _shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
 
 
 def drafts_deg(walls: Walls, way: Withdrawal) -> Array:
-    """Angle between each wall and the way it is left; negative where a die half would be held, deg."""
+    """Return angle between each wall and the way it is left; negative where a die half would be held, deg."""
     along = walls.normals[:, way.axis or 0]
     if way.parting_mm is None:
         outward = np.abs(along)
@@ -92,7 +92,7 @@ def drafts_deg(walls: Walls, way: Withdrawal) -> Array:
 
 
 def from_parting_mm(walls: Walls, way: Withdrawal) -> Array:
-    """Distance of each wall from where the halves part, (n,), mm.
+    """Return the distance of each wall from where the halves part, (n,), mm.
 
     A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill. What
     is less than 1 deg off its way belongs to neither half and makes no edge.

@@ -73,7 +73,7 @@ class Superelement:
         return self.displacement[:, : self.displacement.shape[1] - self.extra_loads.shape[1]]
 
     def index(self, *motions: int) -> list[int]:
-        """Positions of motions in this block."""
+        """Return the positions of motions in this block."""
         return [self.motions.index(m) for m in motions]
 
 
@@ -250,7 +250,7 @@ _BENDING: dict[BendingSupport, frozenset[int]] = {
 def torsional_stiffness_Nm_per_rad(
     block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> float:
-    """Torsional stiffness of the full throw: torque over relative rotation of its sections, T / (2 phi).
+    """Return the torsional stiffness of the full throw: torque over relative rotation, T / (2 phi).
 
     Args:
         block: antisymmetric or whole block holding ux, ry, rz (and more).
@@ -260,7 +260,7 @@ def torsional_stiffness_Nm_per_rad(
 
 
 def torque_ends(block: Superelement) -> Array:
-    """A torque of 1 N mm on the section of the half throw, opposite ones on both of the whole, shape (m,).
+    """Return a torque of 1 N mm on the section of the half throw, opposite ones on both of the whole, (m,).
 
     Times a motion it is the rotation of the section, or that of the far section relative to the near one.
     """
@@ -271,7 +271,7 @@ def torque_ends(block: Superelement) -> Array:
 def bending_stiffness_N_per_mm(
     block: Superelement, support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> float:
-    """Bending stiffness of the full throw: pin force over mean radial displacement of the pin material.
+    """Return the bending stiffness of the full throw: pin force over mean radial pin displacement.
 
     Args:
         block: symmetric or whole block holding uy, uz, rx (and more).
@@ -283,7 +283,7 @@ def bending_stiffness_N_per_mm(
 def torsion_motion(
     block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0, force: Array | None = None
 ) -> Array:
-    """Section motion under section forces, shape (m,), mm and rad."""
+    """Return the section motion under section forces, shape (m,), mm and rad."""
     force = torque_ends(block) if force is None else force
     return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), force)
 
@@ -296,7 +296,7 @@ def bending_motion(
     *,
     turning: bool = True,
 ) -> Array:
-    """Section motion under section forces, shape (m,), mm and rad.
+    """Return the section motion under section forces, shape (m,), mm and rad.
 
     Args:
         turning: whether the section may turn about the crank axis; a tangential force needs a torque there.

@@ -83,7 +83,7 @@ def bending_shares(
 
 
 def bound_percent(surplus: float, straight: float, volume_error: float, volume_factor: float) -> float:
-    """Bound of a stiffness's relative error, %.
+    """Return the bound of a stiffness's relative error, %.
 
     Args:
         surplus: share of the displacement under load that cubic displacements would add.
@@ -103,7 +103,7 @@ def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, 
 
 
 def difference_bound_percent(one: float, other: float, *, triangles: bool = False) -> float:
-    """Bound of the error of the relative difference between two stiffnesses, %.
+    """Return the bound of the error of the relative difference between two stiffnesses, %.
 
     Finite elements are too stiff, so both errors go the same way, and on meshes made by the same rules they
     are nearly equal where the bounds are.

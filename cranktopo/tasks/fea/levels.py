@@ -49,7 +49,7 @@ class EvaluationMesh:
         return float(share * (0.4 if self.order == 1 else 1.0) * _COST_GROWTH**-self.steps)
 
     def size_mm(self, target: Target) -> float:
-        """General element size."""
+        """Return the general element size."""
         return default_element_size_mm(target.scene) * RATIO**self.steps
 
 

@@ -97,7 +97,7 @@ COMPARED = (MASS, *STIFFNESS, *PER_MASS, INERTIA, UNBALANCE)
 
 
 def throw_values(mass_kg: float, torsion_Nm_per_rad: float, bending_N_per_mm: float) -> dict[str, float]:
-    """Mass, stiffnesses and ratios by key, in the units of the table."""
+    """Return mass, stiffnesses and ratios by key, in the units of the table."""
     torsion, bending = torsion_Nm_per_rad / 1000, bending_N_per_mm / 1000
     return {
         MASS.key: mass_kg,
@@ -118,7 +118,7 @@ def evaluation_values(evaluation: Evaluation) -> dict[str, float]:
 
 
 def percent_of(values: Mapping[str, float], reference: Mapping[str, float]) -> dict[str, float]:
-    """Values in percent of those of a reference, by key."""
+    """Return the values in percent of those of a reference, by key."""
     return {key: 100 * value / reference[key] for key, value in values.items()}
 
 
@@ -132,7 +132,7 @@ _WORDS: dict[Quantity, tuple[str, str]] = {
 
 
 def comparison_sentence(subject: str, changes_percent: Mapping[Quantity, float], reference: str) -> str:
-    """`subject` against `reference`, of mass and both stiffnesses, with what got worse in front."""
+    """Compare `subject` with `reference` by mass and both stiffnesses; what got worse is in front."""
     worse = [_words(q, v) for q, v in changes_percent.items() if q.better * v < -NOTICEABLE_PERCENT]
     better = [_words(q, v) for q, v in changes_percent.items() if q.better * v > NOTICEABLE_PERCENT]
     if not worse and not better:
@@ -148,7 +148,7 @@ def worse_line(changes_percent: Mapping[Quantity, float], reference: str) -> str
 
 
 def percent_change(now: float, before: float) -> float:
-    """By how much a value differs from another, %."""
+    """Return the difference of a value from another, %."""
     return 100 * (now / before - 1)
 
 

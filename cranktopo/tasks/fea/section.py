@@ -44,7 +44,7 @@ _TEXT = (
 
 
 def stress_section(scene3d: Scene3D | None, command: str) -> Section:
-    """Quantiles and pictures of the stresses, or the `command` that would solve for them."""
+    """Return quantiles and pictures of the stresses, or the `command` that would solve for them."""
     if scene3d is None or not scene3d.stress_scales:
         return Section("stress", _TITLE, f"Not solved: '{command}' adds them to this page.")
     rows: list[Row] = []

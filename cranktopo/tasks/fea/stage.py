@@ -45,7 +45,7 @@ class Evaluations:
 def evaluate_target(
     target: Target | str, wanted: MeshRequest | None = None, info: Info = lambda _: None
 ) -> Evaluation:
-    """Evaluation of one target, given as such or as the user types it (a design, a run).
+    """Return the evaluation of one target, given as such or as the user types it (a design, a run).
 
     Raises:
         CranktopoError: no such target, no valid mesh, or a failed solve.
@@ -72,7 +72,7 @@ def evaluate_targets(
 
 
 def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Info) -> None:
-    """One line per target of what it does not say and a command uses of these tables of its scene."""
+    """Print one line per target of what it does not say and a command uses of these tables of its scene."""
     for target in targets:
         found = filter_by_table(target.assumed, tables)
         if found:

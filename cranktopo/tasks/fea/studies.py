@@ -90,7 +90,7 @@ def studies_path() -> Path:
 
 
 def key_of(target: Target) -> str:
-    """What a target's study is kept under: a design's name, or the path of the surface of a run or file.
+    """Return the key of a target's study: a design's name, or the path of the surface of a run or file.
 
     A surface has no name of its own: every run directory `web` would pass for the design `web`.
     """

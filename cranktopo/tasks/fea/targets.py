@@ -40,6 +40,7 @@ class Target:
     Attributes:
         scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
             where `file` is None.
+        file: STL or STEP of the half throw, mm.
         assumed: what the design does not say of throw, engine, supports and fatigue.
     """
 

@@ -99,7 +99,7 @@ def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind,
 
 
 def twisted(block: Superelement, scene: Scene) -> UnitField:
-    """Field of a unit torque from the antisymmetric condensation, or that of a whole throw."""
+    """Return the field of a unit torque from the antisymmetric condensation, or that of a whole throw."""
     spring, ends = support_spring(scene, scene.supports.torsion), torque_ends(block)
     near = ends if block.copies == 2 else -ends
     motion = torsion_motion(block, scene.supports.torsion, spring, near)
@@ -170,7 +170,7 @@ def _units(block: Superelement) -> Array:
 
 
 def support_spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
-    """Stiffness of the bearing spring of a support, N/mm; 0 for others."""
+    """Return the stiffness of the bearing spring of a support, N/mm; 0 for others."""
     return required_bearing_spring_N_per_mm(scene) if support == "spring" else 0.0
 
 
@@ -201,7 +201,7 @@ class CaseStress:
     element_size_mm: float
 
     def at(self, points_mm: Array) -> Array:
-        """Stress at points of the surface, MPa, shape (cases, points).
+        """Return the stress at points of the surface, MPa, shape (cases, points).
 
         Mean of the nearest four nodes by the inverse of their distance: a node gives its own value.
         """
@@ -222,7 +222,7 @@ def case_stress(
     element_size_mm: float | None = None,
     progress: Info = lambda _: None,
 ) -> CaseStress:
-    """Von Mises stress of a target under load cases, one condensation per symmetry that they need.
+    """Return the von Mises stress of a target under load cases, one condensation per symmetry that they need.
 
     At sharp re-entrant edges it has no limit, and in fillets it needs the finer mesh of
     `stress_model.solve_stresses`: the largest value depends on the mesh, all but the neighbourhood of such

@@ -78,7 +78,7 @@ class Fill:
 
 
 def added_mm(scene: Scene, axes: Axes) -> Array | None:
-    """Signed distance of cells from what no fit takes away, (nx, ny, nz), mm."""
+    """Return the signed distance of cells from what no fit takes away, (nx, ny, nz), mm."""
     x, y, z = axes
     found = [
         np.minimum(body.inside_mm(x[:, None], y[None, :])[:, :, None], _between_mm(scene, body, z))

@@ -55,7 +55,7 @@ class _Outline:
         return _Shape(points, constraints, point_gradients, np.hstack([constraint_gradients, by_sizes]))
 
     def _by_sizes(self, own: Array, values: Array) -> Array:
-        """Return derivatives of the constraints by the parameters after those of the outline."""
+        """Return the derivatives of the constraints by the parameters after those of the outline."""
         places = range(len(values) - len(self._layout.dimensions), len(values))
 
         def constraints(moved: Array) -> Array:
@@ -109,7 +109,7 @@ class ParametricWeb:
         return result
 
     def _added(self, values: Array) -> dict[int, Array]:
-        """Return signed distances from the counterweight and its fillets, by number of the field."""
+        """Return the signed distances from the counterweight and its fillets, by number of the field."""
         sector = self._moved_added(values) if self._weight else self._own_added
         fillet = self.fillet(values)
         fields = {} if sector is None else {ADDED: sector}

@@ -35,6 +35,7 @@ class ResidualRegion:
         kind: "window" (open at both web faces), "recess" (open at one face or the side), "hollow" (closed,
             or open into a bore only) where the body has a hole that the model lacks; "material" where the
             body has material that the model lacks.
+        volume_mm3: on both sides of x = 0; places are those of the part at x >= 0.
         pair: it does not reach x = 0, so there is one on either side.
         face: the web face at which a recess is open, or None.
     """
