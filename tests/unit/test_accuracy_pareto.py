@@ -16,7 +16,7 @@ from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB,
 from cranktopo.bodies.cells.resolution import estimated_cells
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.accuracy.cell_choice import choose_cells
+from cranktopo.tasks.accuracy.optimiser_levels import choose_cells
 from cranktopo.tasks.accuracy.page import (
     accuracy_page,
     level_tables,

@@ -39,19 +39,11 @@ from cranktopo.tasks.fea.evaluation import Info, mesh_target
 from cranktopo.tasks.fea.targets import Target
 
 FieldKind = LoadKind | Literal["moment"]
-_PARITY: dict[FieldKind, Lateral] = {
-    "moment": "even",
-    "bending": "even",
-    "tangential": "odd",
-    "torsion": "odd",
-    "centrifugal": "even",
-}
-"""Of the loads in the mirror x -> -x."""
-_TAKEN: dict[Span, tuple[FieldKind, ...]] = {
-    "symmetric": ("moment", "bending", "tangential", "centrifugal"),
-    "whole": ("bending", "tangential", "torsion", "centrifugal"),
-}
-"""The loads that one condensation holds; no moment is asked of a whole throw."""
+_KINDS: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
+_ODD = ("tangential", "torsion")
+"""Loads that the mirror x -> -x turns around."""
+_LEFT_OUT: dict[Span, FieldKind] = {"symmetric": "torsion", "whole": "moment"}
+"""The load that a condensation does not hold."""
 
 
 @dataclass(frozen=True)
@@ -90,8 +82,7 @@ def unit_fields(
             lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
         )
         fields = {**symmetric, **twist}
-    order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
-    return tuple(fields[kind] for kind in order if kind in fields)
+    return tuple(fields[kind] for kind in _KINDS if kind in fields)
 
 
 def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
@@ -112,7 +103,8 @@ def _by_side(
     laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
     found: dict[FieldKind, UnitField] = {}
     for lateral in laterals:
-        wanted = [kind for kind in _TAKEN[span] if kind in kinds and lateral in ("none", _PARITY[kind])]
+        parity = {"none": _KINDS, "odd": _ODD, "even": set(_KINDS) - set(_ODD)}[lateral]
+        wanted = [kind for kind in _KINDS if kind in kinds and kind in parity and kind != _LEFT_OUT[span]]
         if wanted:
             found |= _loaded(model, scene, span, lateral, wanted)
     return found

@@ -35,7 +35,7 @@ from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.iterations import save_iteration
 from cranktopo.runs.kind import require_kind
 from cranktopo.runs.status import working_in
-from cranktopo.tasks.accuracy.cell_choice import choose_cells
+from cranktopo.tasks.accuracy.optimiser_levels import choose_cells
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.coarse_start import first_state
 from cranktopo.tasks.density.continuation import with_limit

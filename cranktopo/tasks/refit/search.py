@@ -14,10 +14,9 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.slsqp import minimise
-from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import Layout, flank_of, station_shares
 from cranktopo.tasks.refit.model_fill import added_mm, smooth_step
-from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.parametric_web import ParametricWeb, reaches_mm
 from cranktopo.throw.flank import flank_half_width_mm
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from cranktopo.design.free_dimensions import (
 )
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import station_shares
+from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.tasks.refit.read_web import WebRead, read_web
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
