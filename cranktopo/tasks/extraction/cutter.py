@@ -241,8 +241,7 @@ def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
     import trimesh
     from scipy.spatial import cKDTree
 
-    fine = solid_of(mesh).refine_to_length(mesh.extent_mm / _FACETS_ALONG).to_mesh64()
-    corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
+    corners = refined_corners_mm(mesh, mesh.extent_mm / _FACETS_ALONG)
     count = min(_NEIGHBOURS, len(corners))
     _, near = cKDTree(corners.mean(axis=1)).query(points_mm, k=count)
     pairs = corners[near.reshape(-1)]
@@ -250,6 +249,12 @@ def distances_mm(points_mm: Array, mesh: SurfaceMesh) -> Array:
     closest = trimesh.triangles.closest_point(pairs, targets)
     gaps = np.linalg.norm(closest - targets, axis=1).reshape(-1, count)
     return np.asarray(gaps.min(axis=1))
+
+
+def refined_corners_mm(mesh: SurfaceMesh, length_mm: float) -> Array:
+    """Return the corners of a surface's triangles, cut until no edge is longer, (m, 3 corners, 3), mm."""
+    fine = solid_of(mesh).refine_to_length(length_mm).to_mesh64()
+    return np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
 
 
 def _vertices(solid: Manifold) -> Array:

@@ -16,8 +16,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Z
 from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.tasks.extraction.cutter import distances_mm
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.extraction.cutter import distances_mm, refined_corners_mm
 
 _ON_MM = 0.02
 _MOST_POINTS = 5_000
@@ -59,8 +59,7 @@ def _is_manufactured(scene: Scene) -> bool:
 
 def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
     """Return all walls of a surface, by triangles with edges of at most a length."""
-    fine = solid_of(mesh).refine_to_length(spacing_mm).to_mesh64()
-    corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
+    corners = refined_corners_mm(mesh, spacing_mm)
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(doubled, axis=1)
     sound = size > 1e-9

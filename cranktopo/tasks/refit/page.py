@@ -21,8 +21,6 @@ _TRIALS: tuple[Column[FitTrial], ...] = (
     Column("gain_percent", 2, lambda trial: trial.gain_percent),
     Column("kept", 0, lambda trial: "yes" if trial.kept else "no"),
 )
-
-
 _REST: tuple[Column[UnrepresentedRegion], ...] = (
     Column("what", 0, lambda item: _kind(item)),
     Column("volume_mm3", 0, lambda item: item.volume_mm3),
@@ -36,7 +34,7 @@ def refit_text(data: RefitResult) -> str:
     """Return the content of remodel.json for a terminal."""
     rows = [*_shape_rows(data), *_stiffness_rows(data.stiffness)]
     lines = [
-        terminal(_fit_trials_table(data)),
+        terminal(tabulate(_TRIALS, data.trials)),
         *_fit_lines(data),
         "",
         *(f"{name:19} {text}" for name, text in rows),
@@ -45,16 +43,6 @@ def refit_text(data: RefitResult) -> str:
     ]
     files = (f"{data.folder}/{data.files[kind]}" for kind in _FILES)
     return "\n".join([*lines, "", *files])
-
-
-def _fit_trials_table(data: RefitResult) -> ResultTable:
-    """Return what was tried, with the overlap that it reached."""
-    return tabulate(_TRIALS, data.trials)
-
-
-def _rest_table(data: RefitResult) -> ResultTable:
-    """Return one row per region that the parametric web cannot represent."""
-    return tabulate(_REST, data.not_represented)
 
 
 def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
@@ -79,11 +67,11 @@ def _stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
     evaluated = (stiffness.fitted_without_fillets, stiffness.body, stiffness.fitted)
     torsion, bending = [e.torsion_Nm_per_rad for e in evaluated], [e.bending_N_per_mm for e in evaluated]
     rows = []
-    for label, values in (("torsion, kN m/rad", torsion), ("bending, kN/mm", bending)):
+    for kind, unit, values in (("torsion", "kN m/rad", torsion), ("bending", "kN/mm", bending)):
         bare, body, whole = (value / 1000 for value in values)
-        difference = stiffness.difference_percent[label.split(",")[0]]
+        difference = stiffness.difference_percent[kind]
         text = f"{bare:.1f} without fillets, body {body:.1f} ({difference:+.1f} %); with fillets {whole:.1f}"
-        rows.append((label, text))
+        rows.append((f"{kind}, {unit}", text))
     return rows
 
 
@@ -165,10 +153,10 @@ def refit_section(data: RefitResult) -> Section:
     """Return the shape error, stiffnesses, what was tried and what is left over."""
     tables: list[tuple[str, ResultTable]] = [
         ("Web against body", pairs([*_shape_rows(data), *_stiffness_rows(data.stiffness)])),
-        ("Features tried, each kept only for what it gains", _fit_trials_table(data)),
+        ("Features tried, each kept only for what it gains", tabulate(_TRIALS, data.trials)),
     ]
     if data.not_represented:
-        tables.append(("Not represented by the parametric web", _rest_table(data)))
+        tables.append(("Not represented by the parametric web", tabulate(_REST, data.not_represented)))
     text = (
         "The body has no fillets, so the web is compared without its own. "
         + " ".join(f"{line[0].upper()}{line[1:]}." for line in _fit_lines(data))
