@@ -18,7 +18,7 @@ ROOTS = {
     "balance": ("`balance --json`", "cranktopo.tasks.balance.result:Balance"),
     "vibration": ("`vibration --json`", "cranktopo.tasks.vibration.result:ShaftVibration"),
     "shaft": ("`shaft --json`", "cranktopo.tasks.shaft.stage:ShaftEvaluation"),
-    "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.study_result:StudyResult"),
+    "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),
     "shape": ("`shape --json` and `shape.json`", "cranktopo.tasks.shape.result:ShapeResult"),

@@ -18,7 +18,7 @@ from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.shape.feature_starts import bevel_start
 from cranktopo.tasks.shape.search import EVALUATIONS, SearchResult, search_on_cells
 from cranktopo.tasks.shape.search_goal import search_goal_of

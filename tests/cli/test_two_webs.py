@@ -22,7 +22,7 @@ from cranktopo.tasks.fatigue import rule_check
 from cranktopo.tasks.fatigue.m53 import concentration_factors
 from cranktopo.tasks.fatigue.rule_check import dimensions
 from cranktopo.tasks.fatigue.stress_model import Quality
-from cranktopo.tasks.fea.level import EVALUATION, FILLET_STRESS
+from cranktopo.tasks.fea.studies import EVALUATION, FILLET_STRESS
 from cranktopo.tasks.fea.targets import Target, resolve_targets
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import sweep_plan

@@ -25,9 +25,9 @@ from cranktopo.tasks.density.stage import Prepared, optimise_density, prepare
 from cranktopo.tasks.density.state import State
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
 from cranktopo.tasks.iterate.one_step import write_envelope, write_solids
-from cranktopo.tasks.refit.constraints import reaches_mm
 from cranktopo.tasks.refit.family import Layout, station_shares, web_of
 from cranktopo.tasks.refit.fit import fit_web, scene_with_web
+from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.envelope import StlEnvelope
 from cranktopo.throw.face_pocket import FittedCylinder

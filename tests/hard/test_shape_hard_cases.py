@@ -16,10 +16,9 @@ from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at

@@ -23,9 +23,9 @@ from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import Design, quantities
 from cranktopo.tasks.density.stage import optimise_density, prepare
 from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.throw.bevel import FittedBevel
 from tests.physics.throw_cases import clamped_beam

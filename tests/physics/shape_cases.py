@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.side_pocket import FittedSlot

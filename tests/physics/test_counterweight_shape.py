@@ -14,13 +14,10 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.refit.corner_fillet import FITS
-from cranktopo.tasks.refit.dimensions import free_dimensions, scene_at, with_free
-from cranktopo.tasks.refit.family import Layout, exact_web_of
-from cranktopo.tasks.refit.fit import scene_with_web
-from cranktopo.tasks.refit.model_fill import FILLET
+from cranktopo.tasks.refit.family import Layout, exact_web_of, free_dimensions, scene_at, with_free
+from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
+from cranktopo.tasks.refit.model_fill import FILLET, FITS
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.start import scene_start

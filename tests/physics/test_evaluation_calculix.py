@@ -18,11 +18,13 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import RZ, Superelement, condense
-from cranktopo.tasks.fea.support_stiffness import (
+from cranktopo.tasks.fea.condense import (
+    RZ,
     BendingSupport,
+    Superelement,
     TorsionSupport,
     bending_stiffness_N_per_mm,
+    condense,
     torsional_stiffness_Nm_per_rad,
 )
 from tests.physics import calculix

@@ -19,8 +19,17 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, condense, plane_nodes, section_motions
-from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.fea.condense import (
+    RX,
+    RZ,
+    UX,
+    UY,
+    bending_stiffness_N_per_mm,
+    condense,
+    plane_nodes,
+    section_motions,
+    torsional_stiffness_Nm_per_rad,
+)
 from cranktopo.tasks.shaft.assembly import throw_blocks, throw_matrix
 from tests.physics.evaluation_cases import LOPSIDED, elastic, mikron_with
 

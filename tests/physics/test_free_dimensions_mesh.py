@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits

@@ -15,16 +15,12 @@ from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
-from cranktopo.tasks.refit.constraints import part_rules
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import fit_problem, fit_web, scene_with_web
-from cranktopo.tasks.refit.initial_guess import outline_guess
-from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.residual_regions import residual_regions
-from cranktopo.tasks.refit.search import Fit, minimise_misfit
-from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill
+from cranktopo.tasks.refit.parametric_web import ParametricWeb, part_rules
+from cranktopo.tasks.refit.search import Fit, minimise_misfit, outline_guess, voxel_fill
+from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill, residual_regions
 from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
-from cranktopo.tasks.refit.voxel_fill import voxel_fill
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits

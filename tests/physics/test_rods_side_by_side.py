@@ -16,8 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
 from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
 from cranktopo.numerics.tetrahedra.stress import nodal_stress
-from cranktopo.tasks.fea.condense import condense, loaded_mm
-from cranktopo.tasks.fea.support_stiffness import bending_motion
+from cranktopo.tasks.fea.condense import bending_motion, condense, loaded_mm
 from tests.physics.evaluation_cases import elastic
 
 Array = NDArray[np.float64]

@@ -14,9 +14,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.family import Layout, exact_web_of
-from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.result import DimensionSensitivity
 from cranktopo.tasks.shape.rules import ENVELOPE, rules_at

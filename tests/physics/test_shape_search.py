@@ -14,9 +14,8 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import multipliers
 from cranktopo.numerics.precision import double_precision
-from cranktopo.tasks.refit.dimensions import with_free
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.refit.family import Layout, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.shape.search import SearchResult, multipliers_of, search_on_cells
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import outline_start

@@ -15,8 +15,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.extraction.checked_surface import checked_surface
-from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
-from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
+from cranktopo.tasks.extraction.cutter import build_cutter, fine_field, iso_surface_distances_mm
 
 DATA = Path(__file__).parents[1] / "data"
 

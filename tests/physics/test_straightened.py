@@ -13,10 +13,14 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Superelement, condense
+from cranktopo.tasks.fea.condense import (
+    Superelement,
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
+from cranktopo.tasks.fea.discretisation_error import straightened
 from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
-from cranktopo.tasks.fea.straightened import straightened
-from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from tests.physics.evaluation_cases import elastic, mikron_with
 
 HOLE = {"shape": "cylinder", "x_mm": 12.0, "y_mm": 24.0, "diameter_mm": 12.0}

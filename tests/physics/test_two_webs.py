@@ -24,8 +24,12 @@ from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.tasks.fea.condense import Superelement, condense
-from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
+from cranktopo.tasks.fea.condense import (
+    Superelement,
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
 from tests.physics.calculix import displacements, handles
 from tests.physics.evaluation_cases import elastic
 from tests.physics.test_evaluation_full_throw import FLIPPED

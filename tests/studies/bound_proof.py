@@ -24,9 +24,8 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.bound.lower_bound import Bound, BoundModel, bound_model, prove
-from cranktopo.tasks.refit.dimensions import with_part
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.usual_size import usual_limits
+from cranktopo.tasks.refit.family import Layout, with_part
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.shape.feature_starts import bevel_start
 from cranktopo.tasks.shape.search import search_on_cells
 from cranktopo.tasks.shape.search_goal import search_goal_of

@@ -22,11 +22,15 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     mean_displacement,
 )
 from cranktopo.numerics.tetrahedra.linear_solve import two_level_cycle
-from cranktopo.tasks.fea.condense import Superelement, condense
+from cranktopo.tasks.fea.condense import (
+    Superelement,
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
+from cranktopo.tasks.fea.discretisation_error import straightened
 from cranktopo.tasks.fea.error_bound import bending_shares, torsion_shares
 from cranktopo.tasks.fea.evaluation import mesh_target
-from cranktopo.tasks.fea.straightened import straightened
-from cranktopo.tasks.fea.support_stiffness import bending_stiffness_N_per_mm, torsional_stiffness_Nm_per_rad
 from cranktopo.tasks.fea.targets import Target
 
 Array = NDArray[np.float64]

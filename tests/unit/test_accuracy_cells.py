@@ -7,8 +7,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.accuracy.cell_choice import choose_cells
-from cranktopo.tasks.accuracy.optimiser_levels import optimiser_models
+from cranktopo.tasks.accuracy.optimiser_levels import choose_cells, optimiser_models
 
 
 def test_cells_for_an_accuracy_or_a_budget(mikron: Scene) -> None:
@@ -61,7 +60,7 @@ def test_a_wall_thinner_than_any_cells_is_named(mikron: Scene, wanted: tuple[flo
 def test_a_memory_too_small_for_any_cells_is_named(
     mikron: Scene, wanted: tuple[float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cranktopo.tasks.accuracy.cell_choice.available_memory_MiB", lambda: 1251.0)
+    monkeypatch.setattr("cranktopo.tasks.accuracy.optimiser_levels.available_memory_MiB", lambda: 1251.0)
     with pytest.raises(CranktopoError, match=r"resolution_mm = 3\.77.*: too fine: .* GiB available"):
         choose_cells(mikron, *wanted)
 

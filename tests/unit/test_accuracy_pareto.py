@@ -16,16 +16,32 @@ from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB,
 from cranktopo.bodies.cells.resolution import estimated_cells
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.accuracy.cell_choice import choose_cells
-from cranktopo.tasks.accuracy.page import accuracy_page
-from cranktopo.tasks.accuracy.pareto import ParetoFront, pareto_front
-from cranktopo.tasks.accuracy.plot import study_pictures
+from cranktopo.tasks.accuracy.optimiser_levels import choose_cells
+from cranktopo.tasks.accuracy.page import (
+    accuracy_page,
+    level_tables,
+    limit_lines,
+    recommendation_table,
+    study_pictures,
+)
+from cranktopo.tasks.accuracy.stage import cheapest, pareto_front
 from cranktopo.tasks.accuracy.study import Study, run_studies
-from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table
-from cranktopo.tasks.fea import error_target, stored_studies
-from cranktopo.tasks.fea.error_target import LEVELS, ErrorTarget, evaluate_to, first_level
-from cranktopo.tasks.fea.level import BENDING, EVALUATION, OPTIMISER, TORSION, Level, PlannedLevel, StudyName
-from cranktopo.tasks.fea.stored_studies import StoredStudy, key_of, load_study, store_study
+from cranktopo.tasks.fea import levels, studies
+from cranktopo.tasks.fea.levels import LEVELS, ErrorTarget, evaluate_to, first_level
+from cranktopo.tasks.fea.studies import (
+    BENDING,
+    EVALUATION,
+    OPTIMISER,
+    TORSION,
+    Level,
+    PlannedLevel,
+    StoredStudy,
+    StudyName,
+    StudyResult,
+    key_of,
+    load_study,
+    store_study,
+)
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.optimise.page import accuracy_section
 from tests.run_metrics import load_of, run_metrics
@@ -54,67 +70,69 @@ def study(*levels: Level, interrupted: bool = False) -> Study:
     return Study("by-hand", 30.0, 20.0, MACHINE, levels, ("evaluation, a mesh: failed",), interrupted)
 
 
-@pytest.fixture
-def front() -> ParetoFront:
+def solved() -> tuple[Level, ...]:
     own = {"settings": {"iterations": 30, "cells": 8000, "load_cases": 2}}
-    return pareto_front(
-        study(
-            mesh_level(2, 3.0, graded=False, shift=2.0),
-            mesh_level(2, 4.0),
-            mesh_level(1, 8.0),
-            mesh_level(0, 16.0),
-            mesh_level(1, 17.0, graded=False, shift=1.0),
-            level(OPTIMISER, "cells", 3.0, 9.0, torsion=98.0, bending=51.0, model={TORSION: 99.0}, **own),
-            level(OPTIMISER, "cells", 2.4, 18.0, torsion=99.0, bending=50.5, model={TORSION: 99.5}, **own),
-            level(OPTIMISER, "10 iterations", 3.0, 5.0, **own),
-        )
+    return (
+        mesh_level(2, 3.0, graded=False, shift=2.0),
+        mesh_level(2, 4.0),
+        mesh_level(1, 8.0),
+        mesh_level(0, 16.0),
+        mesh_level(1, 17.0, graded=False, shift=1.0),
+        level(OPTIMISER, "cells", 3.0, 9.0, torsion=98.0, bending=51.0, model={TORSION: 99.0}, **own),
+        level(OPTIMISER, "cells", 2.4, 18.0, torsion=99.0, bending=50.5, model={TORSION: 99.5}, **own),
+        level(OPTIMISER, "10 iterations", 3.0, 5.0, **own),
     )
 
 
-def test_errors_are_against_the_extrapolated_value(front: ParetoFront) -> None:
+@pytest.fixture
+def front() -> StudyResult:
+    return pareto_front(study(*solved()))
+
+
+def test_errors_are_against_the_extrapolated_value(front: StudyResult) -> None:
     limits = front.limits[EVALUATION]
     assert limits[TORSION].value == pytest.approx(100.0, rel=1e-6)
     assert limits[TORSION].order == pytest.approx(2.0, abs=1e-5)
     assert limits[BENDING].value == pytest.approx(50.0, rel=1e-6)
-    last = front.levels[3]
+    last = front.rungs[3]
     assert last.errors_percent[TORSION] == pytest.approx(1.6, rel=1e-4)
     assert last.errors_percent[BENDING] == pytest.approx(1.6, rel=1e-4)
     assert last.orders == {TORSION: pytest.approx(2.0, abs=1e-5), BENDING: pytest.approx(1.0, abs=1e-5)}
-    assert front.levels[1].orders == {}
+    assert front.rungs[1].orders == {}
 
 
-def test_levels_that_no_cheaper_one_beats_are_efficient(front: ParetoFront) -> None:
-    meshes = [found for found in front.levels if found.level.study == EVALUATION]
+def test_levels_that_no_cheaper_one_beats_are_efficient(front: StudyResult) -> None:
+    meshes = [found for found in front.rungs if found.ladder == EVALUATION]
     assert [found.efficient for found in meshes] == [True, True, True, True, False]
 
 
-def test_recommendation_is_the_cheapest_whose_error_is_surely_below(front: ParetoFront) -> None:
-    finest = front.levels[3]
+def test_recommendation_is_the_cheapest_whose_error_is_surely_below(front: StudyResult) -> None:
+    finest = front.rungs[3]
     assert finest.error_percent is not None
     assert finest.bound_percent is not None
     assert finest.bound_percent > finest.error_percent
-    chosen = front.cheapest(EVALUATION, finest.bound_percent + 1e-9)
+    chosen = cheapest(front.rungs, EVALUATION, finest.bound_percent + 1e-9)
     assert chosen is finest
-    assert front.cheapest(EVALUATION, finest.error_percent) is None
-    loose = front.cheapest(EVALUATION, 50.0)
-    assert loose is front.levels[0]
+    assert cheapest(front.rungs, EVALUATION, finest.error_percent) is None
+    loose = cheapest(front.rungs, EVALUATION, 50.0)
+    assert loose is front.rungs[0]
 
 
-def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(front: ParetoFront) -> None:
-    first = front.levels[5]
+def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(front: StudyResult) -> None:
+    first = front.rungs[5]
     assert first.model_errors_percent == {TORSION: pytest.approx(100 / 98)}
     assert first.error_percent == pytest.approx(max(abs(e) for e in first.errors_percent.values()))
     assert first.uncertainty_percent == pytest.approx(
         max(limit.uncertainty_percent for limit in front.limits[OPTIMISER].values())
     )
-    sure = replace(first.level, band_percent=50.0)
-    assert pareto_front(study(sure, front.levels[6].level)).levels[0].uncertainty_percent == 50.0
-    empty = front.levels[7]
+    sure = replace(solved()[5], band_percent=50.0)
+    assert pareto_front(study(sure, solved()[6])).rungs[0].uncertainty_percent == 50.0
+    empty = front.rungs[7]
     assert (empty.error_percent, empty.efficient, empty.errors_percent) == (None, False, {})
 
 
-def test_json_and_pages(front: ParetoFront) -> None:
-    result = front.result
+def test_json_and_pages(front: StudyResult) -> None:
+    result = front
     assert json.loads(json.dumps(result.as_json(), allow_nan=False)) == result.as_json()
     assert {r.ladder for r in result.recommendations} == {"judge", "optimiser"}
     tables = dict(level_tables(result))
@@ -131,12 +149,12 @@ def test_json_and_pages(front: ParetoFront) -> None:
     assert list(joined.get_xdata()) == [3.0, 4.0, 8.0, 16.0]
 
 
-def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
+def test_the_report_of_a_run_shows_its_studies(front: StudyResult) -> None:
     cases = {"torsion": {"error_estimate_percent": 1.33}, "centrifugal": {}}
     others = {"compliance_N_mm": 1.0, "support": "free"}
     known = {name: {**case, **others, "load": load_of(name)} for name, case in cases.items()}
     metrics = run_metrics(load_cases=known)
-    plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front.result))
+    plain, full = (accuracy_section(metrics, studies, "one") for studies in (None, front))
     assert {"what": "error estimate, torsion", "value": "1.3 %"} in plain.tables[0][1].rows
     assert [title for title, _ in full.tables] == [
         "This run",
@@ -151,7 +169,7 @@ def test_the_report_of_a_run_shows_its_studies(front: ParetoFront) -> None:
 
 
 def test_one_level_has_no_error_and_no_plot() -> None:
-    result = pareto_front(study(mesh_level(2, 3.0))).result
+    result = pareto_front(study(mesh_level(2, 3.0)))
     page = accuracy_page(result, "today")
     assert page.sections[0].pictures == ()
     assert page.facts[0].value == "no accuracy reached"
@@ -213,19 +231,19 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch, mik
     found, _ = run(monkeypatch, mikron, 60.0, [*done, KeyboardInterrupt()])
     assert found.interrupted
     assert list(found.levels) == done
-    assert "interrupted after" in accuracy_page(pareto_front(found).result, "").headline
+    assert "interrupted after" in accuracy_page(pareto_front(found), "").headline
 
 
 @pytest.fixture
 def cache(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(stored_studies, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
+    monkeypatch.setattr(studies, "this_machine", lambda: replace(MACHINE, reference_s=0.2))
 
 
-def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: ParetoFront) -> None:
-    result = front.result
+def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: StudyResult) -> None:
+    result = front
     assert load_study("by-hand", EVALUATION) is None
-    assert store_study("by-hand", result) == stored_studies.studies_path()
+    assert store_study("by-hand", result) == studies.studies_path()
     found, other = load_study("by-hand", EVALUATION), load_study("another", EVALUATION)
     assert found is not None
     assert other is not None
@@ -240,12 +258,12 @@ def test_a_study_is_kept_with_the_speed_of_its_machine(cache: None, front: Paret
     assert load_study("by-hand", EVALUATION) is None, "times of another machine say nothing"
 
 
-def test_only_a_study_of_the_same_kind_is_loaded(cache: None, front: ParetoFront, mikron: Scene) -> None:
+def test_only_a_study_of_the_same_kind_is_loaded(cache: None, front: StudyResult, mikron: Scene) -> None:
     """A surface is only evaluated; so is a design whose budget ended before the optimiser's turn."""
-    evaluated = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0))).result
+    evaluated = pareto_front(study(mesh_level(2, 3.0), mesh_level(1, 8.0)))
     store_study("web", evaluated)
     assert load_study(mikron.name, OPTIMISER) is None
-    store_study("by-hand", front.result)
+    store_study("by-hand", front)
     store_study(mikron.name, evaluated)
     for wanted in (mikron.name, "another"):
         found = load_study(wanted, OPTIMISER)
@@ -264,16 +282,16 @@ def test_surfaces_are_kept_under_their_path(mikron: Scene, tmp_path: Path) -> No
     assert len({key_of(run), key_of(other), "web"}) == 3
 
 
-def test_a_damaged_file_holds_nothing(cache: None, front: ParetoFront) -> None:
-    store_study("by-hand", front.result)
-    stored_studies.studies_path().write_text('{"schema_version": 2, "designs": 3}', encoding="utf-8")
+def test_a_damaged_file_holds_nothing(cache: None, front: StudyResult) -> None:
+    store_study("by-hand", front)
+    studies.studies_path().write_text('{"schema_version": 2, "designs": 3}', encoding="utf-8")
     assert load_study("by-hand", EVALUATION) is None
 
 
-def test_the_first_level_follows_from_what_was_measured(front: ParetoFront) -> None:
+def test_the_first_level_follows_from_what_was_measured(front: StudyResult) -> None:
     """Steps 2, 1, 0: 4 + (3 not measured), 8 + 4, 16 + 8 s here, twice as much on the slower machine."""
-    known = StoredStudy("by-hand", 2.0, front.result)
-    bound = front.levels[2].bound_percent
+    known = StoredStudy("by-hand", 2.0, front)
+    bound = front.rungs[2].bound_percent
     assert bound is not None
     assert first_level(ErrorTarget(percent=bound + 0.01), known, triangles=True) == 1
     assert first_level(ErrorTarget(budget_s=25.0), known, triangles=True) == 1
@@ -291,9 +309,9 @@ class FakeEvaluation:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now, self.sizes = 0.0, [0.0]
         self.sizes.clear()
-        monkeypatch.setattr(error_target.time, "perf_counter", lambda: self.now)
-        monkeypatch.setattr(error_target, "evaluate_on_mesh", self.mesh)
-        monkeypatch.setattr(error_target, "evaluation", self.evaluation)
+        monkeypatch.setattr(levels.time, "perf_counter", lambda: self.now)
+        monkeypatch.setattr(levels, "evaluate_on_mesh", self.mesh)
+        monkeypatch.setattr(levels, "evaluation", self.evaluation)
 
     def mesh(self, target: Target, size: float, **_: Any) -> Any:
         seconds = 1000 * size**-1.583  # 1.9 per factor 1.5
@@ -335,8 +353,8 @@ def test_evaluation_keeps_within_its_budget(
     assert not reached
 
 
-def test_measured_times_replace_the_rough_ones(mikron: Scene, front: ParetoFront) -> None:
-    known = StoredStudy("by-hand", 2.0, front.result)
+def test_measured_times_replace_the_rough_ones(mikron: Scene, front: StudyResult) -> None:
+    known = StoredStudy("by-hand", 2.0, front)
     guess, found = (choose_cells(mikron, 5.0, None, k) for k in (None, known))
     assert guess.cell_mm == found.cell_mm
     assert "measured on by-hand" in str(found)

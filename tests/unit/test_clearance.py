@@ -17,7 +17,7 @@ from cranktopo.design.clearance import CRANKCASE, PISTON, clearance_limit, clear
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.tasks.fea.clearance_section import clearance_sections
+from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.loads.stage import loads_at_speeds
 from cranktopo.tasks.loads.text import loads_text
 from tests.unit.counterweight_cases import PLAIN, roomy_scene, weighted

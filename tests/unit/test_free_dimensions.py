@@ -9,9 +9,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.free_dimensions import DIMENSIONS, own_dimension_mm, with_dimensions
 from cranktopo.design.loading import designs_folder, parse_scene
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.dimensions import scene_at, size_rules, with_free, with_part
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.initial_guess import with_stations
+from cranktopo.tasks.refit.family import Layout, scene_at, size_rules, with_free, with_part
+from cranktopo.tasks.refit.search import with_stations
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits

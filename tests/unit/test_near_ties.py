@@ -13,9 +13,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.iterate.result import LoopStep, best_step, verdict
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import fit_problem
-from cranktopo.tasks.refit.search import Fit, FitProblem
+from cranktopo.tasks.refit.search import Fit, FitProblem, voxel_fill
 from cranktopo.tasks.refit.select import select
-from cranktopo.tasks.refit.voxel_fill import voxel_fill
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot

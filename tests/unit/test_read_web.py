@@ -10,10 +10,9 @@ import pytest
 from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
-from cranktopo.tasks.refit.dimensions import with_free
-from cranktopo.tasks.refit.family import Layout, web_of
+from cranktopo.tasks.refit.family import Layout, web_of, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import read_web
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.face_pocket import FittedBox, FittedCylinder

@@ -10,9 +10,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.report_file import html, markdown_text
 from cranktopo.report.viewer.scene3d import ShownBody
-from cranktopo.tasks.refit.page import refit_page, refit_section
+from cranktopo.tasks.refit.page import refit_page, refit_section, refit_text
 from cranktopo.tasks.refit.result import RefitResult
-from cranktopo.tasks.refit.text import refit_text
 from tests.told_evaluation import told_evaluation
 from tests.unit.remodel_cases import WHOLE, body_of, known_scene
 

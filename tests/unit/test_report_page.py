@@ -19,7 +19,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import MOST_FACES, DesignSnapshot, Scene3D, ShownBody, packed
 from cranktopo.tasks.extraction.result import WallMeasures
 from cranktopo.tasks.extraction.text import length_lines
-from cranktopo.tasks.fea.verdict_sentence import worse_line
+from cranktopo.tasks.fea.quantities import worse_line
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.run_record import MOST_CELLS, coarsened, evenly_spread
 from cranktopo.tasks.optimise.text import fatigue_fact, headline, run_undercuts_fact

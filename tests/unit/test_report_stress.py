@@ -16,9 +16,9 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Section
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, quantiles_MPa, stress_scales
 from cranktopo.runs.directories import RunStore
-from cranktopo.tasks.fea.case_stress import CaseStress
-from cranktopo.tasks.fea.stress_section import stress_section
+from cranktopo.tasks.fea.section import stress_section
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import CaseStress
 from cranktopo.tasks.optimise.run_record import read_run_stress, solve_run_stress
 
 TORSION = LoadCase(name="torsion", kind="torsion", torque_Nm=685.7, source="by hand")

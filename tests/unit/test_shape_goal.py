@@ -14,8 +14,8 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.rules import EnvelopeClearance
 from cranktopo.tasks.shape.search_goal import SearchGoal, search_goal_of
 from cranktopo.tasks.shape.start import outline_start

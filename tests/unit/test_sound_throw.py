@@ -11,19 +11,19 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.extraction import sound_throw
-from cranktopo.tasks.extraction.cutter import Cutter, build_cutter, fine_field
-from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
-from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
-from cranktopo.tasks.extraction.isosurface import FineField
-from cranktopo.tasks.extraction.sound_throw import (
+from cranktopo.tasks.extraction import half_throw
+from cranktopo.tasks.extraction.checked_surface import check_surface
+from cranktopo.tasks.extraction.cutter import Cutter, build_cutter, fine_field, iso_surface_distances_mm
+from cranktopo.tasks.extraction.half_throw import (
     DISTANCE_CELLS,
     SLIVERS_MM,
     VOLUME_SHARE,
     WAYS,
     ExtractionMethod,
+    WebSurface,
+    extract_half_throw,
 )
-from cranktopo.tasks.extraction.surface_checks import check_surface
+from cranktopo.tasks.extraction.isosurface import FineField
 from tests.unit.surface_cases import ball, grid_of, obround, scene_with, without
 
 TRIES = len(SLIVERS_MM)
@@ -41,13 +41,13 @@ def grid() -> DensityGrid:
 def faults(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """What the checks of the next surfaces find; nothing once the list is empty."""
     found: list[str] = []
-    monkeypatch.setattr(sound_throw, "manifold_fault", lambda mesh: found.pop(0) if found else "")
+    monkeypatch.setattr(half_throw, "manifold_fault", lambda mesh: found.pop(0) if found else "")
     yield found
     assert not found
 
 
 def take(monkeypatch: pytest.MonkeyPatch, ways: Iterable[ExtractionMethod]) -> None:
-    monkeypatch.setattr(sound_throw, "WAYS", tuple(ways))
+    monkeypatch.setattr(half_throw, "WAYS", tuple(ways))
 
 
 def farthest_mm(grid: DensityGrid, surface: WebSurface) -> float:
@@ -110,7 +110,7 @@ def test_a_way_that_misses_volume_or_place_is_passed_over(
 
 def test_where_no_way_helps_the_checks_refuse(grid: DensityGrid, monkeypatch: pytest.MonkeyPatch) -> None:
     take(monkeypatch, [])
-    monkeypatch.setattr(sound_throw, "self_intersections_mm", lambda mesh: np.zeros((1, 3)))
+    monkeypatch.setattr(half_throw, "self_intersections_mm", lambda mesh: np.zeros((1, 3)))
     surface = extract_half_throw(grid, scene_with())
     assert surface.fallback == ""
     lowered = surface.half_throw.vertices_mm.copy()
@@ -137,7 +137,7 @@ def test_smoothing_is_left_out_around_the_places(grid: DensityGrid, monkeypatch:
         return cut(cutter, field, iso, rough_mm, *more)
 
     monkeypatch.setattr(Cutter, "web", watched)
-    monkeypatch.setattr(sound_throw, "self_intersections_mm", lambda mesh: found.pop(0))
+    monkeypatch.setattr(half_throw, "self_intersections_mm", lambda mesh: found.pop(0))
     surface = extract_half_throw(grid, scene_with())
     assert rough == [1, 2]
     assert surface.fallback == "more places unsmoothed"

@@ -19,9 +19,8 @@ from cranktopo.base.formats import SURFACES
 from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.numerics.surfaces.files import write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.extraction.cutter import SIMPLIFY_MM, find_iso
+from cranktopo.tasks.extraction.cutter import SIMPLIFY_MM, distances_mm, find_iso
 from cranktopo.tasks.extraction.half_throw import extract_half_throw
-from cranktopo.tasks.extraction.iso_distance import distances_mm
 from cranktopo.tasks.extraction.isosurface import iso_solid, resample, unsmoothed_solid
 from cranktopo.tasks.extraction.stage import iso_distance_mm
 from tests.unit.surface_cases import ball, grid_of, obround, scene_with, united

@@ -17,8 +17,8 @@ from cranktopo.numerics.surfaces.checks import check_manifold, check_self_inters
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3, shells
+from cranktopo.tasks.extraction.checked_surface import check_surface
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
-from cranktopo.tasks.extraction.surface_checks import check_surface
 from tests.unit.surface_cases import grid_of, obround, scene_with
 
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)

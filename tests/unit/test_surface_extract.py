@@ -17,9 +17,9 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.tasks.extraction.checked_surface import check_surface
 from cranktopo.tasks.extraction.cutter import find_iso
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
-from cranktopo.tasks.extraction.surface_checks import check_surface
 from tests.unit.surface_cases import ball, everywhere, grid_of, obround, scene_with, united, without
 
 BORES_MM2 = 2 * math.pi * 12**2

@@ -8,8 +8,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.residual_regions import ResidualRegion
-from cranktopo.tasks.refit.usual_size import scaled_lengths, scaled_region, scaled_throw, usual_limits
+from cranktopo.tasks.refit.fit import scaled_lengths, scaled_region, scaled_throw, usual_limits
+from cranktopo.tasks.refit.select import ResidualRegion
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from tests.unit.remodel_cases import WHOLE, known_scene
 

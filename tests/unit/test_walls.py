@@ -9,7 +9,7 @@ from manifold3d import Manifold
 from cranktopo.bodies.undercuts import Withdrawal, undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.tasks.extraction.release import closed
+from cranktopo.tasks.extraction.cutter import closed
 from cranktopo.tasks.extraction.walls import Walls, drafts_deg, gaps_mm, least, members_mm, walls_of
 from tests.unit.surface_cases import scene_with
 

@@ -16,7 +16,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, designs, seconds
 from cranktopo.cli.verbosity import info, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.fea.study_result import StudyResult
+    from cranktopo.tasks.fea.studies import StudyResult
 
 _BUDGET_S = 120.0
 
@@ -62,8 +62,12 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
 
 def _text(result: StudyResult) -> str:
     from cranktopo.report.result_table import terminal
-    from cranktopo.tasks.accuracy.page import accuracy_headline
-    from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table
+    from cranktopo.tasks.accuracy.page import (
+        accuracy_headline,
+        level_tables,
+        limit_lines,
+        recommendation_table,
+    )
 
     lines = [f"{result.design}: {accuracy_headline(result)}"]
     for study, table in level_tables(result):

@@ -1,7 +1,7 @@
-"""Levels of the optimiser: cell size, solver tolerance and precision, iterations, kind of hexahedron.
+"""Levels of the optimiser, and the cell size for an accuracy or a time.
 
-Every level is a whole optimisation; the stiffness of its shape is from the body-fitted evaluation, on
-the same meshes for all.
+Levels differ in cell size, solver tolerance and precision, iterations, kind of hexahedron. Every level is a
+whole optimisation; the stiffness of its shape is from the body-fitted evaluation, on the same meshes for all.
 """
 
 from __future__ import annotations
@@ -11,21 +11,46 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from statistics import median
+
+import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
-from cranktopo.bodies.cells.resolution import WALL_CELLS, thinnest_wall_mm
+from cranktopo.bodies.cells.domain import laterally_symmetric
+from cranktopo.bodies.cells.resolution import (
+    WALL_CELLS,
+    available_memory_MiB,
+    check_resolution,
+    estimated_cells,
+    optimiser_memory_MiB,
+    thinnest_wall_mm,
+)
+from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.cost import effort
+from cranktopo.engine.plan.cost import CostRates, ExpectedWork, effort
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.states import load_cases
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.tasks.density import loop, stage
 from cranktopo.tasks.density.assess import assess
-from cranktopo.tasks.density.problem import Assessment, SolverSettings
+from cranktopo.tasks.density.problem import Assessment, SolverSettings, model_error_percent
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate
-from cranktopo.tasks.fea.level import BENDING, NAME_OF_CASE, OPTIMISER, TORSION, Level, PlannedLevel
+from cranktopo.tasks.fea.levels import EvaluationMesh, expected_seconds
+from cranktopo.tasks.fea.studies import (
+    BENDING,
+    NAME_OF_CASE,
+    OPTIMISER,
+    TORSION,
+    Level,
+    LevelResult,
+    PlannedLevel,
+    StoredStudy,
+)
 from cranktopo.tasks.fea.targets import Target
 
 _STEPS = 9
@@ -53,7 +78,7 @@ class OptimiserModel:
 
 
 def optimiser_models(scene: Scene) -> Sequence[OptimiserModel]:
-    """Cell sizes that double the number of cells; after three of them every other setting at the second.
+    """Return sizes that double the number of cells; after three of them every other setting at the second.
 
     Walls so thin that only the finest cells hold them leave one size or none, and no second one.
     """
@@ -63,7 +88,7 @@ def optimiser_models(scene: Scene) -> Sequence[OptimiserModel]:
 
 
 def cell_sizes(scene: Scene) -> list[float]:
-    """Cell sizes that double the number of cells, coarsest first, from the coarsest that walls allow, mm.
+    """Return sizes that double the number of cells, coarsest first, from the coarsest that walls allow, mm.
 
     The scene's own resolution is one of them where the walls allow it.
     """
@@ -73,7 +98,6 @@ def cell_sizes(scene: Scene) -> list[float]:
 
 
 def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
-    """Return one model for each setting beside the cell size."""
     tight = SolverSettings(tolerance_early=1e-8, tolerance=1e-8)
     double = replace(tight, precision="float64")
     return (
@@ -87,13 +111,7 @@ def _settings(cell_mm: float) -> tuple[OptimiserModel, ...]:
 
 @dataclass(frozen=True)
 class Optimised:
-    """A finished optimisation.
-
-    Attributes:
-        target: its surface on the disk; None where the density is too grey for one.
-        own: stiffnesses by the optimiser's model.
-        unknowns: degrees of freedom of one solve.
-    """
+    """A finished optimisation; its target is None where the density is too grey for a surface."""
 
     target: Target | None
     own: Assessment
@@ -136,7 +154,7 @@ def _surface(ready: stage.Prepared, design: loop.WebDensities, folder: Path) -> 
 
 
 def optimiser_levels(scene: Scene) -> list[PlannedLevel]:
-    """Levels of a scene that has an envelope, in the order of `optimiser_models`."""
+    """Return the levels of a scene that has an envelope, in the order of `optimiser_models`."""
 
     def planned(model: OptimiserModel) -> PlannedLevel:
         return PlannedLevel(model.name, model.cell_mm**-3, lambda: _solve(scene, model))
@@ -178,3 +196,118 @@ def _solve(scene: Scene, model: OptimiserModel) -> Level:
             if c.name in NAME_OF_CASE and c.stiffness is not None
         },
     )
+
+
+_START_S = 13.0
+"""Compiling and writing files where nothing was measured, roughly."""
+
+
+@dataclass(frozen=True)
+class CellChoice:
+    """A largest cell edge, the error bound of both stiffnesses, the expected wall time and its source."""
+
+    cell_mm: float
+    error_percent: float
+    seconds: float
+    source: str
+
+    def __str__(self) -> str:
+        return (
+            f"cells of {self.cell_mm:.3g} mm: stiffness +-{self.error_percent:.2g} %, about "
+            f"{self.seconds:.2g} s ({self.source})"
+        )
+
+
+def choose_cells(
+    scene: Scene, percent: float | None, budget_s: float | None, measured: StoredStudy | None = None
+) -> CellChoice:
+    """Return the coarsest cells for a largest error of the stiffnesses, or the finest for a wall time.
+
+    Raises:
+        CranktopoError: out of reach of the memory, the budget, or both together.
+    """
+    choices = _choices(scene, measured)
+    if percent is not None:
+        choice = _for_accuracy(choices, percent)
+        if budget_s is not None and choice.seconds > budget_s:
+            within = _for_budget(choices, budget_s)
+            raise CranktopoError(
+                f"--accuracy {percent:g}% takes about {choice.seconds:.2g} s, --budget is {budget_s:g} s.",
+                hint=f"That is enough for {within.error_percent:.2g} % with {within}.",
+                code=ExitCode.USAGE,
+            )
+        return choice
+    assert budget_s is not None, "one of the two is asked for"
+    return _for_budget(choices, budget_s)
+
+
+def _for_accuracy(choices: list[CellChoice], percent: float) -> CellChoice:
+    fit = [choice for choice in choices if choice.error_percent <= percent]
+    if not fit:
+        best = choices[-1]
+        raise CranktopoError(
+            f"--accuracy {percent:g}%: the finest cells that fit into the memory, {best.cell_mm:.3g} mm, "
+            f"give {best.error_percent:.2g} %.",
+            hint="Evaluate the result with 'cranktopo evaluate RUN --accuracy', which is more exact.",
+            code=ExitCode.USAGE,
+        )
+    return fit[0]
+
+
+def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
+    fit = [choice for choice in choices if choice.seconds <= budget_s]
+    if not fit:
+        raise CranktopoError(
+            f"--budget {budget_s:g}s: the coarsest cells, {choices[0].cell_mm:.3g} mm, take about "
+            f"{choices[0].seconds:.2g} s ({choices[0].source}).",
+            hint="Give more time.",
+            code=ExitCode.USAGE,
+        )
+    return fit[-1]
+
+
+def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
+    """Return the usable cell sizes, coarsest first; CranktopoError where walls or memory allow none."""
+    effects = plan(scene, goal=wanted(scene))
+    simulated = simulated_scene(scene, effects)
+    quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
+    sizes, available = cell_sizes(simulated), available_memory_MiB()
+    usable = [cell for cell in sizes if optimiser_memory_MiB(simulated, cell, quarter, cases) <= available]
+    if not usable:
+        nearest = sizes[0] if sizes else scene.optimise.resolution_mm
+        check_resolution(simulated, nearest, quarter, cases, available)
+    found, todo = [], effort(simulated)
+    for cell in usable:
+        cells = estimated_cells(simulated, cell, quarter)
+        error = max(model_error_percent(simulated, cell).values())
+        seconds, source = _seconds(cells, cases * todo.designs, todo, measured)
+        found.append(CellChoice(cell, error, seconds + _evaluating_s(todo, measured), source))
+    return found
+
+
+def _evaluating_s(todo: ExpectedWork, measured: StoredStudy | None) -> float:
+    each = expected_seconds(EvaluationMesh(0, graded=True), measured, triangles=True)
+    return todo.evaluation_seconds if each is None else todo.evaluations * each
+
+
+def _seconds(
+    cells: float, solves: int, todo: ExpectedWork, measured: StoredStudy | None
+) -> tuple[float, str]:
+    """Return the wall time of the optimiser for load cases times designs of an iteration, and its source."""
+    levels = [r for r in measured.levels(OPTIMISER) if r.family == "cells"] if measured else []
+    if measured is None or not levels:
+        iterations = todo.iterations + todo.more_iterations
+        seconds = _START_S + iterations * solves * CostRates().solve_s(cells)
+        return seconds, "not measured here: run cranktopo accuracy"
+    work = cells * solves
+    sizes, times = np.array(sorted(_timed(level, todo) for level in levels)).T
+    inside = float(np.exp(np.interp(np.log(work), np.log(sizes), np.log(times))))
+    beyond = max(1.0, work / float(sizes[-1]))
+    compiling = median(level.compile_seconds for level in levels)
+    return measured.slowdown * (inside * beyond + compiling), f"measured on {measured.design}"
+
+
+def _timed(level: LevelResult, todo: ExpectedWork) -> tuple[float, float]:
+    settings = level.settings
+    work = settings["cells"] * settings["load_cases"] * settings.get("designs", 1)  # older studies have one
+    return work, level.seconds * (1 + todo.more_iterations / settings["iterations"])

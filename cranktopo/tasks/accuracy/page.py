@@ -1,11 +1,186 @@
-"""The page of `cranktopo accuracy`: tables, plot, and which level to take."""
+"""An accuracy study as tables, plot and page: error against seconds, level by level, and which to take."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any, TypeVar
+
+from cranktopo.numerics.extrapolation import Extrapolation
 from cranktopo.report.page import Fact, Page, Section
-from cranktopo.tasks.accuracy.plot import study_pictures
-from cranktopo.tasks.accuracy.text import level_tables, limit_lines, recommendation_table, study_name
-from cranktopo.tasks.fea.study_result import StudyResult
+from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
+from cranktopo.tasks.fea.quantities import BENDING, TORSION
+from cranktopo.tasks.fea.studies import (
+    EVALUATION,
+    FILLET_STRESS,
+    OPTIMISER,
+    TITLES,
+    LevelResult,
+    Recommendation,
+    StudyResult,
+)
+
+_TORSION, _BENDING, _STRESS = "torsion_Nm_per_rad", "bending_N_per_mm", "fillet_stress_MPa"
+_KILO = 1000.0
+
+
+def _scaled(name: str) -> Callable[[LevelResult], float | None]:
+    return lambda level: None if getattr(level, name) is None else getattr(level, name) / _KILO
+
+
+def _of(table: str, name: str) -> Callable[[LevelResult], Cell]:
+    return lambda level: getattr(level, table).get(name)
+
+
+_COST: tuple[Column[LevelResult], ...] = (
+    Column("level", 0, lambda level: level.name),
+    Column("unknowns", 0, lambda level: float(level.unknowns)),
+    Column("time_s", 1, lambda level: level.seconds),
+    Column("memory_MiB", 0, lambda level: level.peak_memory_MiB),
+)
+_UNCERTAINTY: Column[LevelResult] = Column("uncertainty_percent", 2, lambda level: level.uncertainty_percent)
+_COLUMNS: dict[str, tuple[Column[LevelResult], ...]] = {
+    EVALUATION: (
+        Column(TORSION.column, TORSION.digits, _scaled(_TORSION)),
+        Column("torsion_error_percent", 2, _of("errors_percent", _TORSION)),
+        Column(BENDING.column, BENDING.digits, _scaled(_BENDING)),
+        Column("bending_error_percent", 2, _of("errors_percent", _BENDING)),
+        _UNCERTAINTY,
+        Column("order_in_torsion", 1, _of("orders", _TORSION)),
+        Column("order_in_bending", 1, _of("orders", _BENDING)),
+    ),
+    FILLET_STRESS: (
+        Column(_STRESS, 1, lambda level: level.fillet_stress_MPa),
+        Column("error_percent", 2, _of("errors_percent", _STRESS)),
+        _UNCERTAINTY,
+        Column("order", 1, _of("orders", _STRESS)),
+    ),
+    OPTIMISER: (
+        Column("iterations", 0, lambda level: float(level.settings["iterations"])),
+        Column(TORSION.column, TORSION.digits, _scaled(_TORSION)),
+        Column("torsion_of_shape_percent", 2, _of("errors_percent", _TORSION)),
+        Column("torsion_own_value_percent", 2, _of("model_errors_percent", _TORSION)),
+        Column(BENDING.column, BENDING.digits, _scaled(_BENDING)),
+        Column("bending_of_shape_percent", 2, _of("errors_percent", _BENDING)),
+        Column("bending_own_value_percent", 2, _of("model_errors_percent", _BENDING)),
+        _UNCERTAINTY,
+    ),
+}
+
+
+def _study_name(study: str) -> str:
+    """Return the name of a study as it is printed."""
+    return TITLES.get(study, study)
+
+
+def level_tables(result: StudyResult) -> list[tuple[str, ResultTable]]:
+    """Return one table per study, by its title; a star at the levels on its Pareto front."""
+    found = []
+    for study, columns in _COLUMNS.items():
+        levels = [level for level in result.rungs if level.ladder == study]
+        if levels:
+            efficient = frozenset((row, "level") for row, level in enumerate(levels) if level.efficient)
+            table = tabulate((*_COST, *columns), levels, efficient)
+            found.append((_study_name(study).capitalize(), table))
+    return found
+
+
+def recommendation_table(result: StudyResult) -> ResultTable:
+    """Return the cheapest level of each study for each accuracy."""
+    columns: tuple[Column[Recommendation], ...] = (
+        Column("accuracy", 0, lambda r: f"{r.accuracy_percent:g} %"),
+        Column("study", 0, lambda r: _study_name(r.ladder)),
+        Column("cheapest_level", 0, lambda r: r.rung or "none within this budget"),
+        Column("time_s", 1, lambda r: r.seconds),
+    )
+    return tabulate(columns, result.recommendations)
+
+
+def limit_lines(result: StudyResult) -> list[str]:
+    """Return the extrapolated values with their uncertainty, one line per study."""
+    lines = []
+    for study, limits in result.limits.items():
+        values = ", ".join(_limit_text(name, limit) for name, limit in limits.items())
+        lines.append(f"{_study_name(study)}, extrapolated: {values or 'nothing, fewer than two levels'}")
+    return lines
+
+
+def _limit_text(name: str, limit: Extrapolation) -> str:
+    units = {_TORSION: ("torsion", "kN m/rad", _KILO), _BENDING: ("bending", "kN/mm", _KILO)}
+    label, unit, scale = units.get(name, ("fillet stress", "MPa", 1.0))
+    order = "" if limit.order is None else f", order {limit.order:.1f}"
+    return f"{label} {limit.value / scale:.5g} {unit} +-{limit.uncertainty_percent:.2g} %{order}"
+
+
+_MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")
+_Point = TypeVar("_Point", "TimedError", LevelResult)
+
+
+@dataclass(frozen=True)
+class TimedError:
+    """The error estimate of a result and the seconds that it took."""
+
+    name: str
+    seconds: float
+    error_percent: float
+
+
+def error_picture(points: Sequence[TimedError]) -> Picture:
+    """Return error against seconds."""
+    return _picture([point for point in points if point.error_percent], _draw_errors)
+
+
+def study_pictures(result: StudyResult) -> tuple[Picture, ...]:
+    """Return error against seconds where any error is known, the Pareto front of each study joined."""
+    shown = [level for level in result.rungs if level.error_percent]
+    return (_picture(shown, _draw_fronts),) if shown else ()
+
+
+def _picture(shown: Sequence[_Point], draw: Callable[[Any, Sequence[_Point]], None]) -> Picture:
+    words = "; ".join(f"{v.name}: {v.error_percent:.2g} % in {v.seconds:.3g} s" for v in shown)
+    return picture("accuracy", f"Error against seconds. {words}", draw, shown)
+
+
+def _draw_errors(axes: Any, levels: Sequence[TimedError]) -> None:
+    for level, marker in zip(levels, cycle(_MARKERS), strict=False):
+        axes.plot(level.seconds, level.error_percent, marker, label=level.name)
+    _frame(axes)
+
+
+def _draw_fronts(axes: Any, levels: Sequence[LevelResult]) -> None:
+    studies = dict.fromkeys(level.ladder for level in levels)
+    for study, marker, colour in zip(studies, _MARKERS, _COLOURS, strict=False):
+        mine = [level for level in levels if level.ladder == study]
+        best = sorted((level for level in mine if level.efficient), key=lambda level: level.seconds)
+        others = [level for level in mine if not level.efficient]
+        axes.plot(*_points(best), marker, color=colour, ls="-", label=f"{_study_name(study)}, Pareto front")
+        if others:
+            axes.plot(*_points(others), marker, color=colour, mfc="none", ls="")
+        for level in best:
+            style = {"textcoords": "offset points", "xytext": (4, 4), "fontsize": 6, "color": GREY}
+            axes.annotate(level.name, (level.seconds, level.error_percent), **style)
+    _frame(axes)
+
+
+def _points(levels: Sequence[LevelResult]) -> tuple[list[float], list[float | None]]:
+    return [level.seconds for level in levels], [level.error_percent for level in levels]
+
+
+def _frame(axes: Any) -> None:
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="error (%)")
+    for axis in (axes.xaxis, axes.yaxis):  # a range below one decade has no power of ten to label
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
+    axes.margins(0.15 if len(axes.texts) == 0 else 0.25, 0.15)
+    axes.legend(fontsize=8)
+    axes.grid(color="0.9", linewidth=0.8)
+    plain(axes)
+
 
 _LEGEND = (
     "A star marks the Pareto front: no cheaper level has a smaller error. Errors are against the "
@@ -22,7 +197,7 @@ def accuracy_page(result: StudyResult, written: str) -> Page:
         subtitle=f"{machine.processor}, {machine.cores} cores, {written}",
         headline=accuracy_headline(result),
         facts=tuple(
-            Fact(study_name(study).capitalize(), *_cheapest(result, study), "neutral")
+            Fact(_study_name(study).capitalize(), *_cheapest(result, study), "neutral")
             for study in result.limits
         ),
         sections=(
@@ -52,7 +227,6 @@ def accuracy_headline(result: StudyResult) -> str:
 
 
 def _cheapest(result: StudyResult, study: str) -> tuple[str, str]:
-    """Return the most exact recommendation of a study that its budget reached."""
     rows = [r for r in result.recommendations if r.ladder == study and r.rung]
     if not rows:
         return "no accuracy reached", "give it a larger budget"

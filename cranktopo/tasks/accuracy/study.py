@@ -3,25 +3,82 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.machine import Machine, this_machine
+from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
 from cranktopo.design.halves import difference
-from cranktopo.tasks.accuracy.stress_levels import stress_levels
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
+from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.fea.level import (
+from cranktopo.tasks.fea.levels import evaluation_levels
+from cranktopo.tasks.fea.studies import (
     EVALUATION,
     FILLET_STRESS,
     OPTIMISER,
+    STRESS,
     TITLES,
     Level,
     PlannedLevel,
     StudyName,
 )
-from cranktopo.tasks.fea.levels import evaluation_levels
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import UNIT_LOADS
+
+_FRACTIONS = (0.5, 0.35, 0.25, 0.17, 0.12)
+"""Element sizes in the fillets over their radius; the rule IACS UR M53 asks for 0.25 at most."""
+_COST_POWER = 1.8
+"""Growth of a mesh's cost with the fineness of its fillets (`python -m tests.benchmarks.fatigue_mesh`)."""
+
+
+def _stress_levels(target: Target) -> list[PlannedLevel]:
+    """Return levels, cheapest first; none with sharp fillets or where the scene asks for no stress."""
+    if not _calls_for_stress(target):
+        return []
+
+    def planned(fraction: float) -> PlannedLevel:
+        return PlannedLevel(
+            f"{fraction:g} of the radius", fraction**-_COST_POWER, lambda: _solve(target, fraction)
+        )
+
+    return [planned(fraction) for fraction in _FRACTIONS]
+
+
+def _calls_for_stress(target: Target) -> bool:
+    scene = target.scene
+    rounded = min(scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm) > 0
+    return target.file is None and rounded and "fatigue" in plan(scene).enabled and bool(_factors(scene))
+
+
+def _factors(scene: Scene) -> Mapping[str, float]:
+    cases = load_cases(scene, plan(scene).enabled)
+    return {case.kind: UNIT_LOADS[case.kind](case) for case in cases if case.kind in ("bending", "torsion")}
+
+
+def _solve(target: Target, fraction: float) -> Level:
+    """Largest von Mises stress in the fillets under the load cases of the scene, one by one."""
+    forget_peak_memory()
+    began = time.perf_counter()
+    factors = _factors(target.scene)
+    found = solve_stresses(target, [kind for kind in ("bending", "torsion") if kind in factors], fraction)
+    on_fillet = von_mises(found.stress.stress_MPa)[:, found.on_fillet].max(axis=1)
+    worst = max(factors[kind] * float(peak) for kind, peak in zip(found.kinds, on_fillet, strict=True))
+    return Level(
+        study=FILLET_STRESS,
+        name=f"fillet {fraction:g} r",
+        family="fillet",
+        settings={"fillet_fraction": fraction},
+        size_mm=found.quality.fillet_size_mm,
+        unknowns=3 * found.quality.nodes,
+        seconds=time.perf_counter() - began,
+        peak_memory_MiB=peak_memory_MiB(),
+        values={STRESS: worst},
+    )
+
 
 _SHARES = {EVALUATION: 0.35, FILLET_STRESS: 0.2, OPTIMISER: 1.0}
 """Share of what is left of the budget that a study may use, in this order; the last one takes all."""
@@ -43,7 +100,7 @@ class Study:
 def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
     """Return the studies that a target calls for; a surface file has only that of the evaluation."""
     found: dict[StudyName, list[PlannedLevel]] = {EVALUATION: evaluation_levels(target)}
-    found[FILLET_STRESS] = stress_levels(target)
+    found[FILLET_STRESS] = _stress_levels(target)
     if target.file is None and target.scene.envelope is not None and not difference(target.scene):
         from cranktopo.tasks.accuracy.optimiser_levels import optimiser_levels
 
@@ -83,7 +140,6 @@ def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None
 
 
 def _left_out(target: Target) -> list[str]:
-    """Return a sentence where the halves of a throw differ."""
     key = difference(target.scene)
     return [f"{TITLES[OPTIMISER]}: models half of a throw, and {key} makes its halves differ"] if key else []
 

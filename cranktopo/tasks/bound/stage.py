@@ -35,7 +35,7 @@ from cranktopo.tasks.bound.result import (
 from cranktopo.tasks.bound.webs import STIFFNESSES
 from cranktopo.tasks.density.manufacturing import is_manufactured
 from cranktopo.tasks.density.problem import model_error_percent
-from cranktopo.tasks.refit.dimensions import free_dimensions
+from cranktopo.tasks.refit.family import free_dimensions
 
 Info = Callable[[str], None]
 Cells = Callable[[], BoundModel]

@@ -16,7 +16,7 @@ from cranktopo.report.page import Fact, FactStatus, Page, Section, assumed_table
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
 from cranktopo.runs.destination import check_file
-from cranktopo.tasks.accuracy.plot import TimedError, error_picture
+from cranktopo.tasks.accuracy.page import TimedError, error_picture
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
@@ -30,6 +30,7 @@ from cranktopo.tasks.fea.quantities import (
     TORSION,
     TORSION_PER_MASS,
     Quantity,
+    comparison_sentence,
 )
 from cranktopo.tasks.fea.scatter import (
     LABELS,
@@ -38,8 +39,7 @@ from cranktopo.tasks.fea.scatter import (
     most_by_label,
     scatter_pictures,
 )
-from cranktopo.tasks.fea.stress_section import stress_section
-from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
+from cranktopo.tasks.fea.section import stress_section
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.text import fatigue_fact
 from cranktopo.tasks.plan.section import effects_section

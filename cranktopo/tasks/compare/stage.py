@@ -31,12 +31,11 @@ from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
-from cranktopo.tasks.fea.case_stress import case_stress
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.fea.goal_values import goal_values
-from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS
+from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.sweep.result import SweepResult
 

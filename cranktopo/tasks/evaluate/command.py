@@ -17,7 +17,6 @@ from cranktopo.cli.verbosity import detail, info, verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
-    from cranktopo.tasks.evaluate.sensitivities import Sensitivities
 
 
 @click.command()
@@ -57,7 +56,11 @@ def command(
     wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
     if web and not sensitivities:
         raise click.UsageError("--web names the web of --sensitivities; both webs are evaluated without it")
-    worth = _worth(texts, element_size_mm, web) if sensitivities else []
+    worth = []
+    if sensitivities:  # only these need the search of dimensions
+        from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
+
+        worth = [evaluate_sensitivities(text, element_size_mm, info, web) for text in texts]
     resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
     found = evaluate_targets(resolved, wanted, info)
     for evaluation in found.evaluations:
@@ -75,7 +78,7 @@ def command(
         click.echo(json.dumps({"schema_version": SCHEMA_VERSION, "evaluations": entries}, indent=2))
     else:
         from cranktopo.report.result_table import terminal
-        from cranktopo.tasks.fea.table import evaluation_table, result_line
+        from cranktopo.tasks.fea.quantities import evaluation_table, result_line
         from cranktopo.tasks.shape.text import sensitivity_text
 
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
@@ -84,13 +87,6 @@ def command(
         for told in worth:
             click.echo("\n" + "\n".join(sensitivity_text(told.table, told.scene.name)))
     warn_missed(found.missed, accuracy)
-
-
-def _worth(targets: Sequence[str], element_size_mm: float | None, web: WebName | None) -> list[Sensitivities]:
-    """Return what a millimetre is worth in each target; the search that it needs is loaded only here."""
-    from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
-
-    return [evaluate_sensitivities(target, element_size_mm, info, web) for target in targets]
 
 
 def warn_missed(missed: Sequence[str], accuracy: float | None) -> None:

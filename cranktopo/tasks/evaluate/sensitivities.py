@@ -21,9 +21,9 @@ from cranktopo.tasks.fatigue.safety_field import check_inputs
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.result import Settings
-from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
+from cranktopo.tasks.refit.family import free_dimensions, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.mesh_model import MeshedWebs
 from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
@@ -44,9 +44,6 @@ class Sensitivities:
 
     Attributes:
         file: the design, or the scene file of the run's web.
-        scene: the throw with its parametric web.
-        dimensions: with changes in percent of this web.
-        broken: names of manufacturing rules that it does not keep.
     """
 
     file: str
@@ -65,16 +62,11 @@ class Sensitivities:
 
 
 def evaluate_sensitivities(
-    target: str,
-    element_size_mm: float | None = None,
-    info: Info = lambda _: None,
-    web: WebName | None = None,
+    target: str, element_size_mm: float | None = None, info: Info = lambda _: None, web: WebName | None = None
 ) -> Sensitivities:
     """Return what a millimetre of each dimension of a parametric web is worth, by exact gradients.
 
     Args:
-        target: a design, a run with a parametric web, or the folder of a re-model.
-        element_size_mm: general element size; by default twice that of an evaluation.
         web: of a design with two different webs the one that is meant, whose throw has it twice.
 
     Raises:
@@ -111,13 +103,11 @@ def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:
 
 
 def _with_free(found: WebRead, scene: Scene) -> tuple[Any, Any]:
-    """With the dimensions of the throw that the scene frees; a bore that is not there has none."""
     names = tuple(name for name in free_dimensions(scene) if own_dimension_mm(scene, name))
     return with_free(found.layout, found.values, scene, names)
 
 
 def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
-    """Return the rules that a web was made by, where its run tells them; else the usual ones."""
     run, file = target.run, target.file
     if run is None or file is None:
         return usual_limits(scene)
@@ -130,7 +120,6 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
 
 
 def _fraction(scene: Scene, info: Info) -> float | None:
-    """Elements of the fillets where the fatigue safety can be told."""
     try:
         check_inputs(Target(scene.name, scene), "lsa", "extremes")
     except CranktopoError as error:

@@ -1,4 +1,4 @@
-"""From a design of the optimiser to a surface that passed every check."""
+"""From a design of the optimiser to a surface that passed every check before it is written."""
 
 from __future__ import annotations
 
@@ -12,10 +12,60 @@ from cranktopo.bodies.density_grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.undercuts import Undercuts, undercuts
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection, surface_refusal
+from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
 from cranktopo.tasks.density.loop import WebDensities
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
-from cranktopo.tasks.extraction.surface_checks import SurfaceReport, check_surface
 from cranktopo.tasks.extraction.walls import measure
+
+_VOLUME_TOLERANCE_PERCENT = 0.5
+
+
+@dataclass(frozen=True)
+class SurfaceReport:
+    """Measured values of a surface that passed; the volume error is against the density, with sign."""
+
+    vertices: int
+    faces: int
+    bodies: int
+    cavities: int
+    volume_mm3: float
+    web_volume_mm3: float
+    web_volume_error_percent: float
+
+
+def check_surface(surface: WebSurface) -> SurfaceReport:
+    """Check that the surface is one sound body with the volume of the density.
+
+    Raises:
+        CranktopoError: first check that fails, with code CRITERION_NOT_MET.
+    """
+    mesh = surface.half_throw
+    check_manifold(mesh)
+    check_self_intersection(mesh)
+    shells = shell_volumes_mm3(mesh)
+    bodies = int((shells > 0).sum())
+    if bodies != 1:
+        raise surface_refusal(
+            f"{bodies} separate bodies instead of 1", "Raise the volume fraction or the resolution."
+        )
+    error = 100 * (surface.volume_mm3 / surface.target_volume_mm3 - 1)
+    if not abs(error) <= _VOLUME_TOLERANCE_PERCENT:
+        raise surface_refusal(
+            f"the web has {surface.volume_mm3:.0f} mm3, {error:+.2f} % of the density's "
+            f"{surface.target_volume_mm3:.0f} mm3 (allowed {_VOLUME_TOLERANCE_PERCENT} %; "
+            f"{surface.dropped_islands} islands with {surface.dropped_volume_mm3:.0f} mm3 left out)",
+            "Run more iterations, or raise the filter radius so that no islands form.",
+        )
+    return SurfaceReport(
+        vertices=len(mesh.vertices_mm),
+        faces=len(mesh.faces),
+        bodies=bodies,
+        cavities=len(shells) - bodies,
+        volume_mm3=mesh.volume_mm3,
+        web_volume_mm3=surface.volume_mm3,
+        web_volume_error_percent=error,
+    )
 
 
 @dataclass(frozen=True)
@@ -24,7 +74,6 @@ class CheckedSurface:
 
     Attributes:
         grid: physical density of the web's cells.
-        usable: part of each cell that can hold material.
         smooth: filtered density.
     """
 
@@ -60,11 +109,9 @@ def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> Check
 
 
 def web_fields(domain: Domain, design: WebDensities) -> tuple[DensityGrid, Array, Array]:
-    """Return the fields of the web's cells over the full width, for the surface.
+    """Return the web's density over the full width, the usable part of each cell, and the filtered density.
 
-    Returns:
-        Physical density, the part of each cell that can hold material, and the filtered density. Journals
-        that go on through a clearance count as solid.
+    Journals that go on through a clearance count as solid.
     """
     first, last = domain.web_layers
     fixed, free = domain.passive_fraction[:, :, first:last], domain.design_fraction[:, :, first:last]

@@ -31,12 +31,7 @@ _TAUBIN_LAMBDA, _TAUBIN_MU, _TAUBIN_STEPS = 0.5, 0.52, 10
 
 @dataclass(frozen=True)
 class FineField:
-    """Resampled density on a regular lattice of points; its outermost points are void.
-
-    Attributes:
-        origin_mm: the first point, (3,), mm.
-        spacing_mm: distance between points, (3,), mm.
-    """
+    """Resampled density on a regular lattice from its first point on; its outermost points are void."""
 
     origin_mm: Array
     spacing_mm: Array
@@ -54,8 +49,6 @@ def resample(
 
     Args:
         usable: (nx, ny, nz) cells that can hold material; the rest takes the nearest value of these.
-        release: keeps between the cells what the process needs.
-        ways: axes along which the process leaves the web.
     """
     from scipy import ndimage
 
@@ -70,11 +63,7 @@ def resample(
 
 
 def blurred(field: FineField, steps: float) -> FineField:
-    """Return the field under a Gaussian filter, its outermost points void as before.
-
-    Args:
-        steps: standard deviation, steps of the lattice.
-    """
+    """Return the field under a Gaussian filter of a standard deviation in steps of the lattice."""
     from scipy import ndimage
 
     values = ndimage.gaussian_filter(field.values[1:-1, 1:-1, 1:-1], steps, mode="nearest")
@@ -82,10 +71,9 @@ def blurred(field: FineField, steps: float) -> FineField:
 
 
 def iso_solid(field: FineField, iso: float, tolerance_mm: float, rough_mm: Array | None = None) -> Manifold:
-    """Smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
+    """Return the smooth solid where the field exceeds an iso-value; empty when it does so nowhere.
 
     Args:
-        iso: iso-value, 0 < iso < 1.
         tolerance_mm: how far simplification may move the surface.
         rough_mm: places (n, 3) around which the surface is not smoothed.
     """
@@ -154,7 +142,6 @@ def _smoothed_share(vertices: Array, rough_mm: Array, spacing_mm: Array) -> Arra
 
 
 def _taubin(surface: SurfaceMesh) -> Array:
-    """Return the smoothed vertices."""
     import trimesh
     from scipy import sparse
 

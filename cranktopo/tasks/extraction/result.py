@@ -8,8 +8,8 @@ from cranktopo.base.result import UNLESS_NONE, Result
 
 if TYPE_CHECKING:
     from cranktopo.bodies.undercuts import Undercuts
+    from cranktopo.tasks.extraction.checked_surface import SurfaceReport
     from cranktopo.tasks.extraction.half_throw import WebSurface
-    from cranktopo.tasks.extraction.surface_checks import SurfaceReport
 
 LEAST_MEMBER_CELLS = 2.0
 """Members thinner than this have no bending stiffness of their own on the grid."""

@@ -24,10 +24,9 @@ from cranktopo.runs.kind import require_kind, resume_command
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import WebDensities, design_of
 from cranktopo.tasks.density.state import from_checkpoint
-from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
-from cranktopo.tasks.extraction.cutter import build_cutter, fine_field
+from cranktopo.tasks.extraction.checked_surface import CheckedSurface, SurfaceReport, checked_surface
+from cranktopo.tasks.extraction.cutter import build_cutter, fine_field, iso_surface_distances_mm
 from cranktopo.tasks.extraction.half_throw import WebSurface
-from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
 from cranktopo.tasks.extraction.result import (
     ExtractedSurface,
     Extraction,
@@ -36,14 +35,10 @@ from cranktopo.tasks.extraction.result import (
     UndercutMeasures,
     quality,
 )
-from cranktopo.tasks.extraction.surface_checks import SurfaceReport
 
 
 def extract_surface(
-    reference: str,
-    iteration: int | None = None,
-    out: Path | None = None,
-    form: SurfaceFormat = "stl",
+    reference: str, iteration: int | None = None, out: Path | None = None, form: SurfaceFormat = "stl"
 ) -> tuple[Extraction, Path]:
     """Extract the surface of a design of a run and write it; by default into `surface` of the run.
 
@@ -71,7 +66,6 @@ def extract_surface(
 
 
 def _checked(run: RunStore, iteration: int | None) -> tuple[Scene, int, CheckedSurface]:
-    """Return the scene of a run as it was simulated, and the number and surface of one of its designs."""
     scene = planned_scene(design_from_run(run))
     domain = build_domain(scene, scene.optimise.resolution_mm)
     number, design = _design(run, scene, domain, iteration)
@@ -136,14 +130,7 @@ def iso_distance_mm(
     solid_fraction: Array | None = None,
     smooth: Array | None = None,
 ) -> Array:
-    """Return distances from the unsmoothed iso-surface of the resampled density to the final surface.
-
-    Only its points inside the envelope and outside bores and journals count: elsewhere the exact solids make
-    the surface.
-
-    Returns:
-        One distance per point, (n,), mm; at most 20 000 points, evenly chosen.
-    """
+    """Return distances from the unsmoothed iso-surface to the final one, as `iso_surface_distances_mm`."""
     cutter = build_cutter(grid, scene, solid_fraction, smooth)
     field = fine_field(cutter, grid, scene, solid_fraction, smooth)
     return iso_surface_distances_mm(cutter, field, surface.iso_value, surface.web)

@@ -15,12 +15,7 @@ _KEPT = 0.9
 
 @dataclass(frozen=True)
 class DesignUndercuts:
-    """Obstacles that keep a design from being made.
-
-    Attributes:
-        hollows: closed ones inside the half throw.
-        undercuts: what a die that parts in x = 0 could not release.
-    """
+    """What keeps a design from being made: closed hollows, and undercuts of a die that parts in x = 0."""
 
     name: str
     hollows: int
@@ -65,12 +60,7 @@ def released_text(way: str) -> str:
 
 
 def manufacturing_obstacles(cavities: int, undercuts: UndercutMeasures | None) -> list[str]:
-    """Return what keeps a web from being made; nothing where a die releases it and a cutter reaches it.
-
-    Args:
-        cavities: closed hollows inside.
-        undercuts: None where they were not looked for.
-    """
+    """Return what keeps a web from being made; undercuts are None where they were not looked for."""
     found = []
     if cavities:
         hollows = f"{cavities} closed hollow{'s' * (cavities > 1)} inside"
@@ -84,10 +74,7 @@ def manufacturing_obstacles(cavities: int, undercuts: UndercutMeasures | None) -
 
 
 def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:
-    """Return the measured and asked length of everything that was asked for, mm, by its name in words.
-
-    The measured length is None where no such wall faces another.
-    """
+    """Return measured and asked lengths of what was asked for, mm; None where no walls face each other."""
     if walls is None:
         return {}
     known = {

@@ -16,8 +16,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Z
 from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.tasks.extraction.iso_distance import distances_mm
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.extraction.cutter import distances_mm, refined_corners_mm
 
 _ON_MM = 0.02
 _MOST_POINTS = 5_000
@@ -36,13 +36,7 @@ rounding of an edge do not decide."""
 
 @dataclass(frozen=True)
 class Walls:
-    """Points evenly spread over walls.
-
-    Attributes:
-        points_mm: (n, 3).
-        normals: unit normals, out of the solid (n, 3).
-        areas_mm2: area that each stands for (n,).
-    """
+    """Points (n, 3) evenly spread over walls, unit normals out of the solid, areas that each stands for."""
 
     points_mm: Array
     normals: Array
@@ -65,15 +59,14 @@ def _is_manufactured(scene: Scene) -> bool:
 
 def walls_of(mesh: SurfaceMesh, spacing_mm: float) -> Walls:
     """Return all walls of a surface, by triangles with edges of at most a length."""
-    fine = solid_of(mesh).refine_to_length(spacing_mm).to_mesh64()
-    corners = np.asarray(fine.vert_properties)[:, :3][np.asarray(fine.tri_verts).astype(np.int64)]
+    corners = refined_corners_mm(mesh, spacing_mm)
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(doubled, axis=1)
     sound = size > 1e-9
     return Walls(corners.mean(axis=1)[sound], doubled[sound] / size[sound, None], size[sound] / 2)
 
 
-def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
+def _shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
     """Return the walls between the web's faces that neither envelope nor bores nor journals bound."""
     start, end = scene.web_z_mm
     x, y, z = walls.points_mm.T
@@ -88,7 +81,7 @@ def shaped(walls: Walls, envelope: Manifold, scene: Scene) -> Walls:
 
 
 def drafts_deg(walls: Walls, way: Withdrawal) -> Array:
-    """Angle between each wall and the way it is left; negative where a die half would be held, deg."""
+    """Return angle between each wall and the way it is left; negative where a die half would be held, deg."""
     along = walls.normals[:, way.axis or 0]
     if way.parting_mm is None:
         outward = np.abs(along)
@@ -98,7 +91,7 @@ def drafts_deg(walls: Walls, way: Withdrawal) -> Array:
 
 
 def from_parting_mm(walls: Walls, way: Withdrawal) -> Array:
-    """Distance of each wall from where the halves part, (n,), mm.
+    """Return the distance of each wall from where the halves part, (n,), mm.
 
     A mould parts where walls of both its halves meet in one edge; infinite where none do, as for a mill. What
     is less than 1 deg off its way belongs to neither half and makes no edge.
@@ -143,7 +136,7 @@ def measure(
     edge is rounded; of a mill or of a free web there is none.
     """
     body = walls_of(half_throw, cell_mm)
-    walls = shaped(body, envelope, scene)
+    walls = _shaped(body, envelope, scene)
     way = withdrawal_of(scene)
     drafted = walls.where(from_parting_mm(walls, way) > _PARTING_CELLS * cell_mm)
     leaves = _is_manufactured(scene) and way.axis is not None
@@ -159,13 +152,7 @@ def measure(
 
 
 def members_mm(walls: Walls, body: Walls) -> Array:
-    """Return the thickness of the member behind each wall: the diameter of the ball that fits inside it, mm.
-
-    Args:
-        body: the whole surface that bounds the ball.
-
-    Returns:
-        (n,), infinite where no wall lies opposite.
+    """Return the thickness behind each wall, mm: the diameter of the ball that fits inside, else infinite.
 
     Source: J. Ma, S. W. Bae, S. Choi, 3D medial axis point approximation using nearest neighbors and the
     normal field, The Visual Computer 28, 2012.
@@ -190,7 +177,7 @@ def _balls_mm(walls: Walls, side: float, body: Walls) -> Array:
 
 
 def _shrink(radius: Array, opposite: Array, walls: Walls, side: float, body: Walls) -> None:
-    """Shrink balls, in place, until they hold no point of a body.
+    """Shrink balls in place until they hold no point of a body.
 
     Args:
         opposite: radius with which each ball last touched a wall that faces its own.

@@ -9,7 +9,7 @@ A throw whose halves differ has no such plane: it is condensed whole, to six mor
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Span
+from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
@@ -27,7 +28,7 @@ from cranktopo.numerics.tetrahedra.linear_solve import RESIDUAL_LIMIT, symmetric
 Lateral = Literal["even", "odd", "none"]
 
 UX, UY, UZ, RX, RY, RZ = range(6)
-EVEN, ODD = (UY, UZ, RX), (UX, RY, RZ)
+_EVEN, _ODD = (UY, UZ, RX), (UX, RY, RZ)
 _PLANE_MM = 1e-6
 _STRESS_FREE = 1e-9
 """Relative displacement of a held plane below which a motion of the whole body leaves it where it is."""
@@ -51,8 +52,7 @@ class Superelement:
             loads with the section fixed, shape (unknowns, m [+ 1] + k).
         extra_loads: section forces of the half throw that answer the further loads, shape (m, k).
         held: unknowns at zero, or moved with the section.
-        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed; the
-            matrix is factorised already.
+        solve: from nodal forces on the model, shape (unknowns, k), to fields with the section fixed.
         copies: how many of what is modelled make the throw: 2 half throws, or 1 whole one.
     """
 
@@ -73,7 +73,7 @@ class Superelement:
         return self.displacement[:, : self.displacement.shape[1] - self.extra_loads.shape[1]]
 
     def index(self, *motions: int) -> list[int]:
-        """Positions of motions in this block."""
+        """Return the positions of motions in this block."""
         return [self.motions.index(m) for m in motions]
 
 
@@ -88,15 +88,13 @@ def condense(
     """Condense the half or whole throw to the motions of its rigid sections.
 
     Args:
-        model: half or whole throw, or its half x >= 0 when lateral is not "none".
         extra_loads: nodal forces of loads on the model besides the pin's, of the same symmetry, shape
             (unknowns, k).
-        residual: largest accepted relative residual of a solve.
 
     Raises:
         CranktopoError: the solve failed, or a plane of the model is missing.
     """
-    motions = {"even": EVEN, "odd": ODD, "none": tuple(range(6))}[lateral]
+    motions = {"even": _EVEN, "odd": _ODD, "none": tuple(range(6))}[lateral]
     sections, held = _constraints(model, scene, span, lateral)
     rigid = np.hstack([section_motions(model.nodes_mm, section)[:, motions] for section in sections])
     free = np.setdiff1d(np.arange(model.nodes_mm.size), held)
@@ -134,13 +132,12 @@ def condense(
 
 
 def loaded_mm(scene: Scene, whole: bool) -> tuple[float, float]:
-    """Heights between which the crankpin carries its load, in a model of the half or the whole throw."""
+    """Return the heights between which the crankpin carries its load in the half or the whole throw."""
     start = scene.web_z_mm[1]
     return (start, scene.pitch_mm - halves(scene)[1].web_z_mm[1]) if whole else (start, math.inf)
 
 
 def _solver(model: Elasticity, free: NDArray[np.intp], residual: float) -> Callable[[Array], Array]:
-    """From nodal forces to displacements, all but the free unknowns at zero."""
     corners = free[free < model.prolongation.shape[1]]
     stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
     inner = symmetric_solver(stiffness, prolongation, residual=residual)
@@ -154,7 +151,7 @@ def _solver(model: Elasticity, free: NDArray[np.intp], residual: float) -> Calla
 
 
 def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
-    """The six rigid motions of a section across z about its own centre, (unknowns, 6), from nodes (3, n)."""
+    """Return the six rigid motions of a section across z about its own centre, (unknowns, 6)."""
     x, y = nodes_mm[0, section], nodes_mm[1, section]
     motions = np.zeros((nodes_mm.size, 6))
     for axis in range(3):
@@ -169,12 +166,7 @@ def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:
 def _stress_free(
     nodes_mm: Array, motions: tuple[int, ...], section: NDArray[np.intp], held: NDArray[np.intp]
 ) -> tuple[Array, Array]:
-    """What of the unit motions moves the body as a whole, which needs no solve, and the axes of the rest.
-
-    Returns:
-        Displacements of the unit motions' whole-body part, shape (unknowns, m); orthonormal axes of the rest
-        among the motions, shape (m, rest).
-    """
+    """Split unit motions into those of the whole body, (unknowns, m), and axes of the rest, (m, rest)."""
     body = _body_motions(nodes_mm)[:, motions]
     own = (3 * section[:, None] + np.arange(3)).ravel()
     _, sizes, axes = np.linalg.svd(body[np.setdiff1d(held, own)], full_matrices=False)
@@ -183,18 +175,14 @@ def _stress_free(
 
 
 def _body_motions(nodes_mm: Array) -> Array:
-    """The six rigid motions of the whole body about the origin, shape (unknowns, 6), from nodes (3, n)."""
+    """Return the six rigid motions of the whole body about the origin, (unknowns, 6)."""
     body = section_motions(nodes_mm, np.arange(nodes_mm.shape[1]))
     body[1::3, RX], body[::3, RY] = -nodes_mm[2], nodes_mm[2]
     return body
 
 
 def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> tuple[Array, Array]:
-    """As `_stress_free` for the sections of a whole throw, which as one body moves in every way.
-
-    Args:
-        motions: those of the near section; the far one has the same.
-    """
+    """As `_stress_free` for the sections of a whole throw, which as one body moves in every way."""
     far = np.eye(6)
     far[UY, RX], far[UX, RY] = -pitch_mm, pitch_mm
     together = np.vstack([np.eye(len(motions)), far[np.ix_(motions, motions)]])
@@ -204,11 +192,7 @@ def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> t
 
 
 def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.intp]:
-    """Numbers of the nodes, (3, n), on a coordinate plane; axis 0, 1, 2 is across x, y, z.
-
-    Raises:
-        CranktopoError: none there.
-    """
+    """Return the nodes, of (3, n), on the plane across an axis; CranktopoError where there are none."""
     found = np.nonzero(np.abs(nodes_mm[axis] - position_mm) < _PLANE_MM)[0]
     if found.size == 0:
         raise CranktopoError(
@@ -219,10 +203,20 @@ def plane_nodes(nodes_mm: Array, axis: int, position_mm: float) -> NDArray[np.in
     return found
 
 
+def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
+    """Return the derivative of forces' field by the nodes of a rigid section, (3, nodes), forces held."""
+    section = plane_nodes(model.nodes_mm, 2, z_mm)
+    unknowns = (3 * section[:, None] + np.arange(3)).ravel()
+    rigid = section_motions(model.nodes_mm, section)[unknowns]
+    turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]
+    total = np.zeros(model.nodes_mm.shape)
+    total[:, section] = np.cross(forces[unknowns].reshape(-1, 3), turn).T
+    return total
+
+
 def _constraints(
     model: Elasticity, scene: Scene, span: Span, lateral: Lateral
 ) -> tuple[list[NDArray[np.intp]], NDArray[np.intp]]:
-    """Nodes of each section, and all unknowns that are not free."""
     ends = (0.0, scene.pitch_mm) if span == "whole" else (0.0,)
     sections = [plane_nodes(model.nodes_mm, 2, z) for z in ends]
     held = [(3 * section[:, None] + np.arange(3)).ravel() for section in sections]
@@ -237,3 +231,91 @@ def _constraints(
 
 def _symmetric(matrix: Array) -> Array:
     return (matrix + matrix.T) / 2
+
+
+TorsionSupport = Literal["free", "held", "spring"]
+BendingSupport = Literal["pinned", "clamped", "spring"]
+
+
+_ALL = frozenset({UX, UY, UZ, RX, RY, RZ})
+_TORSION: dict[TorsionSupport, frozenset[int]] = {"free": _ALL, "held": frozenset({RZ, UZ}), "spring": _ALL}
+_BENDING: dict[BendingSupport, frozenset[int]] = {
+    "pinned": frozenset({UZ, RX, RY, RZ}),
+    "clamped": frozenset({UZ}),
+    "spring": _ALL,
+}
+"""Motions that each support leaves to each section."""
+
+
+def torsional_stiffness_Nm_per_rad(
+    block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0
+) -> float:
+    """Return the torsional stiffness of the full throw: torque over relative rotation, T / (2 phi).
+
+    Args:
+        block: antisymmetric or whole block holding ux, ry, rz (and more).
+    """
+    twist = torque_ends(block) @ torsion_motion(block, support, spring_N_per_mm)
+    return 1.0 / (block.copies * float(twist)) / NMM_PER_NM
+
+
+def torque_ends(block: Superelement) -> Array:
+    """Return a torque of 1 N mm on the section of the half throw, opposite ones on both of the whole, (m,).
+
+    Times a motion it is the rotation of the section, or that of the far section relative to the near one.
+    """
+    near = 1.0 if block.copies == 2 else -1.0
+    return np.array([{RZ: near, 6 + RZ: 1.0}.get(m, 0.0) for m in block.motions])
+
+
+def bending_stiffness_N_per_mm(
+    block: Superelement, support: BendingSupport, spring_N_per_mm: float = 0.0
+) -> float:
+    """Return the bending stiffness of the full throw: pin force over mean radial pin displacement.
+
+    Args:
+        block: symmetric or whole block holding uy, uz, rx (and more).
+    """
+    motion = bending_motion(block, block.load, support, spring_N_per_mm)
+    return block.copies / (block.load_compliance + float(block.load @ motion))
+
+
+def torsion_motion(
+    block: Superelement, support: TorsionSupport, spring_N_per_mm: float = 0.0, force: Array | None = None
+) -> Array:
+    """Return the section motion under section forces, shape (m,), mm and rad."""
+    force = torque_ends(block) if force is None else force
+    return _response(block, _TORSION[support], _springs(support, spring_N_per_mm), force)
+
+
+def bending_motion(
+    block: Superelement,
+    force: Array,
+    support: BendingSupport,
+    spring_N_per_mm: float = 0.0,
+    *,
+    turning: bool = True,
+) -> Array:
+    """Return the section motion under section forces, shape (m,), mm and rad.
+
+    Args:
+        turning: whether the section may turn about the crank axis; a tangential force needs a torque there.
+    """
+    released = _BENDING[support] - (frozenset() if turning else {RZ})
+    return _response(block, released, _springs(support, spring_N_per_mm), force)
+
+
+def _springs(support: str, spring_N_per_mm: float) -> dict[int, float]:
+    return {UX: spring_N_per_mm, UY: spring_N_per_mm} if support == "spring" else {}
+
+
+def _response(block: Superelement, released: Set[int], springs: dict[int, float], force: Array) -> Array:
+    """Section motion under a section force, held motions at zero; rigid motions of the whole stay at zero."""
+    kinds = [m % 6 for m in block.motions]
+    index = [i for i, m in enumerate(kinds) if m in released]
+    stiffness = block.stiffness + np.diag([springs.get(m, 0.0) for m in kinds])
+    length = np.array([1.0 if m < RX else 1.0 / 50.0 for m in kinds])[index]
+    scaled = stiffness[np.ix_(index, index)] * np.outer(length, length)
+    motion = np.zeros(len(block.motions))
+    motion[index] = length * (np.linalg.pinv(scaled, rcond=1e-7, hermitian=True) @ (length * force[index]))
+    return motion

@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.tasks.fea.condense import Superelement
-from cranktopo.tasks.fea.discretisation_error import DiscretisationError
-from cranktopo.tasks.fea.support_stiffness import (
+from cranktopo.tasks.fea.condense import (
     BendingSupport,
+    Superelement,
     TorsionSupport,
     bending_motion,
     torque_ends,
     torsion_motion,
 )
+from cranktopo.tasks.fea.discretisation_error import DiscretisationError
 
 _SURPLUS_FACTOR = 2.2
 """Bound over the cubic surplus.
@@ -41,19 +41,14 @@ Three is what P. J. Roache takes for two grids (Perspective: a method for unifor
 studies, J. Fluids Eng. 116, 1994).
 """
 
-DIFFERENCE_SPREAD, DIFFERENCE_UNEQUAL = 0.15, 1.0
+_DIFFERENCE_SPREAD, _DIFFERENCE_UNEQUAL = 0.15, 1.0
 """Bound of the error of a difference over the mean of two bounds, and over the difference between these."""
 
 
 def torsion_bound_percent(
     block: Superelement, missed: DiscretisationError, support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> float:
-    """Bound of the torsional stiffness's relative error, %.
-
-    Args:
-        block: antisymmetric, as `torsional_stiffness_Nm_per_rad` takes it.
-        missed: by the fields of this block.
-    """
+    """Return the bound of the torsional stiffness's relative error by an antisymmetric block, %."""
     forms = (missed.surplus, missed.straight)
     surplus, straight = torsion_shares(block, forms, support, spring_N_per_mm)
     return bound_percent(surplus, straight, missed.volume_error, TORSION_VOLUME_FACTOR)
@@ -62,12 +57,7 @@ def torsion_bound_percent(
 def bending_bound_percent(
     block: Superelement, missed: DiscretisationError, support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> float:
-    """Bound of the bending stiffness's relative error, %.
-
-    Args:
-        block: symmetric, as `bending_stiffness_N_per_mm` takes it.
-        missed: by the fields of this block.
-    """
+    """Return the bound of the bending stiffness's relative error by a symmetric block, %."""
     forms = (missed.surplus, missed.straight)
     surplus, straight = bending_shares(block, forms, support, spring_N_per_mm)
     return bound_percent(surplus, straight, missed.volume_error, BENDING_VOLUME_FACTOR)
@@ -76,7 +66,7 @@ def bending_bound_percent(
 def torsion_shares(
     block: Superelement, forms: Sequence[Array], support: TorsionSupport, spring_N_per_mm: float = 0.0
 ) -> list[float]:
-    """Shares of the twist under a torque that energies over the fields of a block would add."""
+    """Return the shares of the twist under a torque that energies over the fields of a block would add."""
     motion, count = torsion_motion(block, support, spring_N_per_mm), len(block.motions)
     twist = float(torque_ends(block) @ motion)
     return [float(motion @ form[:count, :count] @ motion) / twist for form in forms]
@@ -85,7 +75,7 @@ def torsion_shares(
 def bending_shares(
     block: Superelement, forms: Sequence[Array], support: BendingSupport, spring_N_per_mm: float = 0.0
 ) -> list[float]:
-    """Shares of the mean pin displacement that energies over the fields of a block would add."""
+    """Return the shares of the mean pin displacement that energies over the fields of a block would add."""
     motion = bending_motion(block, block.load, support, spring_N_per_mm)
     displacement = block.load_compliance + float(block.load @ motion)
     amplitudes = np.append(motion, 1.0 / block.parts)
@@ -93,20 +83,18 @@ def bending_shares(
 
 
 def bound_percent(surplus: float, straight: float, volume_error: float, volume_factor: float) -> float:
-    """Bound of a stiffness's relative error, %.
+    """Return the bound of a stiffness's relative error, %.
 
     Args:
         surplus: share of the displacement under load that cubic displacements would add.
         straight: share of it that straightened elements miss.
-        volume_error: volume of the mesh over that of the body, less one, without what straight elements add.
-        volume_factor: how much more a stiffness changes than the volume, at most.
     """
     shape = _STRAIGHT_FACTOR * abs(straight) + volume_factor * abs(volume_error)
     return 100 * (_SURPLUS_FACTOR * surplus + shape)
 
 
 def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, float | None]) -> float:
-    """Bound of the relative error of fine values by what a mesh 1.5 times coarser gives, %.
+    """Return the bound of the relative error by what a mesh 1.5 times coarser gives, %.
 
     The largest over all of them: two unstructured meshes may happen to agree in one support; hardly in all.
     """
@@ -115,16 +103,15 @@ def change_bound_percent(coarse: Mapping[str, float | None], fine: Mapping[str, 
 
 
 def difference_bound_percent(one: float, other: float, *, triangles: bool = False) -> float:
-    """Bound of the error of the relative difference between two stiffnesses, %.
+    """Return the bound of the error of the relative difference between two stiffnesses, %.
 
     Finite elements are too stiff, so both errors go the same way, and on meshes made by the same rules they
     are nearly equal where the bounds are.
 
     Args:
-        one, other: bounds of the two stiffnesses, %.
         triangles: one of the bodies is a surface of triangles, which meshes replace each in its own way.
     """
     larger = max(one, other)
     if triangles:
         return larger
-    return min(larger, DIFFERENCE_SPREAD * (one + other) / 2 + DIFFERENCE_UNEQUAL * abs(one - other))
+    return min(larger, _DIFFERENCE_SPREAD * (one + other) / 2 + _DIFFERENCE_UNEQUAL * abs(one - other))

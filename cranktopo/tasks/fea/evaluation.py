@@ -20,7 +20,14 @@ from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
-from cranktopo.tasks.fea.condense import Superelement, condense
+from cranktopo.tasks.fea.condense import (
+    BendingSupport,
+    Superelement,
+    TorsionSupport,
+    bending_stiffness_N_per_mm,
+    condense,
+    torsional_stiffness_Nm_per_rad,
+)
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors, volume_error
 from cranktopo.tasks.fea.error_bound import bending_bound_percent, change_bound_percent, torsion_bound_percent
 from cranktopo.tasks.fea.result import (
@@ -32,12 +39,6 @@ from cranktopo.tasks.fea.result import (
     StiffnessPerMass,
     SupportNames,
     known,
-)
-from cranktopo.tasks.fea.support_stiffness import (
-    BendingSupport,
-    TorsionSupport,
-    bending_stiffness_N_per_mm,
-    torsional_stiffness_Nm_per_rad,
 )
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.throw.moments import Moments
@@ -82,11 +83,8 @@ class Evaluation:
     """All that is reported about one target; units in the field names.
 
     Attributes:
-        throw_kg, web_kg: mass of the throw, and of one web between its faces.
         second_web_kg: mass of the second web where the halves of the throw differ, else None.
         unbalance_kg_mm: mass times y of the centre of mass.
-        torsion_support, bending_support: the supports that the scene asks for.
-        torsion_error_percent, bending_error_percent: bound of the discretisation error with these supports.
         assumed: what the design does not say and the stiffnesses depend on.
         triangles: the body is a surface of triangles, which the mesh replaces.
     """
@@ -192,10 +190,7 @@ def evaluate_on_mesh(
     order: Order = 2,
     progress: Info = lambda _: None,
 ) -> MeshResult:
-    """Return a target on one mesh.
-
-    Args:
-        graded: refine at fillets and sharp rings; surface files are always graded.
+    """Return a target on one mesh; `graded` refines at fillets and sharp rings, and always in surface files.
 
     Raises:
         CranktopoError: impossible geometry or a failed solve.
@@ -215,7 +210,7 @@ def evaluate_on_mesh(
 def condensed_stiffness(
     meshed: MeshedThrow, scene: Scene, element_size_mm: float, mesh_seconds: float, order: Order = 2
 ) -> Stiffness:
-    """Stiffnesses of a meshed half or whole throw for every support: two condensations, or one.
+    """Return the stiffnesses of a meshed throw for every support, by two condensations or one.
 
     Raises:
         CranktopoError: a mesh that does not fill the solid, or a failed solve.
@@ -240,7 +235,6 @@ def condensed_stiffness(
 
 
 def _blocks(model: Elasticity, meshed: MeshedThrow, scene: Scene) -> tuple[Superelement, Superelement]:
-    """Return what torsion and what bending is read off."""
     mirrored = meshed.mesh.mirrored
     if meshed.whole and not mirrored:
         both = condense(model, scene, "whole", "none")
@@ -272,7 +266,7 @@ def _check_volume(meshed: MeshedThrow, error: float) -> None:
 
 
 def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> MeshedThrow:
-    """Mesh of a target's half throw, or of its whole one where the halves differ.
+    """Return the mesh of a target's half throw, or of its whole one where the halves differ.
 
     Raises:
         CranktopoError: impossible geometry, or no valid mesh.
@@ -285,11 +279,7 @@ def mesh_target(target: Target, element_size_mm: float, graded: bool = True) -> 
 
 
 def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> Evaluation:
-    """Return all that is reported, with bounds of the error by what the mesh itself tells.
-
-    Args:
-        coarse: for triangles, the target on a mesh 1.5 times coarser.
-    """
+    """Return all that is reported; of triangles `coarse` is the target on a mesh 1.5 times coarser."""
     target, meshed = fine.target, fine.meshed
     scene = target.scene
     (near, far), supports = halves(scene), scene.supports
@@ -315,7 +305,6 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
 
 
 def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> tuple[float, float]:
-    """Bounds of the error in torsion and in bending with the supports of the scene."""
     torsion = known(fine.torsion_error_percent[scene.supports.torsion])
     bending = known(fine.bending_error_percent[scene.supports.bending])
     if coarse is None:
@@ -327,13 +316,13 @@ def _error_percent(fine: Stiffness, coarse: Stiffness | None, scene: Scene) -> t
 
 
 def meshed_throw_kg(meshed: MeshedThrow, scene: Scene) -> float:
-    """Mass of the whole throw, from the exact volume of what is meshed, bolted counterweights counted."""
+    """Return the mass of the whole throw from the exact volume, bolted counterweights counted."""
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return meshed.copies * density * meshed.body.volume_mm3 + _bolted(scene).volume
 
 
 def throw_inertia_kg_mm2(meshed: MeshedThrow, scene: Scene) -> float:
-    """Inertia of the whole throw about the crank axis."""
+    """Return the inertia of the whole throw about the crank axis."""
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     return meshed.copies * density * meshed.body.inertia_z_mm5 + _bolted(scene).polar
 

@@ -1,14 +1,23 @@
-"""Levels of the body-fitted evaluation: element size and order, refined at the fillets or not."""
+"""Levels of the body-fitted evaluation, and evaluation to an error or within a time."""
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.numerics.tetrahedra.elasticity import Order
-from cranktopo.tasks.fea.evaluation import RATIO, MeshResult, evaluate_on_mesh
-from cranktopo.tasks.fea.level import BENDING, EVALUATION, TORSION, Level, PlannedLevel
+from cranktopo.tasks.fea.evaluation import RATIO, Evaluation, Info, MeshResult, evaluate_on_mesh, evaluation
+from cranktopo.tasks.fea.studies import (
+    BENDING,
+    EVALUATION,
+    TORSION,
+    Level,
+    LevelResult,
+    PlannedLevel,
+    StoredStudy,
+)
 from cranktopo.tasks.fea.targets import Target
 
 _COST_GROWTH = 1.9
@@ -17,12 +26,7 @@ _COST_GROWTH = 1.9
 
 @dataclass(frozen=True)
 class EvaluationMesh:
-    """A mesh whose elements are `steps` times a factor of 1.5 coarser than by default.
-
-    Attributes:
-        graded: refined at fillets and sharp rings.
-        order: degree of the displacements.
-    """
+    """A mesh whose elements are `steps` times a factor of 1.5 coarser than by default."""
 
     steps: int
     graded: bool
@@ -45,7 +49,7 @@ class EvaluationMesh:
         return float(share * (0.4 if self.order == 1 else 1.0) * _COST_GROWTH**-self.steps)
 
     def size_mm(self, target: Target) -> float:
-        """General element size."""
+        """Return the general element size."""
         return default_element_size_mm(target.scene) * RATIO**self.steps
 
 
@@ -67,7 +71,7 @@ MESHES = (
 
 
 def evaluation_levels(target: Target) -> list[PlannedLevel]:
-    """Levels of a target, cheapest first; surface files are always meshed graded."""
+    """Return the levels of a target, cheapest first; surface files are always meshed graded."""
 
     def planned(mesh: EvaluationMesh) -> PlannedLevel:
         name = f"{mesh.family} {mesh.size_mm(target):.3g} mm"
@@ -99,3 +103,96 @@ def stiffnesses(found: MeshResult) -> dict[str, float]:
     supports = found.target.scene.supports
     torsion, bending = found.stiffness.torsion[supports.torsion], found.stiffness.bending[supports.bending]
     return {name: v for name, v in ((TORSION, torsion), (BENDING, bending)) if v is not None}
+
+
+LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))
+"""Meshes of an evaluation, cheapest first; triangles need one with elements 1.5 times as large beside it."""
+_EXPECTED_PERCENT = (1.6, 1.01, 0.65, 0.42, 0.27, 0.17)
+"""Bounds to be expected before anything is measured: medians of `tests.benchmarks.error_estimates`.
+
+The second and third are of 14 and 24 random throws; the others continue their trend.
+"""
+
+
+@dataclass(frozen=True)
+class ErrorTarget:
+    """Largest error of torsional and bending stiffness, wall time to use, or both."""
+
+    percent: float | None = None
+    budget_s: float | None = None
+
+
+def evaluate_to(
+    target: Target, wanted: ErrorTarget, measured: StoredStudy | None = None, progress: Info = lambda _: None
+) -> tuple[Evaluation, bool]:
+    """Return the last evaluation on ever finer meshes, and whether it has the accuracy.
+
+    Starts on the cheapest mesh that should do. A budget ends the refinement before a mesh that would not fit.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    began = time.perf_counter()
+    solved: dict[EvaluationMesh, MeshResult] = {}
+    found: Evaluation | None = None
+    for fine in LEVELS[first_level(wanted, measured, target.triangles) :]:
+        meshes = _meshes(fine, target.triangles)
+        todo = [mesh for mesh in meshes if mesh not in solved]
+        if found is not None and _too_long(wanted, time.perf_counter() - began, todo, solved):
+            break
+        for mesh in todo:
+            size = mesh.size_mm(target)
+            solved[mesh] = evaluate_on_mesh(target, size, graded=mesh.graded, progress=progress)
+        coarse = solved[meshes[0]] if target.triangles else None
+        found = evaluation(solved[fine], coarse, time.perf_counter() - began)
+        if wanted.percent is not None and found.error_percent <= wanted.percent:
+            return found, True
+    assert found is not None, "the first level is always solved"
+    return found, wanted.percent is None
+
+
+def first_level(wanted: ErrorTarget, measured: StoredStudy | None, triangles: bool) -> int:
+    """Return the number of the level to start on."""
+    first_levels = []
+    if wanted.percent is not None:
+        enough = [n for n in range(len(LEVELS)) if _expected_percent(n, measured) <= wanted.percent]
+        first_levels.append(enough[0] if enough else len(LEVELS) - 1)
+    if wanted.budget_s is not None:
+        seconds = [expected_seconds(level, measured, triangles) for level in LEVELS]
+        fit = [n for n, s in enumerate(seconds) if s is not None and s <= wanted.budget_s]
+        first_levels.append(fit[-1] if fit else 0)
+    return min(first_levels, default=0)
+
+
+def _meshes(fine: EvaluationMesh, triangles: bool) -> list[EvaluationMesh]:
+    return [*([EvaluationMesh(fine.steps + 1, fine.graded)] if triangles else []), fine]
+
+
+def _expected_percent(number: int, measured: StoredStudy | None) -> float:
+    level = _stored_level(LEVELS[number], measured)
+    bound = None if level is None else level.bound_percent
+    return _EXPECTED_PERCENT[number] if bound is None else bound
+
+
+def expected_seconds(fine: EvaluationMesh, measured: StoredStudy | None, triangles: bool) -> float | None:
+    """Return the wall time of an evaluation; None where one of its meshes was never measured."""
+    levels = [_stored_level(mesh, measured) for mesh in _meshes(fine, triangles)]
+    if measured is None or None in levels:
+        return None
+    return measured.slowdown * sum(level.seconds for level in levels if level)
+
+
+def _stored_level(mesh: EvaluationMesh, measured: StoredStudy | None) -> LevelResult | None:
+    settings = {"steps": mesh.steps, "graded": mesh.graded, "order": mesh.order}
+    levels = measured.levels(EVALUATION) if measured else []
+    return next((level for level in levels if settings.items() <= level.settings.items()), None)
+
+
+def _too_long(
+    wanted: ErrorTarget, spent: float, todo: list[EvaluationMesh], solved: dict[EvaluationMesh, MeshResult]
+) -> bool:
+    if wanted.budget_s is None:
+        return False
+    mesh, last = list(solved.items())[-1]
+    rate = last.seconds / mesh.relative_cost
+    return spent + sum(rate * mesh.relative_cost for mesh in todo) > wanted.budget_s

@@ -5,11 +5,48 @@ Tables, plots, pages and verdicts look a quantity up here; what holds values of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
+from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.tasks.fea.evaluation import Evaluation
+from cranktopo.tasks.fea.result import EvaluationResult
+
+
+def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
+    """Return the quantities of a goal that an evaluation tells, each in its internal unit."""
+    mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
+    safety = found.fatigue_safety
+    return {
+        "mass": mass,
+        "inertia": found.inertia_kg_mm2,
+        "unbalance": found.unbalance_kg_mm,
+        "torsion": torsion,
+        "bending": bending,
+        "torsion_per_mass": torsion / mass,
+        "bending_per_mass": bending / mass,
+        **_motions(scene, torsion, bending),
+        **({} if safety is None else {"fatigue_safety": safety}),
+    }
+
+
+def _motions(scene: Scene, torsion: float, bending: float) -> dict[str, float]:
+    if scene.engine is None:
+        return {}
+    cases = {case.kind: case for case in load_cases(scene, plan(scene, goal=wanted(scene)).enabled)}
+    motions = {}
+    if "bending" in cases:
+        motions["pin_displacement"] = abs(cases["bending"].radial_N) / bending
+    if "torsion" in cases:
+        motions["twist"] = math.degrees(abs(cases["torsion"].torque_Nm) / torsion)
+    return motions
+
 
 _ErrorKind = Literal["torsion", "bending", "safety"]
 
@@ -19,9 +56,7 @@ class Quantity:
     """Something that webs are compared by.
 
     Attributes:
-        key: its name among values, percentages and changes, e.g. `torsion_per_mass`.
         unit: as machine names end, e.g. `kNm_per_rad_kg`; empty for a pure number.
-        digits: decimals when it is printed.
         better: +1 where more is better, -1 where less is.
         error: which error estimate it carries; None where it is exact.
     """
@@ -62,7 +97,7 @@ COMPARED = (MASS, *STIFFNESS, *PER_MASS, INERTIA, UNBALANCE)
 
 
 def throw_values(mass_kg: float, torsion_Nm_per_rad: float, bending_N_per_mm: float) -> dict[str, float]:
-    """Mass, stiffnesses and ratios by key, in the units of the table."""
+    """Return mass, stiffnesses and ratios by key, in the units of the table."""
     torsion, bending = torsion_Nm_per_rad / 1000, bending_N_per_mm / 1000
     return {
         MASS.key: mass_kg,
@@ -83,5 +118,93 @@ def evaluation_values(evaluation: Evaluation) -> dict[str, float]:
 
 
 def percent_of(values: Mapping[str, float], reference: Mapping[str, float]) -> dict[str, float]:
-    """Values in percent of those of a reference, by key."""
+    """Return the values in percent of those of a reference, by key."""
     return {key: 100 * value / reference[key] for key, value in values.items()}
+
+
+NOTICEABLE_PERCENT = 0.05
+"""Changes below half of the last printed digit are none."""
+_WORDS: dict[Quantity, tuple[str, str]] = {
+    MASS: ("heavier", "lighter"),
+    TORSION: ("stiffer in torsion", "softer in torsion"),
+    BENDING: ("stiffer in bending", "softer in bending"),
+}
+
+
+def comparison_sentence(subject: str, changes_percent: Mapping[Quantity, float], reference: str) -> str:
+    """Compare `subject` with `reference` by mass and both stiffnesses; what got worse is in front."""
+    worse = [_words(q, v) for q, v in changes_percent.items() if q.better * v < -NOTICEABLE_PERCENT]
+    better = [_words(q, v) for q, v in changes_percent.items() if q.better * v > NOTICEABLE_PERCENT]
+    if not worse and not better:
+        return f"{subject} is like {reference}."
+    first, rest = (worse, better) if worse else (better, [])
+    return f"{subject} is {_joined(first)} than {reference}" + (f"; it is {_joined(rest)}." if rest else ".")
+
+
+def worse_line(changes_percent: Mapping[Quantity, float], reference: str) -> str:
+    """Return what got worse, for the terminal; empty where nothing did."""
+    worse = [_words(q, v) for q, v in changes_percent.items() if q.better * v < -NOTICEABLE_PERCENT]
+    return f"worse than {reference}: {_joined(worse)}" if worse else ""
+
+
+def percent_change(now: float, before: float) -> float:
+    """Return the difference of a value from another, %."""
+    return 100 * (now / before - 1)
+
+
+def _words(quantity: Quantity, percent: float) -> str:
+    return f"{abs(percent):.1f} % {_WORDS[quantity][percent < 0]}"
+
+
+def _joined(parts: list[str]) -> str:
+    return f"{', '.join(parts[:-1])} and {parts[-1]}" if len(parts) > 1 else parts[0]
+
+
+_COLUMNS: tuple[Column[Evaluation], ...] = (
+    Column("target", 0, lambda e: e.target),
+    Column("throw_kg", MASS.digits, lambda e: e.throw_kg),
+    Column("web_kg", MASS.digits, lambda e: e.web_kg),
+    Column(INERTIA.column, INERTIA.digits, lambda e: e.inertia_kg_mm2),
+    Column(UNBALANCE.column, UNBALANCE.digits, lambda e: e.unbalance_kg_mm),
+    Column("torsion_free_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["free"])),
+    Column("held_kNm_per_rad", 2, lambda e: _kilo(e.fine.torsion["held"])),
+    Column("bending_pinned_kN_per_mm", 2, lambda e: _kilo(e.fine.bending["pinned"])),
+    Column("clamped_kN_per_mm", 1, lambda e: _kilo(e.fine.bending["clamped"])),
+    Column("torsion_error_percent", 2, lambda e: e.torsion_error_percent),
+    Column("bending_error_percent", 2, lambda e: e.bending_error_percent),
+    Column("size_mm", 2, lambda e: e.fine.element_size_mm),
+    Column("nodes", 0, lambda e: float(e.fine.nodes)),
+    Column("time_s", 1, lambda e: e.total_seconds),
+)
+
+
+_SECOND_WEB: Column[Evaluation] = Column("second_web_kg", MASS.digits, lambda e: e.second_web_kg)
+
+
+def evaluation_table(evaluations: Sequence[Evaluation]) -> ResultTable:
+    """Return one row per evaluation: mass, inertia, unbalance, stiffnesses, error estimates, mesh, seconds.
+
+    Where the webs of a throw differ, both have a column.
+    """
+    different = any(e.second_web_kg is not None for e in evaluations)
+    columns = (*_COLUMNS[:3], *((_SECOND_WEB,) if different else ()), *_COLUMNS[3:])
+    return tabulate(columns, evaluations)
+
+
+def result_line(e: Evaluation) -> str:
+    """Return both stiffnesses of the design's supports, each with its estimate, and what they took."""
+    return (
+        f"{e.target}: torsion {e.torsion_Nm_per_rad / 1000:.2f} kN m/rad, "
+        f"+-{e.torsion_error_percent:.2g} %; bending {e.bending_N_per_mm / 1000:.2f} kN/mm, "
+        f"+-{e.bending_error_percent:.2g} %; {e.total_seconds:.1f} s"
+    )
+
+
+def estimate_line(torsion_percent: Iterable[float], bending_percent: Iterable[float]) -> str:
+    """Return the largest error estimates of several evaluations, for below a table of their stiffnesses."""
+    torsion, bending = max(torsion_percent), max(bending_percent)
+    return f"stiffnesses +-{torsion:.2g} % in torsion, +-{bending:.2g} % in bending at most"
+
+
+def _kilo(value: float | None) -> float | None:
+    return None if value is None else value / 1000

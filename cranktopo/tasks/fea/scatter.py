@@ -47,7 +47,6 @@ def draw_stiffness_over_mass(
 
     Args:
         baseline: number of the point that counts as 100 %.
-        most: drawn above the points where it is known.
     """
     masses = [point.mass_kg for point in points]
     stiffness = [point.stiffness for point in points]
@@ -66,7 +65,6 @@ def draw_stiffness_over_mass(
 
 
 def _at(most: Most | None, masses: Sequence[float]) -> list[float]:
-    """Return what a curve says within the range of the masses."""
     if most is None:
         return []
     pairs = zip(most.mass_kg, most.stiffness, strict=True)
@@ -89,11 +87,7 @@ def most_by_label(curves: _Curves, baseline: Mapping[str, Point]) -> dict[str, M
 
 
 def equal_ratio_factors(ratios: Sequence[float]) -> list[float]:
-    """Where the lines of equal stiffness per mass lie, so that every point is below one and above another.
-
-    Args:
-        ratios: stiffness per mass of every point over the baseline's.
-    """
+    """Return the factors of the lines of equal stiffness per mass: every point between two of them."""
     steps = (round_number * _CLOSEST_LINES * 10**power for power in count() for round_number in (1, 2, 5))
     for step in steps:
         first, last = math.ceil(min(ratios) / step) - 1, math.floor(max(ratios) / step) + 1
@@ -103,7 +97,6 @@ def equal_ratio_factors(ratios: Sequence[float]) -> list[float]:
 
 
 def _equal_ratio(axes: Axes, factor: float, slope: float, x_range: tuple[float, float], top: float) -> None:
-    """One dashed line through the origin, labelled where it leaves the picture."""
     low, high = x_range
     axes.plot([low, high], [slope * low, slope * high], "--", color="0.75", linewidth=1, zorder=1)
     x = min(high, top / slope)

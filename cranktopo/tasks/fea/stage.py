@@ -7,19 +7,15 @@ from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
-from cranktopo.tasks.fea.error_target import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
-from cranktopo.tasks.fea.level import EVALUATION
-from cranktopo.tasks.fea.stored_studies import key_of, load_study
+from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
+from cranktopo.tasks.fea.studies import EVALUATION, key_of, load_study
 from cranktopo.tasks.fea.targets import Target, resolve_target
 
 
 @dataclass(frozen=True)
 class MeshRequest:
     """How exactly to evaluate: by the size of the elements, or by accuracy and time; nothing: the default.
-
-    Attributes:
-        accuracy_percent: error that the estimates are to stay below.
 
     Raises:
         CranktopoError: a size beside accuracy or time.
@@ -49,7 +45,7 @@ class Evaluations:
 def evaluate_target(
     target: Target | str, wanted: MeshRequest | None = None, info: Info = lambda _: None
 ) -> Evaluation:
-    """Evaluation of one target, given as such or as the user types it (a design, a run).
+    """Return the evaluation of one target, given as such or as the user types it (a design, a run).
 
     Raises:
         CranktopoError: no such target, no valid mesh, or a failed solve.
@@ -76,7 +72,7 @@ def evaluate_targets(
 
 
 def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Info) -> None:
-    """One line per target of what it does not say and a command uses of these tables of its scene."""
+    """Print one line per target of what it does not say and a command uses of these tables of its scene."""
     for target in targets:
         found = filter_by_table(target.assumed, tables)
         if found:

@@ -40,8 +40,7 @@ class Target:
     Attributes:
         scene: journals, material, supports, without what the effects plan leaves out; the whole geometry
             where `file` is None.
-        file: STL or STEP of the half throw, mm, or None.
-        align: whether a body from CAD that lies elsewhere is moved to where the scene's journals are.
+        file: STL or STEP of the half throw, mm.
         assumed: what the design does not say of throw, engine, supports and fatigue.
     """
 
@@ -66,11 +65,7 @@ def resolve_targets(
     *,
     whole: bool = False,
 ) -> list[Target]:
-    """Targets from what the user typed, each with a name of its own.
-
-    Raises:
-        CranktopoError: as `resolve_target`.
-    """
+    """Return targets from what the user typed, each with a name of its own; errors as of `resolve_target`."""
     found = [resolve_target(text, design, fillets, align, whole=whole) for text in texts]
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)

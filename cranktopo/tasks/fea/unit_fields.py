@@ -1,8 +1,8 @@
-"""Displacement fields of the half or whole throw under unit loads: load states are sums, no new solve."""
+"""Displacement fields under unit loads: load states and the stress of load cases are sums, no new solve."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,28 +11,38 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_tonne_per_mm3
+from cranktopo.design.halves import default_element_size_mm, require_equal_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
-from cranktopo.engine.load_case import LoadKind
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
-from cranktopo.tasks.fea.condense import RX, Lateral, Superelement, condense, loaded_mm
-from cranktopo.tasks.fea.support_stiffness import bending_motion, torque_ends, torsion_motion
+from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.numerics.tetrahedra.elasticity import (
+    Elasticity,
+    assemble,
+    centrifugal_force,
+    mean_displacement,
+)
+from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.tasks.fea.condense import (
+    RX,
+    Lateral,
+    Superelement,
+    bending_motion,
+    condense,
+    loaded_mm,
+    torque_ends,
+    torsion_motion,
+)
+from cranktopo.tasks.fea.evaluation import Info, mesh_target
+from cranktopo.tasks.fea.targets import Target
 
 FieldKind = LoadKind | Literal["moment"]
-_PARITY: dict[FieldKind, Lateral] = {
-    "moment": "even",
-    "bending": "even",
-    "tangential": "odd",
-    "torsion": "odd",
-    "centrifugal": "even",
-}
-"""Of the loads in the mirror x -> -x."""
-_TAKEN: dict[Span, tuple[FieldKind, ...]] = {
-    "symmetric": ("moment", "bending", "tangential", "centrifugal"),
-    "whole": ("bending", "tangential", "torsion", "centrifugal"),
-}
-"""The loads that one condensation holds; no moment is asked of a whole throw."""
+_KINDS: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
+_ODD = ("tangential", "torsion")
+"""Loads that the mirror x -> -x turns around."""
+_LEFT_OUT: dict[Span, FieldKind] = {"symmetric": "torsion", "whole": "moment"}
+"""The load that a condensation does not hold."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +54,7 @@ class UnitField:
             bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
             at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
             "centrifugal" 1 rad2/s2 about the crank axis.
-        sign_x: +1 if the load is its own mirror image in x, -1 if its opposite.
-        sign_z: the same for the mirror at the mid-pin plane; a whole throw is not mirrored there.
+        sign_x, sign_z: +1 if the load is its own mirror image in x or the mid-pin plane, -1 if its opposite.
     """
 
     kind: FieldKind
@@ -57,14 +66,9 @@ class UnitField:
 def unit_fields(
     model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind], *, whole: bool = False
 ) -> tuple[UnitField, ...]:
-    """Displacement fields of the load kinds that are asked for; the others cost no solve.
+    """Return the displacement fields of the load kinds that are asked for; the others cost no solve.
 
-    Args:
-        mirrored: the model is the half x >= 0.
-        whole: the model is the whole throw, of which no moment is asked.
-
-    Returns:
-        The fields in the order moment, bending, tangential, torsion, centrifugal.
+    In the order moment, bending, tangential, torsion, centrifugal; of a whole throw no moment is asked.
 
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
@@ -77,8 +81,7 @@ def unit_fields(
             lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
         )
         fields = {**symmetric, **twist}
-    order: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
-    return tuple(fields[kind] for kind in order if kind in fields)
+    return tuple(fields[kind] for kind in _KINDS if kind in fields)
 
 
 def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
@@ -86,7 +89,7 @@ def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind,
 
 
 def twisted(block: Superelement, scene: Scene) -> UnitField:
-    """Field of a unit torque from the antisymmetric condensation, or that of a whole throw."""
+    """Return the field of a unit torque from the antisymmetric condensation, or that of a whole throw."""
     spring, ends = support_spring(scene, scene.supports.torsion), torque_ends(block)
     near = ends if block.copies == 2 else -ends
     motion = torsion_motion(block, scene.supports.torsion, spring, near)
@@ -96,11 +99,11 @@ def twisted(block: Superelement, scene: Scene) -> UnitField:
 def _by_side(
     model: Elasticity, scene: Scene, mirrored: bool, span: Span, kinds: Collection[FieldKind]
 ) -> dict[FieldKind, UnitField]:
-    """Fields of the loads that a span takes: one condensation per lateral parity has all of them."""
     laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
     found: dict[FieldKind, UnitField] = {}
     for lateral in laterals:
-        wanted = [kind for kind in _TAKEN[span] if kind in kinds and lateral in ("none", _PARITY[kind])]
+        parity = {"none": _KINDS, "odd": _ODD, "even": set(_KINDS) - set(_ODD)}[lateral]
+        wanted = [kind for kind in _KINDS if kind in kinds and kind in parity and kind != _LEFT_OUT[span]]
         if wanted:
             found |= _loaded(model, scene, span, lateral, wanted)
     return found
@@ -120,10 +123,9 @@ def _loaded(
 
 
 def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> dict[FieldKind, UnitField]:
-    """Fields of some loads from a symmetric condensation, or that of a whole throw.
+    """Return fields of some loads from a symmetric condensation, or that of a whole throw.
 
-    Args:
-        kinds: those of `tangential` and `centrifugal` are the block's further loads, in this order.
+    Those of `tangential` and `centrifugal` are the block's further loads, in this order.
     """
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
     turn = np.array([1.0 if m == RX else 0.0 for m in block.motions])
@@ -159,5 +161,76 @@ def _units(block: Superelement) -> Array:
 
 
 def support_spring(scene: Scene, support: Literal["free", "held", "pinned", "clamped", "spring"]) -> float:
-    """Stiffness of the bearing spring of a support, N/mm; 0 for others."""
+    """Return the stiffness of the bearing spring of a support, N/mm; 0 for others."""
     return required_bearing_spring_N_per_mm(scene) if support == "spring" else 0.0
+
+
+_NEIGHBOURS = 4
+_HAIR_MM = 1e-6
+UNIT_LOADS: dict[FieldKind, Callable[[LoadCase], float]] = {
+    "bending": lambda case: case.radial_N,
+    "tangential": lambda case: case.tangential_N,
+    "torsion": lambda case: case.torque_Nm * NMM_PER_NM,
+    "centrifugal": lambda case: angular_speed_rad_s(case.speed_rpm) ** 2,
+}
+"""How many unit loads of each field a load case holds."""
+
+
+@dataclass(frozen=True)
+class CaseStress:
+    """Von Mises stress of load cases at the nodes of a half throw.
+
+    Attributes:
+        von_mises_MPa: shape (cases, n).
+        mirrored: the nodes are those of the half x >= 0.
+    """
+
+    cases: tuple[LoadCase, ...]
+    points_mm: Array
+    von_mises_MPa: Array
+    mirrored: bool
+    element_size_mm: float
+
+    def at(self, points_mm: Array) -> Array:
+        """Return the stress at points of the surface, MPa, shape (cases, points).
+
+        Mean of the nearest four nodes by the inverse of their distance: a node gives its own value.
+        """
+        from scipy.spatial import cKDTree
+
+        where = np.array(points_mm, dtype=np.float64)
+        if self.mirrored:
+            where[:, 0] = np.abs(where[:, 0])
+        distance, near = cKDTree(self.points_mm).query(where, k=_NEIGHBOURS)
+        weight = 1 / np.maximum(distance, _HAIR_MM)
+        weight /= weight.sum(axis=1, keepdims=True)
+        return np.einsum("cpk,pk->cp", self.von_mises_MPa[:, near], weight)
+
+
+def case_stress(
+    target: Target,
+    cases: Sequence[LoadCase],
+    element_size_mm: float | None = None,
+    progress: Info = lambda _: None,
+) -> CaseStress:
+    """Return the von Mises stress of a target under load cases, one condensation per symmetry that they need.
+
+    At sharp re-entrant edges it has no limit, and in fillets it needs the finer mesh of
+    `stress_model.solve_stresses`: the largest value depends on the mesh, all but the neighbourhood of such
+    edges does not.
+
+    Raises:
+        CranktopoError: impossible geometry or a failed solve.
+    """
+    require_equal_halves(target.scene)
+    size = element_size_mm or default_element_size_mm(target.scene)
+    progress(f"{target.name}: stresses, element size {size:.3g} mm")
+    meshed = mesh_target(target, size)
+    youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
+    model = assemble(meshed.mesh, youngs, poisson)
+    wanted = [kind for kind, factor in UNIT_LOADS.items() if any(factor(case) for case in cases)]
+    fields = unit_fields(model, target.scene, meshed.mesh.mirrored, wanted)
+    share = np.array([[UNIT_LOADS[kind](case) for kind in (f.kind for f in fields)] for case in cases])
+    found = nodal_stress(model, share @ np.stack([f.displacement_mm for f in fields]), youngs, poisson)
+    stress = von_mises(found.nodal_MPa)
+    return CaseStress(tuple(cases), model.nodes_mm.T, stress, meshed.mesh.mirrored, size)

@@ -91,7 +91,7 @@ def command(
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
     from cranktopo.tasks.iterate.result import loop_settings
     from cranktopo.tasks.iterate.text import LOOP_FILES, loop_summary
-    from cranktopo.tasks.refit.usual_size import usual_limits
+    from cranktopo.tasks.refit.fit import usual_limits
 
     if resume:
         done = continue_loop(resume, info)

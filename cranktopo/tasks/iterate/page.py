@@ -31,8 +31,8 @@ from cranktopo.tasks.fea.quantities import (
     TORSION,
     TORSION_PER_MASS,
     Quantity,
+    comparison_sentence,
 )
-from cranktopo.tasks.fea.verdict_sentence import comparison_sentence
 from cranktopo.tasks.iterate.result import LoopResult, StepRow
 from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
 

@@ -10,8 +10,14 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
-from cranktopo.tasks.fea.quantities import BENDING, BENDING_PER_MASS, MASS, TORSION, TORSION_PER_MASS
-from cranktopo.tasks.fea.table import estimate_line
+from cranktopo.tasks.fea.quantities import (
+    BENDING,
+    BENDING_PER_MASS,
+    MASS,
+    TORSION,
+    TORSION_PER_MASS,
+    estimate_line,
+)
 from cranktopo.tasks.iterate.result import LoopResult, ShapeOutcome, StepRow
 
 LOOP_FILES = {"csv": "steps.csv", "plot": "steps.png", "json": "iterate.json", "report": "report.html"}

@@ -13,15 +13,19 @@ from cranktopo.report.page import Page, Section, assumed_tables, origin_rows, pa
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, stress_scales
-from cranktopo.tasks.accuracy.plot import TimedError, error_picture, study_pictures
-from cranktopo.tasks.accuracy.text import level_tables, recommendation_table
+from cranktopo.tasks.accuracy.page import (
+    TimedError,
+    error_picture,
+    level_tables,
+    recommendation_table,
+    study_pictures,
+)
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.result import RunSurface
-from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.quantities import MASS, PER_MASS, STIFFNESS, Quantity
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
-from cranktopo.tasks.fea.stress_section import stress_section
-from cranktopo.tasks.fea.study_result import StudyResult
+from cranktopo.tasks.fea.section import clearance_sections, stress_section
+from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.optimise.picture import PANELS, views_figure
 from cranktopo.tasks.optimise.result import CaseMetrics, OriginalWeb, RunMetrics

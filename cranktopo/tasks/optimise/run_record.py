@@ -33,10 +33,10 @@ from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
-from cranktopo.tasks.fea.case_stress import CaseStress, case_stress
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.fea.study_result import StudyResult
+from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
 from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
 from cranktopo.tasks.refit.result import RefitResult
 

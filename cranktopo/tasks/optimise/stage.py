@@ -32,7 +32,7 @@ from cranktopo.numerics.precision import CompileClock, check_device, double_prec
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import require_kind, working_in
-from cranktopo.tasks.accuracy.cell_choice import choose_cells
+from cranktopo.tasks.accuracy.optimiser_levels import choose_cells
 from cranktopo.tasks.density.assess import check_limits
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.loop import with_limit
@@ -41,8 +41,7 @@ from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_op
 from cranktopo.tasks.density.stage import Prepared, describe, first_state, iterate, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
 from cranktopo.tasks.fea.evaluation import Info
-from cranktopo.tasks.fea.level import OPTIMISER
-from cranktopo.tasks.fea.stored_studies import load_study
+from cranktopo.tasks.fea.studies import OPTIMISER, load_study
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
 from cranktopo.tasks.optimise.result import OptimisedRun

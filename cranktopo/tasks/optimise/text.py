@@ -26,9 +26,10 @@ from cranktopo.tasks.extraction.text import (
     manufacturing_obstacles,
     released_text,
 )
-from cranktopo.tasks.fea.quantities import MASS, TORSION
-from cranktopo.tasks.fea.verdict_sentence import (
+from cranktopo.tasks.fea.quantities import (
+    MASS,
     NOTICEABLE_PERCENT,
+    TORSION,
     comparison_sentence,
     percent_change,
     worse_line,

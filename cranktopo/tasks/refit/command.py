@@ -23,13 +23,7 @@ from cranktopo.cli.verbosity import info, verbosity_options
 @click.option("--no-judge", "no_evaluation", is_flag=True, hidden=True)
 @click.option("--json", "as_json", is_flag=True, help="Print remodel.json.")
 @verbosity_options
-def command(
-    run: str,
-    out: Path | None,
-    no_evaluation: bool,
-    as_json: bool,
-    **limits: Any,
-) -> None:
+def command(run: str, out: Path | None, no_evaluation: bool, as_json: bool, **limits: Any) -> None:
     """Fit a web that a die or a mill can make to the extracted body of RUN.
 
     Spline outline, end bevels, side pocket and pockets, each kept only for the overlap it gains. Writes a
@@ -38,8 +32,8 @@ def command(
 
     Example: cranktopo remodel 20250101-120000_mikron-iiic_0123abcd --min-wall-mm 4
     """
+    from cranktopo.tasks.refit.page import refit_text
     from cranktopo.tasks.refit.stage import remodel_run
-    from cranktopo.tasks.refit.text import refit_text
 
     data = remodel_run(run, out, limits, not no_evaluation, info)
     click.echo(json.dumps(data.as_json()) if as_json else refit_text(data))

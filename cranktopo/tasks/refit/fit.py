@@ -1,8 +1,12 @@
-"""The parametric web fitted to an extracted body, and the scene that has it."""
+"""The parametric web fitted to an extracted body, and the scene that has it.
+
+Cells, spreads and least sizes of the fit are millimetres that suit journals of 42 to 84 mm. A fit is a matter
+of shape alone, so any other throw is brought to that size first, and the web is scaled back.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,17 +19,16 @@ from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import bounds, web_of
-from cranktopo.tasks.refit.residual_regions import ResidualRegion, residual_regions
-from cranktopo.tasks.refit.search import FitProblem
-from cranktopo.tasks.refit.select import Candidate, FitTrial, fit_from, model_fill, select
-from cranktopo.tasks.refit.usual_size import (
-    scaled_lengths,
-    scaled_limits,
-    scaled_region,
-    scaled_throw,
-    usual_limits,
+from cranktopo.tasks.refit.search import FitProblem, VoxelFill, voxel_fill
+from cranktopo.tasks.refit.select import (
+    Candidate,
+    FitTrial,
+    ResidualRegion,
+    fit_from,
+    model_fill,
+    residual_regions,
+    select,
 )
-from cranktopo.tasks.refit.voxel_fill import VoxelFill, voxel_fill
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
@@ -33,11 +36,51 @@ if TYPE_CHECKING:
 
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
+
+_DIGITS = 6
+
+
+def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimits:
+    """Return manufacturing limits of a throw: those given, and the usual ones in proportion to it."""
+    usual = _scaled_limits(ManufacturingLimits(), 1 / usual_scale(scene))
+    kept: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+    return replace(usual, **kept)
+
+
+def _scaled_limits(limits: ManufacturingLimits, factor: float) -> ManufacturingLimits:
+    """Return the limits with their lengths multiplied."""
+    return ManufacturingLimits(**scaled_lengths(vars(limits), factor))
+
+
+def scaled_throw(scene: Scene, factor: float) -> Scene:
+    """Return the throw, web and material of a scene, all lengths multiplied; the rest is left out."""
+    data = scene.model_dump(mode="json", include={"name", "throw", "web", "material"}, exclude_none=True)
+    return scene_from_dict(scaled_lengths(data, factor), f"{scene.name}, scaled")
+
+
+def scaled_region(region: ResidualRegion, factor: float) -> ResidualRegion:
+    """Return a region with its place and volume multiplied accordingly."""
+    lengths = scaled_lengths(vars(region), factor)
+    return ResidualRegion(**{**lengths, "volume_mm3": region.volume_mm3 * factor**3})
+
+
+def scaled_lengths(data: Any, factor: float, key: str = "") -> Any:
+    """Return plain data with every value under a key that ends with `_mm` multiplied, kept to six digits."""
+    if isinstance(data, dict):
+        return {name: scaled_lengths(value, factor, name) for name, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return type(data)(scaled_lengths(value, factor, key) for value in data)
+    if factor != 1 and isinstance(data, float) and key.endswith("_mm"):
+        return float(f"{data * factor:.{_DIGITS}g}")
+    return data
+
+
 _SEARCH_CELL_MM, _SCALED_DOWN_CELL_MM = 2.0, 4.0
 """Cells of the search for features and stations; of throws of usual size, and of those scaled down, which
 have the largest usual journals and so get as many cells across as the smallest."""
 _SPREAD = 1.0
 """Standard deviation of the further initial guesses about the first, mm or degrees."""
+_SUFFIX = "-remodel"
 _ANGLE = "draft"
 """Ending of the parameters that are degrees."""
 
@@ -47,12 +90,8 @@ class FittedWeb:
     """A web of the family, and how it was reached.
 
     Attributes:
-        scene: the design with the fitted web; everything but web and name is as it was.
-        names: names of the parameters.
-        values: their fitted values before rounding, mm or degrees.
-        trials: which stations and features were tried, and what each gained.
+        values: of the parameters before rounding, mm or degrees.
         overlaps: overlap of the fills from each initial guess of the final fit, the best first.
-        residual_regions: where the family cannot follow the body.
     """
 
     scene: Scene
@@ -68,8 +107,6 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
 
     Args:
         surface: closed surface of the half throw (`WebSurface.half_throw`), mm.
-        scene: the design it was extracted for: journals, thickness and fillets stay.
-        limits: by default the usual ones of a throw of that size.
 
     Raises:
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
@@ -79,7 +116,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
     scale, limits = usual_scale(scene), limits or usual_limits(scene)
     throw = scene if scale == 1 else scaled_throw(scene, scale)
     usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)
-    body, within = solid_of(usual, "surface to be re-modelled"), scaled_limits(limits, scale)
+    body, within = solid_of(usual, "surface to be re-modelled"), _scaled_limits(limits, scale)
     coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
     chosen, trials = select(fit_problem(body, throw, within, coarse_mm))
     fine = fit_problem(body, throw, within, within.cell_mm)
@@ -100,19 +137,12 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
 def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     """Return the scene with another web, checked as if it were read from a file.
 
-    Args:
-        scene: the throw; what was published about it is left out.
-        web: the `[web]` table as plain data.
-
     Raises:
         CranktopoError: the web does not fit the throw.
     """
     data = scene.model_dump(mode="json", exclude={"web", "published"}, exclude_none=True)
     name = f"{scene.name.removesuffix(_SUFFIX)}{_SUFFIX}"
     return scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
-
-
-_SUFFIX = "-remodel"
 
 
 def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float) -> FitProblem:

@@ -1,22 +1,30 @@
-"""Fill of cells by a web of the family, with its gradient: signed distances through a smooth step.
-
-The step's width shrinks during the fit. It is odd about the surface, so that a flat surface is fitted
-without bias at any width.
-"""
+"""A web of the family on cells: fill, signed distance and derivatives; the counterweight's fillet."""
 
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import own_values
+from cranktopo.numerics.derivatives import central_difference
+from cranktopo.tasks.refit.family import Layout, flank_of, own_values, scene_at
+from cranktopo.throw.counterweight.sector import Sector
+from cranktopo.throw.counterweight.tangent_circle import (
+    OutlineSection,
+    TangentCircle,
+    flank_directions,
+    tangent_circle,
+)
 from cranktopo.throw.feature import Body
-from cranktopo.throw.fitted import Axes, FittedFeature
+from cranktopo.throw.fitted import CLEAR_MM, Axes, FittedFeature, Rule
+from cranktopo.throw.profile import flank_half_width_mm
 from cranktopo.throw.web import kept_bodies
 
 _TINY = 1e-12
@@ -42,7 +50,7 @@ class Fill:
             added: signed distances from what is added to the outline, (nx, ny, nz), by number of the field.
         """
         inside = np.empty(tuple(axis.size for axis in self.axes))
-        inside[:] = _outline_distance(points, *self.axes[:2])[:, :, None]
+        inside[:] = _nearest(points, *self.axes[:2])[0][:, :, None]
         which = np.zeros(inside.shape, dtype=np.int8)
         for number, field in added.items():
             which[field > inside] = number
@@ -57,13 +65,7 @@ class Fill:
     def vjp(
         self, points: Array, values: Array, which: NDArray[np.int8], weight: Array
     ) -> tuple[Array, Array]:
-        """Return derivative of sum(weight * inside_mm) by the points, (n, 2), and by the values of the parts.
-
-        Args:
-            points: (n, 2) points of the outline's right half, from end to end, mm.
-            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
-            weight: (nx, ny, nz) weight of each cell's distance.
-        """
+        """Return derivative of sum(weight * inside_mm) by the points, (n, 2), and the values of the parts."""
         chosen = np.where(which == 0, weight, 0.0).sum(axis=2)
         by_points = _outline_vjp(points, *self.axes[:2], chosen)
         by_values = []
@@ -76,16 +78,16 @@ class Fill:
 
 
 def added_mm(scene: Scene, axes: Axes) -> Array | None:
-    """Signed distance of cells from what no fit takes away, (nx, ny, nz), mm."""
+    """Return the signed distance of cells from what no fit takes away, (nx, ny, nz), mm."""
     x, y, z = axes
     found = [
-        np.minimum(body.inside_mm(x[:, None], y[None, :])[:, :, None], between_mm(scene, body, z))
+        np.minimum(body.inside_mm(x[:, None], y[None, :])[:, :, None], _between_mm(scene, body, z))
         for body in kept_bodies(scene)
     ]
     return functools.reduce(np.maximum, found) if found else None
 
 
-def between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
+def _between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
     """Distance of heights from the nearer face of a body, positive between both."""
     (start, end), (low, high) = scene.web_z_mm, body.z_mm
     # The web's own faces bound the cells already.
@@ -94,10 +96,9 @@ def between_mm(scene: Scene, body: Body, z_mm: Array) -> Array:
 
 
 def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
-    """Return the fill from signed distance, and its derivative by the distance, 1/mm.
+    """Return the fill from signed distance, positive inside, and its derivative, 1/mm.
 
     Args:
-        inside_mm: signed distance, positive inside.
         width_mm: half-width of the step.
     """
     u = np.clip(inside_mm / width_mm, -1.0, 1.0)
@@ -106,16 +107,6 @@ def smooth_step(inside_mm: Array, width_mm: float) -> tuple[Array, Array]:
 
 def _ends(points: Array) -> Array:
     return points[[0, -1], 1]
-
-
-def _outline_distance(points: Array, x_mm: Array, y_mm: Array) -> Array:
-    """Return the signed distance from the outline, (nx, ny), mm; positive inside.
-
-    Args:
-        points: (n, 2) points of the outline's right half, from end to end, mm.
-        x_mm, y_mm: (nx,) and (ny,) coordinates of the cells.
-    """
-    return _nearest(points, x_mm, y_mm)[0]
 
 
 def _outline_vjp(points: Array, x_mm: Array, y_mm: Array, weight: Array) -> Array:
@@ -146,3 +137,105 @@ def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np
     distance, share = np.sqrt(at(square)), at(along)
     away = np.stack([at(px) - share * step[chord, 0], at(py) - share * step[chord, 1]], axis=-1)
     return sign * distance, chord, share, sign[..., None] * away / np.maximum(distance, _TINY)[..., None]
+
+
+_STEP = 1e-6
+"""Step of central differences of the half-width by its stations, mm."""
+_DEPTH = 4.0
+"""How far behind its arc the fillet's distance counts, over the radius; web and sector go on."""
+FITS = "the flank of the counterweight holds its fillet"
+
+
+@dataclass(frozen=True)
+class MovedFillet:
+    """The fillet at some values of the parameters, in the scene with their dimensions."""
+
+    scene: Scene
+    layout: Layout
+    values: Array
+
+    @cached_property
+    def circle(self) -> TangentCircle:
+        """Its circle, on a flank without end."""
+        ends = float(self.values[0]), float(self.values[1])
+        outline = OutlineSection(lambda y: self._half_width_mm(self.values, y), ends)
+        return tangent_circle(outline, self.sector.half_angle, self._radius_mm)
+
+    @cached_property
+    def sector(self) -> Sector:
+        """The counterweight without it."""
+        assert self.scene.web.counterweight is not None
+        return self.scene.web.counterweight.sector(self.scene)
+
+    @cached_property
+    def gradients(self) -> Array:
+        """Derivatives of its centre by the parameters, (2, parameters), mm per mm or degree.
+
+        It stays its radius away from the flank, which turns, and from the outline, which moves at the place
+        that it touches by its half-width there.
+        """
+        circle = self.circle
+        _, across = flank_directions(self.sector.half_angle)
+        normal = (np.array(circle.centre) - circle.on_outline) / circle.radius_mm
+        moved = np.zeros((2, len(self.values)))
+        if "counterweight_angle" in self.layout.dimensions:
+            turned = self.layout.names.index("counterweight_angle")
+            moved[0, turned] = circle.reach_mm * math.radians(1.0)
+        at = np.array([circle.on_outline[1]])
+        stations = range(self.layout.stations)
+        by_values = central_difference(lambda v: self._half_width_mm(v, at)[0], self.values, _STEP, stations)
+        moved[1] += normal[0] * by_values
+        return np.asarray(np.linalg.solve(np.stack([across, normal]), moved))
+
+    @property
+    def rule(self) -> Rule:
+        """It ends before the flank does."""
+        return FITS, np.asarray(self.circle.reach_mm + CLEAR_MM - self.sector.radius_mm)
+
+    @property
+    def rule_gradients(self) -> Array:
+        """Derivatives of the rule's value by the parameters, (parameters,)."""
+        # The centre's place along the flank; as the flank turns about the crank axis, that across it counts.
+        along, _ = flank_directions(self.sector.half_angle)
+        result = along @ self.gradients
+        for name, change in (
+            ("counterweight_angle", self._radius_mm * math.radians(1.0)),
+            ("counterweight_radius", -1.0),
+        ):
+            if name in self.layout.dimensions:
+                result[self.layout.names.index(name)] += change
+        return result
+
+    def inside_mm(self, axes: Axes) -> Array:
+        """Return signed distance of cells where the arc bounds the web, (nx, ny, nz), mm; -inf elsewhere."""
+        x, y = axes[0][:, None], axes[1][None, :]
+        off = self.circle.off_mm(x, y)
+        flat = np.minimum(np.minimum(off, _DEPTH * self._radius_mm - off), self.sector.below_rim_mm(x, y))
+        flat = np.where(self.circle.behind(x, y), flat, -np.inf)[:, :, None]
+        return np.minimum(flat, _between_mm(self.scene, self.sector, axes[2]))
+
+    def vjp(self, axes: Axes, weight: Array) -> Array:
+        """Return derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""
+        x, y = axes[0][:, None], axes[1][None, :]
+        off = self.circle.off_mm(x, y)[:, :, None]
+        chosen = np.where(self.inside_mm(axes) == off, weight, 0.0).sum(axis=2)
+        out = self.circle.outward(x, y)
+        return np.asarray(-np.array([(chosen * part).sum() for part in out]) @ self.gradients)
+
+    @property
+    def _radius_mm(self) -> float:
+        weight = self.scene.web.counterweight
+        assert weight is not None
+        assert weight.fillet_mm is not None
+        return weight.fillet_mm
+
+    def _half_width_mm(self, values: Array, y_mm: Array) -> Array:
+        return flank_half_width_mm(flank_of(self.layout, values), y_mm)
+
+
+def moved_fillet(scene: Scene, layout: Layout, values: Array) -> MovedFillet | None:
+    """Return the fillet of a scene's counterweight at some values; None without one."""
+    weight = scene.web.counterweight
+    if weight is None or weight.fillet_mm is None:
+        return None
+    return MovedFillet(scene_at(scene, layout, values), layout, values)

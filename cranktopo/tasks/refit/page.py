@@ -1,14 +1,133 @@
-"""The re-model of a run as content: how close the parametric web is to the optimised body."""
+"""The re-model of a run as text and page: what was tried, shape error, stiffness, what is not represented."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from cranktopo.report.page import Fact, Page, Section, pairs, versions_section
-from cranktopo.report.result_table import ResultTable
+from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
-from cranktopo.tasks.refit.result import RefitResult
-from cranktopo.tasks.refit.text import fit_lines, fit_trials_table, rest_table, shape_rows, stiffness_rows
+from cranktopo.tasks.fea.quantities import estimate_line
+from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
+from cranktopo.tasks.refit.select import FitTrial
+
+_FILES = ("report", "design", "step", "stl", "drawing", "drawing_svg", "json")
+_TRIALS: tuple[Column[FitTrial], ...] = (
+    Column("tried", 0, lambda trial: trial.step),
+    Column("parameters", 0, lambda trial: float(trial.parameters)),
+    Column("overlap_percent", 2, lambda trial: trial.iou_percent),
+    Column("gain_percent", 2, lambda trial: trial.gain_percent),
+    Column("kept", 0, lambda trial: "yes" if trial.kept else "no"),
+)
+_REST: tuple[Column[UnrepresentedRegion], ...] = (
+    Column("what", 0, lambda item: _kind(item)),
+    Column("volume_mm3", 0, lambda item: item.volume_mm3),
+    Column("of_the_web_percent", 1, lambda item: item.share_percent),
+    Column("centre_mm", 0, lambda item: _centre(item)),
+    Column("extent_mm", 0, lambda item: _extent(item)),
+)
+
+
+def refit_text(data: RefitResult) -> str:
+    """Return the content of remodel.json for a terminal."""
+    rows = [*_shape_rows(data), *_stiffness_rows(data.stiffness)]
+    lines = [
+        terminal(tabulate(_TRIALS, data.trials)),
+        *_fit_lines(data),
+        "",
+        *(f"{name:19} {text}" for name, text in rows),
+        *_estimate(data.stiffness),
+        *_rest(data),
+    ]
+    files = (f"{data.folder}/{data.files[kind]}" for kind in _FILES)
+    return "\n".join([*lines, "", *files])
+
+
+def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
+    """Return the distance of the web from the body: overlap, distance, mass."""
+    iou, distance, mass = data.iou, data.distance_mm, data.web_mass_kg
+    place = ", ".join(f"{value:.1f}" for value in distance.max_at)
+    half, web = 100 * iou.half_throw, 100 * iou.web
+    return [
+        ("overlap (IoU)", f"half throw {half:.1f} %, web alone {web:.1f} %"),
+        ("surface distance", f"mean {distance.mean:.2f} mm, largest {distance.max:.2f} mm at ({place}) mm"),
+        (
+            "mass of the web",
+            f"{mass.fitted:.3f} kg, body {mass.body:.3f} kg ({mass.difference_percent:+.1f} %)",
+        ),
+    ]
+
+
+def _stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
+    """Return the stiffnesses of the web without fillets beside those of the body, and with fillets."""
+    if stiffness is None:
+        return []
+    evaluated = (stiffness.fitted_without_fillets, stiffness.body, stiffness.fitted)
+    torsion, bending = [e.torsion_Nm_per_rad for e in evaluated], [e.bending_N_per_mm for e in evaluated]
+    rows = []
+    for kind, unit, values in (("torsion", "kN m/rad", torsion), ("bending", "kN/mm", bending)):
+        bare, body, whole = (value / 1000 for value in values)
+        difference = stiffness.difference_percent[kind]
+        text = f"{bare:.1f} without fillets, body {body:.1f} ({difference:+.1f} %); with fillets {whole:.1f}"
+        rows.append((f"{kind}, {unit}", text))
+    return rows
+
+
+def _estimate(stiffness: RefitStiffness | None) -> list[str]:
+    if stiffness is None:
+        return []
+    evaluated = (stiffness.body, stiffness.fitted_without_fillets, stiffness.fitted)
+    found = [entry.error_estimate_percent for entry in evaluated]
+    return [estimate_line(*([errors[kind] for errors in found] for kind in ("torsion", "bending")))]
+
+
+def _rest(data: RefitResult) -> list[str]:
+    if not data.not_represented:
+        return ["the parametric web represents the whole body to within two cells of its surface"]
+    lines = [
+        "not represented by the parametric web (mm; x across, y along the throw from the crank axis, "
+        "z along the crank from the middle of the journal):"
+    ]
+    for item in data.not_represented:
+        size = f"{item.volume_mm3:.0f} mm3 = {item.share_percent:.1f} % of the web"
+        lines.append(f"  {_kind(item)} of {size} around {_centre(item)}: {_extent(item)}")
+    return lines
+
+
+def _centre(item: UnrepresentedRegion) -> str:
+    x, y, z = item.centre_mm
+    return f"(±{x:.1f}, {y:.1f}, {z:.1f})" if item.pair else f"(0, {y:.1f}, {z:.1f})"
+
+
+def _extent(item: UnrepresentedRegion) -> str:
+    return ", ".join(
+        f"{axis} {low:.0f} to {high:.0f}"
+        for axis, low, high in zip(("|x|", "y", "z"), item.low_mm, item.high_mm, strict=True)
+    )
+
+
+def _kind(item: UnrepresentedRegion) -> str:
+    if item.kind == "recess":
+        return f"recess in the {item.face} face" if item.face else "recess in the side"
+    return {"window": "window", "hollow": "hollow", "material": "missing material"}[item.kind]
+
+
+def _fit_lines(data: RefitResult) -> list[str]:
+    """Say why so many stations, and what the final fit reached from each initial guess."""
+    tried = [trial for trial in data.trials if trial.step.endswith("stations")]
+    kept = [trial.step for trial in tried if trial.kept]
+    least = data.rules.least_gain_percent
+    lines = [
+        f"{step}: the fewest within {least:g} points of the most that any number tried reaches "
+        f"({max(trial.iou_percent for trial in tried):.2f} %)"
+        for step in kept
+    ]
+    starts = ", ".join(f"{100 * overlap:.2f}" for overlap in data.overlap_by_start)
+    return [
+        *lines,
+        f"final fit on finer cells, from {len(data.overlap_by_start)} initial guesses: {starts} %",
+    ]
+
 
 _KINDS = {"torsion": "Torsional stiffness", "bending": "Bending stiffness"}
 
@@ -16,12 +135,7 @@ _KINDS = {"torsion": "Torsional stiffness", "bending": "Bending stiffness"}
 def refit_page(
     data: RefitResult, bodies: tuple[ShownBody, ...], versions: Mapping[str, str | None], written: str
 ) -> Page:
-    """Return the report of a re-model.
-
-    Args:
-        bodies: the fitted half throw, and the body that it was fitted to.
-        written: a date.
-    """
+    """Return the report of a re-model: the fitted half throw, and the body that it was fitted to."""
     return Page(
         title=f"Re-modelled web {data.design}",
         subtitle=f"Fitted to the body of run {data.run}, {written}",
@@ -36,14 +150,14 @@ def refit_page(
 def refit_section(data: RefitResult) -> Section:
     """Return the shape error, stiffnesses, what was tried and what is left over."""
     tables: list[tuple[str, ResultTable]] = [
-        ("Web against body", pairs([*shape_rows(data), *stiffness_rows(data.stiffness)])),
-        ("Features tried, each kept only for what it gains", fit_trials_table(data)),
+        ("Web against body", pairs([*_shape_rows(data), *_stiffness_rows(data.stiffness)])),
+        ("Features tried, each kept only for what it gains", tabulate(_TRIALS, data.trials)),
     ]
     if data.not_represented:
-        tables.append(("Not represented by the parametric web", rest_table(data)))
+        tables.append(("Not represented by the parametric web", tabulate(_REST, data.not_represented)))
     text = (
         "The body has no fillets, so the web is compared without its own. "
-        + " ".join(f"{line[0].upper()}{line[1:]}." for line in fit_lines(data))
+        + " ".join(f"{line[0].upper()}{line[1:]}." for line in _fit_lines(data))
         + " Places: x across, y along the throw from the crank axis, z along the crank from the middle of "
         "the main journal."
     )

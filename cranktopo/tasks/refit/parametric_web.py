@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,105 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.derivatives import central_difference, complex_step
-from cranktopo.tasks.refit.constraints import outline_rules, part_rules
-from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
-from cranktopo.tasks.refit.dimensions import all_bounds, scene_at, size_rules
-from cranktopo.tasks.refit.family import Layout, flank_of
-from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, added_mm
-from cranktopo.throw.fitted import Axes, Rule
+from cranktopo.tasks.refit.family import Layout, all_bounds, flank_of, named_parts, scene_at, size_rules
+from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, MovedFillet, added_mm, moved_fillet
+from cranktopo.throw.drilling.table import drilling_rules
+from cranktopo.throw.feature import least_shoulder_mm
+from cranktopo.throw.fitted import (
+    CLEAR_MM,
+    JOURNALS,
+    Axes,
+    FittedFeature,
+    Rule,
+    Surroundings,
+    shoulder_rule,
+    wall_rule,
+)
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.profile import Flank
+
+_CHECKS, _POINTS = 8, 16
+_LEAST_RISE = 0.01
+"""Least rise in y per mm along the outline, which keeps its half-width single-valued."""
+_BEND_MARGIN = 0.99
+_RADIUS, _RISE = "least radius of the outline", "the outline does not fold back"
+NO_LENGTHS = _RADIUS, _RISE
+"""How the names of rules begin whose excess is no length."""
+
+
+def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:
+    """Return rules of the outline alone, each an array: curvature times the least radius less 1, rise, reach.
+
+    Analytic in the flank, so that a complex step differentiates them.
+    """
+    u = (np.arange(_CHECKS) + 0.5) / _CHECKS
+    points = flank.at((np.arange(_POINTS) + 0.5) / _POINTS).reshape(-1, 2)
+    bend = flank.curvature_per_mm(np.linspace(0, 1, _CHECKS)).ravel() * limits.min_radius_mm
+    (main, main_reach), (pin, pin_reach) = reaches = reaches_mm(scene, limits)
+    low, high = flank.points_mm[0, 1], flank.points_mm[-1, 1]
+    radius = f"{_RADIUS}, {limits.min_radius_mm:.3g} mm"
+    beside = _reach_names(scene, limits)
+    found: list[Rule] = [(radius, bend - _BEND_MARGIN), (radius, -bend - _BEND_MARGIN)]
+    found.append((_RISE, _LEAST_RISE - _rises(flank, u)))
+    for name, (y, reach) in zip(beside, reaches, strict=True):
+        found.append((name, reach - np.sqrt(points[:, 0] ** 2 + (points[:, 1] - y) ** 2)))
+    ends = np.stack([main_reach - main + low]), np.stack([pin_reach + pin - high])
+    return [*found, *zip(beside, ends, strict=True)]
+
+
+def _reach_names(scene: Scene, limits: ManufacturingLimits) -> list[str]:
+    least = least_shoulder_mm(scene.throw)
+    return [
+        wall_rule(f"between the outline and the bore of the {name}", limits.min_wall_mm)
+        if journal.bore_radius_mm + limits.min_wall_mm > journal.radius_mm + journal.fillet_mm + least
+        else shoulder_rule(name)
+        for name, (journal, _) in zip(JOURNALS, scene.throw.journals, strict=True)
+    ]
+
+
+def _rises(flank: Flank, u: Array) -> Any:
+    """Return rise in y per mm along the outline, which must not turn: at u of the inner pieces, at both ends.
+
+    At a round end the rise starts from 0 and is quadratic, so its first slope and its value at the piece's
+    other end bound it.
+    """
+    inner = flank.derivatives(u)[0][1:-1, :, 1].ravel()
+    first, second = flank.derivatives(np.array([0.0, 1.0]))
+    lengths = flank.lengths_mm
+    ends = [second[0, 0, 1] * lengths[0], first[0, 1, 1], -second[-1, 1, 1] * lengths[-1], first[-1, 0, 1]]
+    return np.concatenate([inner, np.stack(ends)])
+
+
+def part_rules(
+    parts: tuple[FittedFeature, ...], points: Array, values: Array, scene: Scene, limits: ManufacturingLimits
+) -> list[Rule]:
+    """Return the rules of the features, mm: walls, shoulders, access; points of the outline's right half."""
+    named = list(named_parts(parts, values))
+    arcs = (part.arc(own, points[[0, -1], 1]) for part, own in named)
+    around = Surroundings(scene, limits, points, tuple(arc for arc in arcs if arc is not None))
+    found = [rule for part, own in named for rule in part.rules(own, around)]
+    every = ((part.title, part.box_mm(own, around)) for part, own in named)
+    boxes = [(title, box) for title, box in every if box is not None]
+    found += drilling_rules(around, boxes)
+    for (one, low), (other, high) in combinations(boxes, 2):
+        between = wall_rule(f"between the {one} and the {other}", limits.min_wall_mm)
+        found.append((between, around.wall_mm - _apart(low, high)))
+    return found
+
+
+def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:
+    """Return the axes along the throw and the outline's minimum distance from each: bore wall, fillet."""
+    least = least_shoulder_mm(scene.throw)
+    return [
+        (y, max(j.bore_radius_mm + limits.min_wall_mm, j.radius_mm + j.fillet_mm + least) + CLEAR_MM)
+        for j, y in scene.throw.journals
+    ]
+
+
+def _apart(one: Array, other: Array) -> Any:
+    """Return the distance of two boxes along the axis that parts them most, mm; negative where they meet."""
+    return np.maximum(one[0] - other[1], other[0] - one[1]).max()
+
 
 _DIFFERENCE = 1e-6
 """Step of the derivatives of walls by dimensions of the throw, mm or degrees."""
@@ -57,7 +150,7 @@ class _Outline:
         return _Shape(points, constraints, point_gradients, np.hstack([constraint_gradients, by_sizes]))
 
     def _by_sizes(self, own: Array, values: Array) -> Array:
-        """Return derivatives of the constraints by the parameters after those of the outline."""
+        """Return the derivatives of the constraints by the parameters after those of the outline."""
         places = range(len(values) - len(self._layout.dimensions), len(values))
 
         def constraints(moved: Array) -> Array:
@@ -79,11 +172,7 @@ class _Outline:
 
 
 class ParametricWeb:
-    """A web of the family on a grid of cells, as functions of its parameters.
-
-    Attributes:
-        bounds: lower and upper bounds of their values, mm or degrees.
-    """
+    """A web of the family on a grid of cells, as functions of its parameters, with their bounds."""
 
     def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits, axes: Axes) -> None:
         self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
@@ -104,12 +193,7 @@ class ParametricWeb:
         return self._grid.inside_mm(self._outline.at(values).points, self._parts(values), self._added(values))
 
     def vjp(self, values: Array, which: NDArray[np.int8], weight: Array) -> Array:
-        """Return the derivative of sum(weight * inside_mm) by the parameters.
-
-        Args:
-            which: (nx, ny, nz) which field counts in each cell, from `inside_mm`.
-            weight: (nx, ny, nz) weight of each cell's distance.
-        """
+        """Return the derivative of sum(weight * inside_mm) by the parameters."""
         shape = self._outline.at(values)
         by_points, by_parts = self._grid.vjp(shape.points, self._parts(values), which, weight)
         by_sizes = self._by_sizes(values, np.where(which == ADDED, weight, 0.0))
@@ -120,7 +204,7 @@ class ParametricWeb:
         return result
 
     def _added(self, values: Array) -> dict[int, Array]:
-        """Return signed distances from the counterweight and its fillets, by number of the field."""
+        """Return the signed distances from the counterweight and its fillets, by number of the field."""
         sector = self._moved_added(values) if self._weight else self._own_added
         fillet = self.fillet(values)
         fields = {} if sector is None else {ADDED: sector}

@@ -38,11 +38,7 @@ class WebRead:
 
 
 def read_web(scene: Scene, sampled: Array) -> WebRead:
-    """Return the scene's web in the family.
-
-    Args:
-        sampled: outline to take where the web's own is none of the family's.
-    """
+    """Return the scene's web in the family; `sampled` where its own outline is none of the family's."""
     outline, web = _family_outline(scene), scene.web
     own, left_out = sampled if outline is None else outline, list[str]()
     if outline is None:

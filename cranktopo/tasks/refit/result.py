@@ -6,8 +6,7 @@ from typing import Any
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.tasks.fea.result import EvaluationResult
-from cranktopo.tasks.refit.residual_regions import ResidualRegion
-from cranktopo.tasks.refit.select import FitTrial
+from cranktopo.tasks.refit.select import FitTrial, ResidualRegion
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _Point = tuple[float, float, float]

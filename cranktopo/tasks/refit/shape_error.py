@@ -13,7 +13,7 @@ from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.tasks.extraction.iso_distance import distances_mm
+from cranktopo.tasks.extraction.cutter import distances_mm
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -23,15 +23,7 @@ _SAMPLES = 10_000
 
 @dataclass(frozen=True)
 class ShapeError:
-    """Fitted against extracted body; web means the part between the web faces.
-
-    Attributes:
-        iou: intersection over union of the half throws.
-        web_iou: the same of the webs alone.
-        mean_distance_mm, max_distance_mm: between the surfaces of the webs, both ways.
-        farthest_mm: where the largest distance is, (x, y, z).
-        web_volume_mm3, body_web_volume_mm3: of the fitted and of the extracted web.
-    """
+    """Fitted against extracted body; web means the part between the web faces, distances go both ways."""
 
     iou: float
     web_iou: float
@@ -43,11 +35,7 @@ class ShapeError:
 
 
 def shape_error(scene: Scene, surface: SurfaceMesh) -> ShapeError:
-    """Compare the exact solid of a scene with an extracted body.
-
-    Args:
-        surface: closed surface of the extracted half throw, mm.
-    """
+    """Return how the exact solid of a scene differs from an extracted half throw."""
     body = solid_of(surface, "surface to be re-modelled")
     half, web = (_solid(scene, part) for part in ("half", "web"))
     region = web_region(body, scene)
@@ -87,7 +75,6 @@ def _solid(scene: Scene, part: str) -> Manifold:
 
 
 def _samples(mesh: SurfaceMesh, random: np.random.Generator) -> Array:
-    """Return the points spread evenly over a surface, (n, 3)."""
     a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     face = np.searchsorted(np.cumsum(area) / area.sum(), (np.arange(_SAMPLES) + 0.5) / _SAMPLES)

@@ -29,7 +29,7 @@ from cranktopo.tasks.fea.evaluation import Info, evaluate
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
-from cranktopo.tasks.refit.fit import FittedWeb, fit_web
+from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
 from cranktopo.tasks.refit.page import refit_page
 from cranktopo.tasks.refit.result import (
     FittedParameter,
@@ -41,7 +41,6 @@ from cranktopo.tasks.refit.result import (
     WebMasses,
 )
 from cranktopo.tasks.refit.shape_error import ShapeError, shape_error
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 
@@ -104,8 +103,10 @@ def write_refit(
         CranktopoError: the CAD kernel cannot build the solid, or a file cannot be written.
     """
     scene = fitted.scene
-    files = {"design": f"{scene.name}.toml", "step": "half_throw.step", "stl": "half_throw.stl"}
-    files |= {
+    files = {
+        "design": f"{scene.name}.toml",
+        "step": "half_throw.step",
+        "stl": "half_throw.stl",
         "drawing": "drawing.png",
         "drawing_svg": "drawing.svg",
         "json": "remodel.json",
@@ -126,7 +127,6 @@ def write_refit(
 def _write_page(
     result: RefitResult, scene: Scene, half_throw: SurfaceMesh, surface: SurfaceMesh, folder: Path
 ) -> None:
-    """Write the report: the web and the body that it was fitted to, and all that was measured."""
     bodies = tuple(
         ShownBody(name, mesh, scene.web_z_mm, scene.pitch_mm / 2)
         for name, mesh in (("re-modelled", half_throw), ("body of the run", surface))

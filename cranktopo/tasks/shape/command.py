@@ -66,7 +66,7 @@ def command(
     """
     if resume:
         refuse_beside_resume()
-    from cranktopo.tasks.refit.usual_size import usual_limits
+    from cranktopo.tasks.refit.fit import usual_limits
     from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
     from cranktopo.tasks.shape.text import shape_summary
 

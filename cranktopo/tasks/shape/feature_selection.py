@@ -12,9 +12,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
-from cranktopo.tasks.refit.dimensions import with_free, with_part
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.initial_guess import with_stations
+from cranktopo.tasks.refit.family import Layout, with_free, with_part
+from cranktopo.tasks.refit.search import with_stations
 from cranktopo.tasks.shape.feature_starts import end_starts, pocket_starts
 from cranktopo.tasks.shape.refining import (
     DOUBT,

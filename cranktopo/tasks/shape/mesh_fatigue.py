@@ -22,6 +22,15 @@ from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.numerics.derivatives import central_difference
 from cranktopo.numerics.tetrahedra.curving import shape_gradients
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, centrifugal_force
+from cranktopo.numerics.tetrahedra.node_gradients import (
+    centrifugal_slopes,
+    displacement_slopes,
+    full_tensor,
+    gather,
+    mean_slopes,
+    shape_slopes,
+    work_slopes,
+)
 from cranktopo.numerics.tetrahedra.stress import NodalStress, hooke, nodal_stress, nodes_from_points
 from cranktopo.numerics.tetrahedra.stressed_surface import (
     Surface,
@@ -36,18 +45,7 @@ from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
 from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
-from cranktopo.tasks.fea.condense import Superelement
-from cranktopo.tasks.fea.node_gradients import (
-    centrifugal_slopes,
-    displacement_slopes,
-    full_tensor,
-    gather,
-    mean_slopes,
-    section_slopes,
-    shape_slopes,
-    work_slopes,
-)
-from cranktopo.tasks.fea.support_stiffness import bending_motion, torsion_motion
+from cranktopo.tasks.fea.condense import Superelement, bending_motion, section_slopes, torsion_motion
 from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
 
 Index = NDArray[np.intp]

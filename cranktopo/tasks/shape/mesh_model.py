@@ -29,22 +29,25 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
-from cranktopo.tasks.fea.condense import RZ, Lateral, Superelement, condense
-from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
-from cranktopo.tasks.fea.goal_values import goal_values
-from cranktopo.tasks.fea.node_gradients import mean_slopes, moments, section_slopes, work_slopes
-from cranktopo.tasks.fea.result import EvaluationResult
-from cranktopo.tasks.fea.support_stiffness import (
+from cranktopo.tasks.fea.condense import (
+    RZ,
+    Lateral,
+    Superelement,
     bending_motion,
     bending_stiffness_N_per_mm,
+    condense,
+    section_slopes,
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
+from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
+from cranktopo.tasks.fea.quantities import goal_values
+from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import support_spring
-from cranktopo.tasks.refit.dimensions import scene_at
-from cranktopo.tasks.refit.family import Layout, exact_web_of
+from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue

@@ -20,9 +20,9 @@ from cranktopo.report.page import (
 from cranktopo.report.plot import picture, plain
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.text import bound_sections
-from cranktopo.tasks.fea.clearance_section import clearance_sections
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import Quantity
+from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,

@@ -14,10 +14,8 @@ from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.derivatives import central_difference
-from cranktopo.tasks.refit.constraints import NO_LENGTHS
-from cranktopo.tasks.refit.dimensions import scene_at
-from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.refit.family import Layout, scene_at
+from cranktopo.tasks.refit.parametric_web import NO_LENGTHS, ParametricWeb
 from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.fitted import CLEAR_MM
 

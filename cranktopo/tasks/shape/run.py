@@ -42,11 +42,10 @@ from cranktopo.tasks.drawing.sheet import export_drawing
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
-from cranktopo.tasks.refit.dimensions import free_dimensions, with_free
-from cranktopo.tasks.refit.family import parameter_unit
+from cranktopo.tasks.refit.family import free_dimensions, parameter_unit, with_free
+from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
-from cranktopo.tasks.refit.usual_size import usual_limits
 from cranktopo.tasks.shape.page import shape_page
 from cranktopo.tasks.shape.result import (
     LimitPrice,

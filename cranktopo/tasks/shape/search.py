@@ -14,8 +14,7 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.multipliers import Multipliers, multipliers
 from cranktopo.numerics.optimisers.slsqp import minimise, restore_feasibility
-from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
-from cranktopo.tasks.refit.family import Layout, web_of
+from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.rules import EnvelopeClearance, rules_at, rules_of

@@ -19,9 +19,8 @@ from cranktopo.design.free_dimensions import (
 )
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.tasks.refit.constraints import reaches_mm
-from cranktopo.tasks.refit.dimensions import free_dimensions
-from cranktopo.tasks.refit.family import station_shares
+from cranktopo.tasks.refit.family import free_dimensions, station_shares
+from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.tasks.refit.read_web import WebRead, read_web
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 

@@ -14,9 +14,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.derivatives import central_difference, complex_step
-from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
-from cranktopo.tasks.refit.dimensions import scene_at
-from cranktopo.tasks.refit.family import Layout, flank_of
+from cranktopo.tasks.refit.family import Layout, flank_of, scene_at
+from cranktopo.tasks.refit.model_fill import MovedFillet, moved_fillet
 from cranktopo.tasks.shape.throw_faces import (
     STEP,
     Contact,

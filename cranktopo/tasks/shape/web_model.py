@@ -32,8 +32,7 @@ from cranktopo.tasks.density.material import CONTRAST
 from cranktopo.tasks.density.model import ThrowModel, build_model
 from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import Design, Response, gradients, quantities
-from cranktopo.tasks.refit.dimensions import free_dimensions, scene_at
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, free_dimensions, scene_at
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search_goal import Quantities

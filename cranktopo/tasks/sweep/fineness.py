@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.error_target import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
+from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.targets import Target
 
 if TYPE_CHECKING:

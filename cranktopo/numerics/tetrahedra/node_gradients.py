@@ -21,7 +21,6 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     basis_above_plane,
 )
 from cranktopo.numerics.tetrahedra.stress import hooke, tensor_strain
-from cranktopo.tasks.fea.condense import RX, RY, RZ, plane_nodes, section_motions
 
 _CHUNK = 4000
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -36,12 +35,7 @@ def work_slopes(
     second: Array,
     elements: NDArray[np.intp] | None = None,
 ) -> Array:
-    """Derivative of first' K second by the nodes, (3, nodes), N.
-
-    Args:
-        first, second: displacements, (unknowns,), mm.
-        elements: those that count; by default all.
-    """
+    """Return the derivative of first' K second by the nodes, (3, nodes), N; by default of all elements."""
     total = np.zeros(model.nodes_mm.shape)
     for basis in chunks(model, STIFFNESS_ORDER, elements):
         shapes = shape_slopes(basis)
@@ -55,28 +49,8 @@ def work_slopes(
     return total
 
 
-def section_slopes(model: Elasticity, forces: Array, field: Array, z_mm: float = 0.0) -> Array:
-    """Derivative of forces' field by the nodes of a rigid section, which move with their place.
-
-    Args:
-        forces: (unknowns,) N, held.
-        field: displacements with a rigid section, (unknowns,), mm.
-        z_mm: place of the section.
-
-    Returns:
-        (3, nodes); 0 off the section.
-    """
-    section = plane_nodes(model.nodes_mm, 2, z_mm)
-    unknowns = (3 * section[:, None] + np.arange(3)).ravel()
-    rigid = section_motions(model.nodes_mm, section)[unknowns]
-    turn = np.linalg.lstsq(rigid, field[unknowns], rcond=None)[0][[RX, RY, RZ]]
-    total = np.zeros(model.nodes_mm.shape)
-    total[:, section] = np.cross(forces[unknowns].reshape(-1, 3), turn).T
-    return total
-
-
 def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) -> Array:
-    """Derivative of `mean_displacement(model, axis, z_from_mm) @ field` by the nodes, (3, nodes).
+    """Return the derivative of `mean_displacement(model, axis, z_from_mm) @ field` by the nodes, (3, nodes).
 
     Which quadrature points lie beyond z is held.
     """
@@ -90,7 +64,7 @@ def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) ->
 
 
 def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: Array) -> Array:
-    """Derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
+    """Return the derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
     total = np.zeros(model.nodes_mm.shape)
     for basis in chunks(model, LOAD_ORDER):
         values, place = _values(basis), np.asarray(basis.global_coordinates())
@@ -107,7 +81,7 @@ def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: A
 
 
 def moments(model: Elasticity) -> tuple[Array, Array]:
-    """Volume, its moment in y and that of x2 + y2, (3,), and their derivatives by the nodes."""
+    """Return the volume, its moment in y and that of x2 + y2, (3,), and their derivatives by the nodes."""
     totals, slopes = np.zeros(3), np.zeros((3, *model.nodes_mm.shape))
     for basis in chunks(model, LOAD_ORDER):
         x, y, _ = np.asarray(basis.global_coordinates())
@@ -123,7 +97,7 @@ def moments(model: Elasticity) -> tuple[Array, Array]:
 
 
 def chunks(model: Elasticity, order: int, elements: NDArray[np.intp] | None = None) -> Iterator[Any]:
-    """Bases of some thousand elements each, together those given; by default all."""
+    """Return the bases of some thousand elements each, together those given; by default all."""
     from skfem import Basis, ElementTetP2
 
     numbers = np.arange(model.mesh.nelements) if elements is None else elements
@@ -132,18 +106,18 @@ def chunks(model: Elasticity, order: int, elements: NDArray[np.intp] | None = No
 
 
 def shape_slopes(basis: Any) -> Array:
-    """Derivatives of the shape functions by the place, (10, 3, elements, points), 1/mm."""
+    """Return the derivatives of the shape functions by the place, (10, 3, elements, points), 1/mm."""
     return np.stack([phi[0].grad for phi in basis.basis])
 
 
 def displacement_slopes(basis: Any, shapes: Array, field: Array) -> Array:
-    """grad u, (elements, points, 3 components, 3 axes)."""
+    """Return grad u, (elements, points, 3 components, 3 axes)."""
     nodes = field.reshape(-1, 3)[basis.element_dofs]
     return np.asarray(np.einsum("nei,njeq->eqij", nodes, shapes, optimize=True))
 
 
 def full_tensor(components: Array) -> Array:
-    """Symmetric tensors (..., 3, 3) from their six components."""
+    """Return the symmetric tensors (..., 3, 3) from their six components."""
     return components[..., _TENSOR]
 
 
@@ -154,5 +128,4 @@ def gather(total: Array, basis: Any, found: Array) -> None:
 
 
 def _values(basis: Any) -> Array:
-    """Shape functions, (10, elements, points)."""
     return np.stack([np.broadcast_to(np.asarray(phi[0]), basis.dx.shape) for phi in basis.basis])
