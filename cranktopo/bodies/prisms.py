@@ -10,9 +10,8 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
 
 from cranktopo.base.frames import X
-from cranktopo.bodies.density_grid import DensityGrid
-from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
-from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
+from cranktopo.bodies.cells.grid import DensityGrid
+from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.bore import DrillOutlet, across

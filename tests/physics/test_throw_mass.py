@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.bodies.volume import half_throw_volume_mm3
-from cranktopo.bodies.web_moments import section_moments, web_moments
+from cranktopo.bodies.volume import half_throw_volume_mm3, section_moments, web_moments
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.engine.balance.throw import throw_balance
 

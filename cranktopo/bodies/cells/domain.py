@@ -16,7 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
-from cranktopo.bodies.cells.drilled_cells import drill_cells
+from cranktopo.bodies.cells.fractions import drill_cells, plane_fractions, slab_fractions
 from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
 from cranktopo.bodies.cells.layers import (
     ORIGINAL_KEY,
@@ -25,7 +25,6 @@ from cranktopo.bodies.cells.layers import (
     design_envelope,
     half_throw_layers,
 )
-from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
 from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
 from cranktopo.design.checks.sizes import check_envelope_reach
 from cranktopo.design.halves import require_equal_halves
@@ -200,3 +199,26 @@ def _check_touches(scene: Scene, domain: Domain) -> None:
                 f"touches {100 * contact:.0f} % of the end face of {key}, at least 10 % is needed",
                 "Enlarge or move the envelope so that it covers the journal.",
             )
+
+
+def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
+    """Centres of the cells of the web's layers along each axis, mm."""
+    first, last = domain.web_layers
+    x, y, z = (
+        (nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm, domain.grid.z_mm)
+    )
+    return x, y, z[first:last]
+
+
+def on_cells(there: Domain, field: Array, here: Domain) -> Array:
+    """A field on some cells (nx, ny, nw, ...) on others of the same throw, linear between their centres.
+
+    Beyond the outermost centres the nearest value holds.
+    """
+    from scipy.interpolate import RegularGridInterpolator
+
+    known, wanted = centres_mm(there), centres_mm(here)
+    inside = [np.clip(at, own[0], own[-1]) for at, own in zip(wanted, known, strict=True)]
+    points = np.stack(np.meshgrid(*inside, indexing="ij"), axis=-1)
+    found: Array = RegularGridInterpolator(known, field)(points)
+    return found

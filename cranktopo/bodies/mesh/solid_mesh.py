@@ -19,8 +19,7 @@ from cranktopo.design.scale import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.design.symmetry import may_mirror, web_asymmetry
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
-from cranktopo.numerics.tetrahedra.curving import straighten_folded
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, straighten_folded
 from cranktopo.throw.drilling.element_sizes import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.fillet import FilletSection

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import fillet_ring

@@ -16,11 +16,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.grid.element import CORNERS
-from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_stiffness
+from cranktopo.numerics.grid.lattice import CORNERS, Cells, Lattice, layer_stiffness
 from cranktopo.numerics.grid.slab_product import add_slabs
+from cranktopo.numerics.kernels.coarse_grids import OFFSETS
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
-from cranktopo.numerics.kernels.stencil import OFFSETS
 from cranktopo.numerics.precision import Precision
 
 # Corners a and b of a cell, and which later neighbour b is of a; the entries of their blocks in its matrix.

@@ -28,12 +28,16 @@ from cranktopo.numerics.grid.galerkin import (
     jacobi_bound,
     stencil_diagonal,
 )
-from cranktopo.numerics.grid.lanczos import largest_eigenvalues
 from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
-from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
+from cranktopo.numerics.grid.operator import (
+    add_prolonged,
+    apply_stiffness,
+    prolong,
+    restrict,
+    stiffness_diagonal,
+)
 from cranktopo.numerics.grid.partition import WHOLE, Partition
-from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling
-from cranktopo.numerics.grid.transfer import add_prolonged, prolong, restrict
+from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling, largest_eigenvalues
 from cranktopo.numerics.precision import Precision
 
 _Count = TypeVar("_Count", int, jax.Array)

@@ -15,8 +15,9 @@ import jax
 import llvmlite.ir as ir
 
 from cranktopo.base.machine import usable_cores
-from cranktopo.numerics.kernels.energy import write_energies
+from cranktopo.numerics.kernels.coarse_grids import Stencil, write_prolongation, write_restriction
 from cranktopo.numerics.kernels.epilogues import FreeForces, Smooth, Store
+from cranktopo.numerics.kernels.frames import Product, find_fault, first_line, register
 from cranktopo.numerics.kernels.ir_builder import POINTER, VectorCode
 from cranktopo.numerics.kernels.jit_cache import address_of, vector_width
 from cranktopo.numerics.kernels.plane_sweep import (
@@ -27,10 +28,7 @@ from cranktopo.numerics.kernels.plane_sweep import (
     write_copies,
     write_planes,
 )
-from cranktopo.numerics.kernels.stencil import Stencil
-from cranktopo.numerics.kernels.stiffness import StiffnessOperator
-from cranktopo.numerics.kernels.transfer import write_prolongation, write_restriction
-from cranktopo.numerics.kernels.trial import Product, find_fault, first_line, register
+from cranktopo.numerics.kernels.stiffness import StiffnessOperator, write_energies
 from cranktopo.numerics.kernels.xla_ffi import write_handler
 
 _Result = TypeVar("_Result")

@@ -1,13 +1,88 @@
-"""Code of the product with the stiffness on the finest grid: sums, blocks and sums back in registers."""
+"""Code of the stiffness on the finest grid: its product with a field, and the strain energy of cells.
+
+Sums and differences over the corners of cells stay in registers. Cells of a plane are taken in columns of
+`width` along z, each from the first row of cells along y to the last: sums over a row's nodes serve the rows
+of cells on both of its sides.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 
+import numpy as np
+
+from cranktopo.numerics.grid.lattice import COUPLED
 from cranktopo.numerics.kernels.ir_builder import INT64, Value, VectorCode
-from cranktopo.numerics.kernels.parity_sums import ROWS, Cells, Waves, block_product
-from cranktopo.numerics.kernels.plane_sweep import Grid, Layer, Pair
+from cranktopo.numerics.kernels.plane_sweep import Grid, Layer, Pair, Planes
+
+# What a row of nodes is known by: its plane (near or far along x), the component, the wave along z.
+ROWS = list(product(range(2), range(3), range(2)))
+Classes = dict[tuple[int, int], Value]
+"""Waves of a row of cells by parity class and component, in the order of `parity_sums`."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells along y and z; numbers from a row and from a plane of nodes to the next."""
+
+    ny: Value
+    nz: Value
+    row: Value
+    plane: Value
+
+
+class Waves:
+    """Sums and differences of displacements in a column of cells between two planes of nodes.
+
+    Attributes:
+        k: first of the `width` cells along z.
+        inside: mask of those that exist.
+    """
+
+    def __init__(self, code: VectorCode, cells: Cells, k: Value, field: tuple[Planes, Planes]):
+        self._code, self.cells, self._field, self.k = code, cells, field, k
+        self.inside = code.first_lanes(code.plus(cells.nz, code.builder.neg(k)))
+
+    def along_z(self, row: Value) -> list[Value]:
+        """Return those of a row of nodes, in the order of `ROWS`."""
+        code = self._code
+        result: list[Value] = []
+        for plane, c in product(self._field, range(3)):
+            address = code.at(plane[c], code.times(row, self.cells.row), self.k)
+            near, far = (code.load(code.at(address, step), self.inside) for step in (0, 1))
+            result += _waves(code, near, far, c == 2)
+        return result
+
+    def classes(self, near: list[Value], far: list[Value]) -> Classes:
+        """Return those of the cells between two rows of nodes."""
+        code, along_y, classes = self._code, {}, {}
+        for (x, c, z), a, b in zip(ROWS, near, far, strict=True):
+            for y, wave in enumerate(_waves(code, a, b, c == 1)):
+                along_y[x, y, z, c] = wave
+        for c, y, z in product(range(3), range(2), range(2)):
+            for x, wave in enumerate(_waves(code, along_y[0, y, z, c], along_y[1, y, z, c], c == 0)):
+                classes[4 * x + 2 * y + z, c] = wave
+        return classes
+
+
+def block_product(
+    code: VectorCode, waves: Waves, blocks: Value, classes: Classes, entry: tuple[int, int]
+) -> Value | None:
+    """Entry (class, component) of the 3 x 3 products of all parity classes; None where it is always 0."""
+    (p, c), total = entry, None
+    for d in np.flatnonzero(COUPLED[p, c]):
+        place = code.times(INT64(int((3 * p + c) * 3 + d)), waves.cells.nz)
+        term = code.multiply(code.load(code.at(blocks, place, waves.k), waves.inside), classes[p, int(d)])
+        total = term if total is None else code.add(total, term)
+    return total
+
+
+def _waves(code: VectorCode, near: Value, far: Value, own: bool) -> tuple[Value, Value]:
+    """Return both waves along an axis; along its own axis a component has them in the other order."""
+    waves = code.add(far, near), code.subtract(far, near)
+    return waves[::-1] if own else waves
 
 
 class StiffnessOperator:
@@ -101,3 +176,62 @@ def _corners(code: VectorCode, first: Value, second: Value, own: bool) -> tuple[
     """Return the transpose: what both waves give to the near and to the far corner."""
     near = code.subtract(second, first) if own else code.subtract(first, second)
     return near, code.add(first, second)
+
+
+def write_energies(code: VectorCode) -> None:
+    """v^T K_e u of the cells for unit modulus, from plane of cells `first` to before `last` of every case.
+
+    Inputs of the function: reflection blocks (8, 3, 3, cells along z); fields v and u (cases, 3, nodes...);
+    energies (cases, 1, cells...); cases, cells along x, y, z, part, first, last.
+    """
+    blocks, left, right, target, cases, nx, ny, nz, _, first, last = code.function.args
+    row = code.plus(nz, 1)
+    cells = Cells(ny, nz, row, code.times(code.plus(ny, 1), row))
+    with (
+        code.loop(INT64(0), cases, INT64(1)) as case,
+        code.loop(first, last, INT64(1)) as plane,
+        code.loop(INT64(0), nz, INT64(code.width)) as column,
+    ):
+        number = code.plus(code.times(case.index, nx), plane.index)
+        energies = code.at(target, code.times(number, ny, nz), column.index)
+        fields = [_layer(code, cells, start, nx, (case.index, plane.index)) for start in (left, right)]
+        waves = [Waves(code, cells, column.index, field) for field in fields]
+        _write_column(code, blocks, waves, energies)
+    code.builder.ret_void()
+
+
+def _layer(
+    code: VectorCode, cells: Cells, start: Value, nx: Value, place: tuple[Value, Value]
+) -> tuple[Planes, Planes]:
+    """Return both planes of nodes of a layer of cells of a field."""
+    case, plane = place
+    component = code.times(code.plus(nx, 1), cells.plane)
+    planes = []
+    for step in (0, 1):
+        within = code.times(code.plus(plane, step), cells.plane)
+        firsts = (code.times(code.plus(code.times(case, INT64(3)), c), component) for c in range(3))
+        planes.append(tuple(code.at(start, offset, within) for offset in firsts))
+    return planes[0], planes[1]
+
+
+def _write_column(code: VectorCode, blocks: Value, waves: list[Waves], energies: Value) -> None:
+    """All rows of cells of a column, one after the other."""
+    cells, count = waves[0].cells, len(ROWS)
+    before = [wave for side in waves for wave in side.along_z(INT64(0))]
+    with code.loop(INT64(0), cells.ny, INT64(1), before) as row:
+        after = [side.along_z(code.plus(row.index, 1)) for side in waves]
+        known = row.values[:count], row.values[count:]
+        left, right = (side.classes(near, far) for side, near, far in zip(waves, known, after, strict=True))
+        energy = _energy(code, waves[1], blocks, left, right)
+        code.store(energy, code.at(energies, code.times(row.index, cells.nz)), waves[0].inside)
+        row.following = (*after[0], *after[1])
+
+
+def _energy(code: VectorCode, waves: Waves, blocks: Value, left: Classes, right: Classes) -> Value:
+    """Of a row of cells: the sum over classes and components."""
+    energy = code.zero
+    for entry in product(range(8), range(3)):
+        force = block_product(code, waves, blocks, right, entry)
+        if force is not None:
+            energy = code.add(energy, code.multiply(left[entry], force))
+    return energy

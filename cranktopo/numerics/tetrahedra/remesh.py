@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.numerics.surfaces.shells import shells
-from cranktopo.numerics.tetrahedra.curving import EDGES
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shells
+from cranktopo.numerics.tetrahedra.mesh import EDGES
 
 Tetrahedra = NDArray[np.int64]
 _SizeField = Callable[[Array], Array]

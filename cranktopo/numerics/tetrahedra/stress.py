@@ -1,4 +1,4 @@
-"""Stresses of displacement fields on ten-node tetrahedra, from quadrature points to the nodes."""
+"""Stresses of displacement fields on ten-node tetrahedra: at nodes, and on the surface with gradients."""
 
 from __future__ import annotations
 
@@ -10,8 +10,26 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.mesh import EDGES, shape_gradients
+
+DEVIATOR = np.zeros((6, 6))
+DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
+DEVIATOR[3:, 3:] = 3 * np.eye(3)
+"""Quadratic form of the squared von Mises stress in the six components."""
+
+
+def von_mises(stress: Array) -> Array:
+    """Von Mises stress; last axis holds the six components."""
+    squared: Array = np.einsum("...i,ij,...j->...", stress, DEVIATOR, stress)
+    return np.sqrt(np.maximum(squared, 0.0))
+
+
+def principal_stresses(stress: Array) -> Array:
+    """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
+    tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
+    return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
+
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _ORDER = 2
@@ -92,3 +110,152 @@ def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
     stress = 2 * shear * strain
     stress[..., :3] += lame * strain[..., :3].sum(axis=-1, keepdims=True)
     return np.asarray(stress)
+
+
+Index = NDArray[np.intp]
+
+_CORNERS = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
+_PLANE_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Outer surface of the model, without its planes of symmetry and its end section.
+
+    Attributes:
+        nodes: their numbers in the mesh, shape (n,).
+        points_mm: shape (3, n).
+        normals: outward unit normals, shape (n, 3).
+        faces: six nodes of each face (corners, edge nodes 01 12 20) as positions in `nodes`, shape (6, f).
+        owners: element of each face, shape (f,).
+        local: the face's six nodes as numbers 0 to 9 inside that element, shape (6, f).
+    """
+
+    nodes: Index
+    points_mm: Array
+    normals: Array
+    faces: Index
+    owners: Index
+    local: Index
+
+
+@dataclass(frozen=True)
+class SurfaceStress:
+    """Stresses of some fields at the nodes of a surface.
+
+    Attributes:
+        stress_MPa: shape (fields, n, 6), components as `COMPONENTS`.
+        depth_MPa_per_mm: derivative into the depth, along the inward normal, same shape.
+        jump_MPa: largest departure of an element's von Mises stress from that of the nodal mean, shape
+            (fields, n).
+    """
+
+    stress_MPa: Array
+    depth_MPa_per_mm: Array
+    jump_MPa: Array
+
+
+def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, float], ...]) -> Surface:
+    """Faces of the mesh that belong to one element only and lie in none of the given planes.
+
+    Args:
+        elements: nodes of each element, shape (10, elements).
+        planes: (axis, position in mm) of symmetry planes and end sections.
+    """
+    local, owners = boundary_faces(elements)
+    numbers = elements[local, owners]
+    points = model.nodes_mm[:, numbers]  # (3, 6, faces)
+    inner = np.ones(len(owners), dtype=bool)
+    for axis, position in planes:
+        inner &= ~(np.abs(points[axis, :3] - position) < _PLANE_MM).all(axis=0)
+    local, owners, numbers = local[:, inner], owners[inner], numbers[:, inner]
+    nodes, faces = np.unique(numbers, return_inverse=True)
+    faces = faces.reshape(numbers.shape)
+    normals = _normals(model, elements, numbers, owners, faces, len(nodes))
+    return Surface(nodes, model.nodes_mm[:, nodes], normals, faces, owners, local)
+
+
+def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> SurfaceStress:
+    """Nodal stresses on the surface, their derivative into the depth, and the jumps between elements.
+
+    The derivative is that of the nodal stresses interpolated by the element's shape functions, averaged over
+    the faces that meet at a node.
+    """
+    stress = found.nodal_MPa[:, surface.nodes]
+    return SurfaceStress(stress, _depth(model, surface, found), _jumps(surface, found))
+
+
+def boundary_faces(elements: Index) -> tuple[Index, Index]:
+    """Local node numbers (6, f) and owners (f,) of the faces that occur once.
+
+    Args:
+        elements: nodes of each element, shape (10, elements).
+    """
+    count = elements.shape[1]
+    corners = np.sort(np.stack([elements[list(face)] for face in _CORNERS]), axis=1)  # (4, 3, elements)
+    keys = corners.transpose(0, 2, 1).reshape(-1, 3)
+    _, first, times = np.unique(keys, axis=0, return_index=True, return_counts=True)
+    alone = first[times == 1]
+    side, owners = alone // count, alone % count
+    edge = {tuple(sorted(pair)): 4 + i for i, pair in enumerate(EDGES)}
+    full = np.array([[a, b, c, edge[a, b], edge[b, c], edge[a, c]] for a, b, c in _CORNERS], dtype=np.intp)
+    return full[side].T, owners
+
+
+def _normals(
+    model: Elasticity, elements: Index, numbers: Index, owners: Index, faces: Index, count: int
+) -> Array:
+    """Outward unit normals at the surface nodes: mean over their faces by area."""
+    at = model.nodes_mm[:, numbers]
+    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
+    normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)  # (3, 6, faces)
+    inside = model.nodes_mm[:, elements[:4, owners]].mean(axis=1) - at[:, :3].mean(axis=1)
+    normal *= -np.sign((normal.mean(axis=1) * inside).sum(axis=0))
+    total = np.zeros((count, 3))
+    np.add.at(total, faces, normal.transpose(1, 2, 0))
+    return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
+
+
+def triangle_gradients() -> Array:
+    """Gradients of the six-node triangle's shape functions at its six nodes, shape (6 points, 6, 2)."""
+    points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
+    slope = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+    corner = (4 * points - 1)[:, :, None] * slope
+    pairs = ((0, 1), (1, 2), (0, 2))
+    edge = [4 * (points[:, a, None] * slope[b] + points[:, b, None] * slope[a]) for a, b in pairs]
+    return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)
+
+
+def _depth(model: Elasticity, surface: Surface, found: NodalStress) -> Array:
+    """Derivative of the nodal stresses along the inward normal, shape (fields, n, 6)."""
+    cells = found.elements[:, surface.owners]
+    nodes = model.nodes_mm[:, cells]  # (3, 10, f)
+    reference = shape_gradients(node_points())[surface.local]  # (6, f, 10, 3)
+    jacobian = np.einsum("inf,pfnj->pfij", nodes, reference, optimize=True)
+    inward = -surface.normals[surface.faces]  # (6, f, 3)
+    direction = np.linalg.solve(jacobian, inward[..., None])[..., 0]
+    weights = np.einsum("pfnj,pfj->pfn", reference, direction, optimize=True)
+    total = np.zeros((len(found.nodal_MPa), len(surface.nodes), 6))
+    number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
+    for field, stress in zip(total, found.nodal_MPa, strict=True):
+        slope = np.einsum("pfn,nfc->pfc", weights, stress[cells], optimize=True)
+        np.add.at(field, surface.faces, slope)
+    return total / number[:, None]
+
+
+def _jumps(surface: Surface, found: NodalStress) -> Array:
+    position = np.full(found.nodal_MPa.shape[1], -1)
+    position[surface.nodes] = np.arange(len(surface.nodes))
+    where = position[found.elements.T]  # (elements, 10)
+    touching = where >= 0
+    jump = np.zeros((len(found.nodal_MPa), len(surface.nodes)))
+    for field, element, nodal in zip(jump, found.element_MPa, found.nodal_MPa, strict=True):
+        mean = von_mises(nodal)[found.elements.T[touching]]
+        np.maximum.at(field, where[touching], np.abs(von_mises(element[touching]) - mean))
+    return jump
+
+
+def node_points() -> Array:
+    """Barycentric coordinates of the ten nodes, shape (10, 4)."""
+    corners = np.eye(4)
+    return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])

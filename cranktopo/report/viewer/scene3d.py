@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.report.shading import JOURNAL_COLOUR, STRESS_COLOURS, ShadedMesh, shaded
 from cranktopo.report.viewer.stress_scale import FACES_ALONG, StressedBody, StressScale

@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.cells.domain import laterally_symmetric
-from cranktopo.bodies.cells.resolution import (
+from cranktopo.bodies.memory import (
     available_memory_MiB,
     check_resolution,
     estimated_cells,

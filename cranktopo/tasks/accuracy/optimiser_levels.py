@@ -14,7 +14,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
-from cranktopo.bodies.cells.resolution import WALL_CELLS, thinnest_wall_mm
+from cranktopo.bodies.memory import WALL_CELLS, thinnest_wall_mm
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.cost import effort

@@ -9,7 +9,7 @@ from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.design.schema import Scene
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.plan.planning import plan
-from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.numerics.tetrahedra.stress import von_mises
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.case_stress import UNIT_LOADS
 from cranktopo.tasks.fea.level import FILLET_STRESS, STRESS, Level, PlannedLevel

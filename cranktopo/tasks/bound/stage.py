@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cranktopo.bodies.cells.domain import laterally_symmetric
-from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
+from cranktopo.bodies.memory import available_memory_MiB, check_resolution
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
 from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.quantities import QUANTITIES

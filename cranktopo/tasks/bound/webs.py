@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import Parting
+from cranktopo.numerics.filters.processes import Parting
 from cranktopo.tasks.bound.convex_problem import LINEAR
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.tasks.density.model import ThrowModel

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.progress import Json
-from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.bodies.solid.files import coarse_facet_mm, half_surfaces, surface_of
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
@@ -19,8 +18,7 @@ from cranktopo.engine.analysis import analyse
 from cranktopo.engine.cases import load_cases
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions

@@ -9,7 +9,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.assessment import Assessment, CaseResult
 from cranktopo.tasks.density.material import relative_moduli

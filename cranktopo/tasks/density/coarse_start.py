@@ -13,9 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.cells.resolution import WALL_CELLS, thinnest_wall_mm
-from cranktopo.bodies.cells.web_cells import on_cells
+from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
+from cranktopo.bodies.memory import WALL_CELLS, thinnest_wall_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.tasks.density import loop

@@ -14,7 +14,7 @@ from __future__ import annotations
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.projection import THRESHOLD, Projection
+from cranktopo.numerics.filters.density_filter import THRESHOLD, Projection
 
 LEAST_CELLS = 2.0
 """Cells that the least member or gap must span."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
-from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
 from cranktopo.bodies.envelope_file import symmetrised
+from cranktopo.bodies.memory import available_memory_MiB, check_resolution
 from cranktopo.design.checks.goal import check_known
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene

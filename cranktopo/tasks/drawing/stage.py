@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cranktopo.base.files import replacing
-from cranktopo.bodies.solid.files import surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.bodies.solid.files import half_surfaces, surface_of
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.symmetry import mirror_image

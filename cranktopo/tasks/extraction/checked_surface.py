@@ -8,7 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.undercuts import Undercuts, undercuts
 from cranktopo.design.schema import Scene

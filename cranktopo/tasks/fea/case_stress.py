@@ -13,8 +13,7 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.evaluation import Info, mesh_target
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, unit_fields

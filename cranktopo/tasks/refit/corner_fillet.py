@@ -10,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of
 from cranktopo.tasks.refit.model_fill import between_mm

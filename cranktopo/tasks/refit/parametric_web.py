@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference, complex_step
+from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
 from cranktopo.tasks.refit.constraints import outline_rules, part_rules
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import all_bounds, scene_at, size_rules

@@ -9,7 +9,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.slsqp import minimise
+from cranktopo.numerics.optimisers.gradient_search import minimise
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb

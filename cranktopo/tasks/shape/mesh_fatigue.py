@@ -19,12 +19,12 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
-from cranktopo.numerics.derivatives import central_difference
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
-from cranktopo.numerics.tetrahedra.stressed_surface import (
+from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
+    nodal_stress,
     outer_surface,
     surface_stress,
 )

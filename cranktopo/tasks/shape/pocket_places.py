@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.optimisers.multipliers import Multipliers
+from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.dimensions import with_part
 from cranktopo.tasks.shape.search import SearchResult
 from cranktopo.tasks.shape.search_goal import SearchGoal

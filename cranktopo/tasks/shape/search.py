@@ -12,8 +12,12 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import Multipliers, multipliers
-from cranktopo.numerics.optimisers.slsqp import minimise, restore_feasibility
+from cranktopo.numerics.optimisers.gradient_search import (
+    Multipliers,
+    minimise,
+    multipliers,
+    restore_feasibility,
+)
 from cranktopo.tasks.refit.dimensions import rounded_dimensions, scene_at
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.refit.fit import scene_with_web

@@ -19,7 +19,7 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.manufacturing_limits import ManufacturingLimits
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import Multipliers
+from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.dimensions import with_free
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb

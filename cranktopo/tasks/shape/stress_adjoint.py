@@ -10,10 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.curving import shape_gradients
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity
-from cranktopo.numerics.tetrahedra.stress import NodalStress, hooke, nodes_from_points
-from cranktopo.numerics.tetrahedra.stressed_surface import Surface, node_points, triangle_gradients
+from cranktopo.numerics.tetrahedra.mesh import shape_gradients
+from cranktopo.numerics.tetrahedra.stress import (
+    NodalStress,
+    Surface,
+    hooke,
+    node_points,
+    nodes_from_points,
+    triangle_gradients,
+)
 from cranktopo.tasks.fea.node_gradients import displacement_slopes, full_tensor, gather, shape_slopes
 
 Index = NDArray[np.intp]

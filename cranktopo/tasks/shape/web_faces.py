@@ -13,7 +13,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import complex_step
+from cranktopo.numerics.optimisers.gradient_search import complex_step
 from cranktopo.tasks.refit.corner_fillet import MovedFillet, moved_fillet
 from cranktopo.tasks.refit.dimensions import scene_at
 from cranktopo.tasks.refit.family import Layout, flank_of

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.bodies.solid.files import coarse_facet_mm, half_surfaces, surface_of
 from cranktopo.design.halves import difference, halves
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody

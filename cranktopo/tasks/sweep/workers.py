@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.machine import usable_cores
-from cranktopo.bodies.cells.resolution import available_memory_MiB, optimiser_memory_MiB
-from cranktopo.bodies.mesh.memory import evaluation_memory_MiB
+from cranktopo.bodies.memory import available_memory_MiB, evaluation_memory_MiB, optimiser_memory_MiB
 from cranktopo.design.scale import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.sweep.plan import Stage
