@@ -35,29 +35,24 @@ def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> 
     """Return the closed body in an STL or STEP file, mm, in the frame of `cranktopo.base.frames`.
 
     Args:
-        symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
-            so from the side x >= 0.
+        symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made so
+            from the side x >= 0.
         key: of the file in the scene, for messages.
 
-    Raises:
-        CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or not
-            symmetric though it should be.
+    Raises CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or
+    not symmetric though it should be.
     """
     return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path, key), path)
 
 
 def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:
-    """Range of the body: (x_min, x_max, y_min, y_max), mm."""
+    """Return the range of the body: (x_min, x_max, y_min, y_max), mm."""
     box = envelope_from_file(path, symmetric, key).bounding_box()
     return box[0], box[3], box[1], box[4]
 
 
 def symmetrised(path: Path) -> str:
-    """Return what was done to make a body its own mirror image in x = 0, in words; empty for nothing.
-
-    Raises:
-        CranktopoError: as `envelope_from_file`.
-    """
+    """Tell what was done to make a body its own mirror image in x = 0, in words; empty for nothing."""
     share = _symmetric_surface(path)[1]
     if share <= _ALIKE:
         return ""
@@ -68,18 +63,18 @@ def symmetrised(path: Path) -> str:
 
 
 def mirror_difference(body: Manifold) -> float:
-    """Volume of a body outside its mirror image in x = 0, over that of the body; 0 for an empty one."""
+    """Return the volume of a body outside its mirror image in x = 0, over its own; 0 for an empty one."""
     outside = (body - body.mirror((1.0, 0.0, 0.0))).volume()
     return float(outside / body.volume()) if outside else 0.0
 
 
 def section(path: Path, z_mm: float, symmetric: bool = False) -> list[NDArray[np.float64]]:
-    """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
+    """Return closed contours (n, 2) of the body's cross-section at a height z, mm."""
     return [np.asarray(contour) for contour in envelope_from_file(path, symmetric).slice(z_mm).to_polygons()]
 
 
 def envelope_section(envelope: Envelope, z_mm: float) -> Section:
-    """Cross-section of the design envelope at a height; only a mesh changes along the crank axis."""
+    """Return the envelope's cross-section at a height; only a mesh changes along the crank axis."""
     return (
         polygon_section(section(envelope.stl_file, z_mm, not envelope.asymmetry))
         if envelope.stl_file
@@ -88,12 +83,12 @@ def envelope_section(envelope: Envelope, z_mm: float) -> Section:
 
 
 def envelope_sections(envelope: Envelope) -> int:
-    """Layers that the envelope is cut into."""
+    """Return the number of layers that the envelope is cut into."""
     return SECTIONS if envelope.stl_file else 1
 
 
 def envelope_bounds_mm(envelope: Envelope) -> tuple[float, float, float, float]:
-    """Ranges that hold the envelope: (x_min, x_max, y_min, y_max), mm."""
+    """Return ranges that hold the envelope: (x_min, x_max, y_min, y_max), mm."""
     return bounds_mm(envelope.stl_file, not envelope.asymmetry) if envelope.stl_file else envelope.bounds_mm
 
 
@@ -144,7 +139,7 @@ _Contour = NDArray[np.float64]
 
 
 def envelope_z_mm(scene: Scene) -> tuple[float, float]:
-    """Axial range that the envelope may fill: that of the web less the clearances."""
+    """Return the axial range that the envelope may fill: that of the web less the clearances."""
     start, end = scene.web_z_mm
     envelope = scene.envelope
     if envelope is None:
@@ -153,7 +148,7 @@ def envelope_z_mm(scene: Scene) -> tuple[float, float]:
 
 
 def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[_Contour]]:
-    """Contours (n, 2), mm, of the holes at each height; none at heights that the envelope may not fill.
+    """Return contours (n, 2), mm, of the holes at each height; none where the envelope may not be.
 
     A hole counts with all its steps and chamfers if some line along the crank axis passes through it at all
     the heights.
@@ -178,7 +173,6 @@ def _holes(scene: Scene, z_mm: float) -> list[_Contour]:
 
 
 def _area(contour: _Contour) -> float:
-    """Signed area, positive counter-clockwise."""
     x, y = contour.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 

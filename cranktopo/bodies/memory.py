@@ -23,14 +23,7 @@ _MIB = 1024.0**2
 def check_resolution(
     scene: Scene, resolution_mm: float, quarter: bool, cases: int, available_MiB: float
 ) -> None:
-    """Check a cell size against the thinnest journal wall and the memory.
-
-    Args:
-        quarter: whether the lateral mirror halves the model.
-
-    Raises:
-        CranktopoError: too coarse or too fine, with the limit that would do.
-    """
+    """Check a cell size against the thinnest wall and the memory; the error names what would do."""
     key = "optimise.resolution_mm"
     wall = thinnest_wall_mm(scene)
     if resolution_mm > wall / WALL_CELLS:
@@ -52,50 +45,34 @@ def check_resolution(
 
 
 def thinnest_wall_mm(scene: Scene) -> float:
-    """Thinnest radial wall of the two journals (radius of a solid one), mm."""
+    """Return the thinnest radial wall of the two journals (radius of a solid one), mm."""
     journals = scene.throw.main_journal, scene.throw.crankpin
     return min(journal.radius_mm - journal.bore_radius_mm for journal in journals)
 
 
 def optimiser_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
-    """Estimated peak memory of an optimisation at a cell size, MiB.
-
-    Args:
-        quarter: whether the lateral mirror halves the model.
-    """
+    """Estimate the peak memory of an optimisation, of half a model if `quarter`, at a cell size, MiB."""
     return BASE_MIB + _PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
 
 def estimated_cells(
     scene: Scene, resolution_mm: float, quarter: bool, target: GridContent = "envelope"
 ) -> float:
-    """Number of cells of a grid at a cell size, without padding.
-
-    Args:
-        quarter: whether the lateral mirror halves the model.
-        target: what the grid holds: the design envelope, or only the scene's own web.
-
-    Raises:
-        CranktopoError: an envelope is asked for and missing, or its file is.
-    """
+    """Return the number of cells of a grid, of half a model if `quarter`, at a cell size, without padding."""
     (x0, x1), (y0, y1) = throw_ranges_mm(scene, target)
     width = x1 if quarter else x1 - x0
     return width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
 
 
 def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:
-    """Finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory.
-
-    Args:
-        quarter: whether the lateral mirror halves the model.
-    """
+    """Return the finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
     at_one = optimiser_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
     room = max(available_MiB - BASE_MIB, 1e-3)
     return math.ceil(math.cbrt(at_one / room) * 100) / 100
 
 
 def available_memory_MiB() -> float:
-    """Memory that a process may take now without swapping, MiB."""
+    """Return the memory that a process may take now without swapping, MiB."""
     import psutil
 
     return float(psutil.virtual_memory().available) / _MIB
@@ -109,12 +86,9 @@ _LEAST_NODES = 10.0
 
 
 def check_element_size(scene: Scene, element_size_mm: float) -> None:
-    """Check that the mesh of a throw can fit into the memory.
+    """Check that the mesh of a throw can fit into the memory; the error names the finest size that may.
 
     The estimate leaves out what is refined at fillets, so that nothing is refused which would fit.
-
-    Raises:
-        CranktopoError: it cannot, with the finest size that may.
     """
     available = available_memory_MiB()
     needed = evaluation_memory_MiB(scene, element_size_mm)
@@ -130,7 +104,7 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
 
 
 def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
-    """Least peak memory of an evaluation, MiB: of half of it where the throw is symmetric in x."""
+    """Estimate the minimum peak memory of an evaluation, MiB; halved where symmetric in x."""
     near, far = halves(scene)
     volume = _half_volume_mm3(near) + (0.0 if far is near else _half_volume_mm3(far))
     share = 0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0

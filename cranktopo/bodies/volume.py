@@ -18,7 +18,7 @@ from cranktopo.throw.web import web_bodies
 
 @lru_cache(maxsize=16)
 def web_moments(scene: Scene) -> Moments:
-    """Moments of one whole web, bores and features taken out."""
+    """Return the moments of one whole web, bores and features taken out."""
     return body_moments(web_bodies(scene))
 
 
@@ -26,23 +26,16 @@ _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 
 
 def bolted_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
-    """Mass moments of a counterweight that is bolted to one web, kg and mm; all 0 without one.
-
-    Args:
-        before_z_mm: as `body_moments`.
-    """
+    """Return mass moments of a counterweight bolted to one web, kg and mm; all 0 without one."""
     weight = scene.web.counterweight
     return counterweight_mass(scene, before_z_mm) if weight is not None and weight.bolted else _NOTHING
 
 
 @lru_cache(maxsize=16)
 def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
-    """Mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
+    """Return mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
 
     What of it lies within the web is the web's, and what a pocket cuts is neither's.
-
-    Args:
-        before_z_mm: as `body_moments`.
     """
     weight = scene.web.counterweight
     if weight is None:
@@ -60,7 +53,7 @@ def section_moments(scene: Scene, z_mm: float) -> Moments:
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:
-    """Volume of the half throw, mm3: journals, web and fillets less bores, pockets and drillings."""
+    """Return the volume, mm3, of journals, web and fillets less bores, pockets and drillings."""
     throw = scene.throw
     total = web_moments(scene).volume - drilled(scene).volume
     for journal in (throw.main_journal, throw.crankpin):
@@ -72,12 +65,12 @@ def half_throw_volume_mm3(scene: Scene) -> float:
 
 
 def throw_volume_mm3(scene: Scene) -> float:
-    """Volume of the throw between its two mid-main-journal planes, mm3."""
+    """Return the volume of the throw between its two mid-main-journal planes, mm3."""
     return sum(of_halves(scene, half_throw_volume_mm3))
 
 
 def web_volume_mm3(scene: Scene) -> float:
-    """Volume of the web between its two faces, mm3."""
+    """Return the volume of the web between its two faces, mm3."""
     return web_moments(scene).volume - drilled(scene, "web").volume
 
 

@@ -19,11 +19,7 @@ _RIGID = 1e-12
 
 @dataclass(frozen=True)
 class Mode:
-    """A natural vibration without damping.
-
-    Attributes:
-        shape: amplitude of every disk, the largest 1, that of the first disk positive.
-    """
+    """A natural vibration without damping; the largest amplitude of its shape is 1, the first positive."""
 
     frequency_Hz: float
     shape: Array
@@ -82,12 +78,7 @@ class DiskChain:
         return np.asarray(lossy + 1j * np.asarray(frequency_rad_s)[..., None] * viscous)
 
     def response_rad(self, frequency_rad_s: Array, torque_Nm: ComplexArray) -> ComplexArray:
-        """Complex amplitude of every disk under harmonic torques on the disks.
-
-        Args:
-            frequency_rad_s: above zero, shape (*frequencies).
-            torque_Nm: complex amplitudes, shape (*frequencies, disks).
-        """
+        """Return complex amplitudes of the disks under harmonic torques of shape (*frequencies, disks)."""
         frequency = np.asarray(frequency_rad_s)
         inertia = np.array(self.inertia_kg_m2)
         absolute = _filled(self.absolute_damping_Nms_per_rad, len(inertia))
@@ -133,7 +124,7 @@ def _filled(values: tuple[float, ...], count: int) -> Array:
 
 
 def _joined(stiffness: NDArray[Any]) -> NDArray[Any]:
-    """Stiffness matrix of disks in a row, shape (*..., disks, disks)."""
+    """Return the stiffness matrix of disks in a row, shape (*..., disks, disks)."""
     disks = stiffness.shape[-1] + 1
     matrix = np.zeros((*stiffness.shape[:-1], disks, disks), dtype=stiffness.dtype)
     first, second = np.arange(disks - 1), np.arange(1, disks)

@@ -85,11 +85,7 @@ class Domain:
 
 
 def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
-    """Tell whether the geometry is its own mirror image in x and the scene allows the mirror.
-
-    Args:
-        target: whose geometry, that of the design envelope or of the scene's own web.
-    """
+    """Tell whether the geometry (envelope or web) mirrors itself in x and the scene allows the mirror."""
     return may_mirror(scene, web_asymmetry(scene) if target == "web" else envelope_asymmetry(scene))
 
 
@@ -100,16 +96,14 @@ def build_domain(
     extent: Extent | None = None,
     grid: CellGrid | None = None,
 ) -> Domain:
-    """Grid and cell fractions of a scene.
+    """Return grid and cell fractions of a scene.
 
     Args:
-        resolution_mm: largest cell edge, mm.
         target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
         extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
         grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
 
-    Raises:
-        CranktopoError: no envelope, one that does not touch a journal, or halves of the throw that differ.
+    Raises CranktopoError: no envelope, one that touches no journal, or halves of the throw that differ.
     """
     require_equal_halves(scene)
     if extent is None:
@@ -129,11 +123,7 @@ def build_domain(
 
 
 def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm.
-
-    Args:
-        target: "envelope" for a design, "web" for the scene's own web.
-    """
+    """Return the ranges of x and y that hold journals, web and, for a design, the envelope, mm."""
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
     reach = max(main, pin)
     bounds = [(-reach, reach, -main, r + pin)]
@@ -154,7 +144,6 @@ def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Exten
 
 
 def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:
-    """Filled fraction of every cell by each kind of section."""
     result = {kind: np.zeros(grid.cells) for kind in ("passive_fraction", "design_fraction", "pin", "web")}
     for layer in layers:
         filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
@@ -164,7 +153,6 @@ def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]
 
 
 def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
-    """Filled fraction of every cell by a section of a layer."""
     low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
     shares = (high - low) / np.diff(grid.z_mm)
     # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
@@ -180,7 +168,6 @@ def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
 
 
 def _check_touches(scene: Scene, domain: Domain) -> None:
-    """Both journals must meet designable cells at the web faces."""
     start, stop = scene.web_z_mm
     z = domain.grid.z_mm
     faces = (
@@ -202,7 +189,7 @@ def _check_touches(scene: Scene, domain: Domain) -> None:
 
 
 def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
-    """Centres of the cells of the web's layers along each axis, mm."""
+    """Return the centres of the cells of the web's layers along each axis, mm."""
     first, last = domain.web_layers
     x, y, z = (
         (nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm, domain.grid.z_mm)
@@ -211,7 +198,7 @@ def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
 
 
 def on_cells(there: Domain, field: Array, here: Domain) -> Array:
-    """A field on some cells (nx, ny, nw, ...) on others of the same throw, linear between their centres.
+    """Return a field on some cells (nx, ny, nw, ...) on others of the throw, linear between centres.
 
     Beyond the outermost centres the nearest value holds.
     """

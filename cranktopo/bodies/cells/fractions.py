@@ -43,7 +43,7 @@ _THINNEST = 12
 
 
 def slab_fractions(x_mm: Array, y_mm: Array, z_mm: tuple[float, float], section: Section) -> Array:
-    """Filled fraction (nx, ny) of the cells between nodes along x and y and two heights.
+    """Return the filled fraction (nx, ny) of the cells between nodes along x and y and two heights.
 
     Gauss quadrature goes through the slab; parts of it are halved until the areas in both halves add up.
     """
@@ -73,7 +73,7 @@ def _through(x_mm: Array, y_mm: Array, low: Array, high: Array, section: Section
 
 
 def plane_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> Array:
-    """Filled fraction (nx, ny, heights) of the cells between nodes along x and y."""
+    """Return the filled fraction (nx, ny, heights) of the cells between nodes along x and y."""
     heights, cells = len(z_mm), len(y_mm) - 1
     total, largest = np.zeros((heights * cells, len(x_mm) - 1)), np.outer(np.diff(y_mm), np.diff(x_mm))
     steps = np.diff(y_mm)[:, None] * np.arange(_PARTS + 1) / _PARTS + y_mm[:-1, None]
@@ -131,15 +131,7 @@ _CHECKED_HEIGHTS = 24
 def drill_cells(
     scene: Scene, grid: CellGrid, layers: Sequence[AxialLayer], fractions: dict[str, Array]
 ) -> dict[str, Array]:
-    """Fractions of the cells after drilling; the same ones where the scene has no drilling.
-
-    Args:
-        layers: of the half throw.
-        fractions: those of the domain, each (nx, ny, nz).
-
-    Raises:
-        CranktopoError: a drilling leaves the design envelope.
-    """
+    """Return the cells' fractions after drilling; raises CranktopoError where one leaves the envelope."""
     found = drill_bores(scene)
     if not found:
         return fractions
@@ -157,14 +149,7 @@ def drill_cells(
 
 @dataclass(frozen=True)
 class _Slab:
-    """What lies between two heights, in one layer of cells.
-
-    Attributes:
-        z_mm: the heights.
-        share: of the height of the cells.
-        x, y: cells that drillings or their walls may reach.
-        cells: their layer.
-    """
+    """What lies between two heights in a layer of cells: share of their height, cells that are reached."""
 
     z_mm: tuple[float, float]
     share: float
@@ -191,7 +176,6 @@ class _Slab:
 
 
 def _slabs(grid: CellGrid, found: Sequence[DrillBore], z_mm: tuple[float, float]) -> Iterator[_Slab]:
-    """Slabs between two heights that drillings or their walls reach."""
     tools = [(bore, radius) for bore in found for radius in (bore.radius_mm, bore.wall_mm)]
     ends = [float(end[2]) for bore, radius in tools for end in bore.box_mm(radius)]
     low, high = max(z_mm[0], min(ends)), min(z_mm[1], max(ends))
@@ -206,7 +190,6 @@ def _slabs(grid: CellGrid, found: Sequence[DrillBore], z_mm: tuple[float, float]
 
 
 def _cells(nodes: Array, low: float, high: float) -> slice:
-    """Cells that a range touches; at least one."""
     first = int(np.searchsorted(nodes, low, side="right")) - 1
     last = int(np.searchsorted(nodes, high, side="left"))
     first = min(max(first, 0), len(nodes) - 2)

@@ -47,17 +47,12 @@ class DensityGrid:
         return upper
 
     def centres_mm(self, axis: int) -> Array:
-        """Coordinates of the cell centres along one axis, (n,), mm."""
+        """Return the coordinates of the cell centres along one axis, (n,), mm."""
         number = np.arange(self.density.shape[axis], dtype=np.float64)
         return float(self.origin_mm[axis]) + (number + 0.5) * float(self.cell_mm[axis])
 
     def volume_mm3(self, solid_fraction: Array | None = None) -> float:
-        """Volume of material, mm3.
-
-        Args:
-            solid_fraction: (nx, ny, nz) part of each cell that can hold material at all (cells cut by a
-                bore or by the envelope); all of it by default.
-        """
+        """Return the volume of material, mm3, in the part of each cell that can hold some."""
         filled = self.density if solid_fraction is None else self.density * solid_fraction
         return float(filled.sum() * np.prod(self.cell_mm))
 
@@ -84,12 +79,8 @@ Extent = Literal["quarter", "half", "full"]
 class CellGrid:
     """Node coordinates of a structured grid; uniform along x and y, one cell height per layer along z.
 
-    Attributes:
-        x_mm: nodes along x (nx + 1,), mm.
-        y_mm: nodes along y.
-        z_mm: nodes along z; the web faces are among them.
-        padding: cells added beyond the body along (x, y), void, and cells added along z.
-        levels: how often all axes can be halved.
+    Web faces are among the z nodes. Padding counts cells added beyond the body along (x, y), void, and along
+    z; levels, how often all axes can be halved.
     """
 
     x_mm: NDArray[np.float64]
@@ -129,18 +120,13 @@ def plan_grid(
 ) -> CellGrid:
     """Return a grid whose cells are no larger than the resolution and whose planes meet the given ranges.
 
-    The half throw is planned, whatever the extent, so that quarter, half and full model have the same
-    cells and give the same stiffness.
+    The half throw is planned, whatever the extent, so that quarter, half and full model have the same cells
+    and give the same stiffness. Cell counts are divisible by 2**levels.
 
     Args:
         x_range: lateral range of the body, both sides, mm.
-        y_range: range along the throw, mm.
         z_planes: increasing z of the half throw's planes that must be grid planes (ends, web faces), mm.
-        resolution_mm: largest cell edge, mm.
         extent: "quarter" keeps x >= 0, "full" adds the mirror image beyond the last z plane.
-
-    Returns:
-        Grid with cell counts divisible by 2**levels.
     """
     left, right, step = _lateral_counts(x_range, resolution_mm)
     along = _count(y_range, resolution_mm)

@@ -39,13 +39,9 @@ _ROUND_MM = 8.0
 
 @dataclass(frozen=True)
 class MeshedThrow:
-    """A meshed part and its exact mass properties.
+    """A meshed half throw, or `whole` one; exact properties for both signs of x, volume of the first web.
 
-    Attributes:
-        body: properties of the half throw (both signs of x), or of the whole one.
-        web_volume_mm3: of one web; of a whole throw of the first.
-        note: what was done to a body from CAD before it was meshed.
-        whole: the whole throw is meshed, not half of it.
+    The note says what was done to a body from CAD before it was meshed.
     """
 
     mesh: TetMesh
@@ -77,17 +73,12 @@ def mesh_throw(
     graded: bool = True,
     fillet_fraction: float | None = None,
 ) -> MeshedThrow:
-    """Mesh of the half throw of a scene, of the whole one where its halves differ.
-
-    Where the throw is symmetric in x only its half x >= 0 is meshed.
+    """Return the mesh of the half throw, of the whole one where its halves differ; of x >= 0 where symmetric.
 
     Args:
         element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
         full: mesh the whole throw although its halves are alike (to check the condensation).
         fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
-
-    Raises:
-        CranktopoError: impossible dimensions, or no valid mesh.
     """
     whole = full or bool(difference(scene))
     make = partial(_mesh_throw, scene, element_size_mm, whole, quarter, graded, fillet_fraction)
@@ -127,7 +118,7 @@ def mesh_body(
     mirrored: bool,
     fillet_fraction: float | None = None,
 ) -> TetMesh:
-    """Mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
+    """Return the mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False, fillet_fraction=fillet_fraction)
     return _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
 
@@ -219,7 +210,7 @@ def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletS
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Element size at points of the half throw, (n,), mm: finer toward fillets, sharp rings and drillings."""
+    """Return element sizes at points (n,), mm: finer toward fillets, sharp rings and drillings."""
     x, y, z = points_mm.T
     result = np.full(len(points_mm), size)
     for bore in drill_bores(scene):
@@ -231,7 +222,6 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
 
 
 def _finest(scene: Scene, size: float, fillet: FilletSection, fraction: float | None = None) -> float:
-    """Element size on a fillet or at a sharp ring, mm."""
     if fraction is not None and fillet.radial_mm:
         return min(size, fraction * fillet.least_radius_mm)
     return size * min(1.0, max(usual_scale(scene) * fillet.shorter_mm / _ROUND_MM, _FINEST))

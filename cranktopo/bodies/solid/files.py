@@ -64,7 +64,6 @@ def orient_outward(gmsh: Any, faces: list[int]) -> None:
 
 
 def _triangles_of(gmsh: Any, face: int) -> _Tags:
-    """Node tags (n, 3) of the triangles of a face."""
     kinds, _, nodes = gmsh.model.mesh.getElements(2, face)
     found = [
         np.asarray(node, dtype=np.int64) for kind, node in zip(kinds, nodes, strict=True) if kind == _TRIANGLE
@@ -73,7 +72,6 @@ def _triangles_of(gmsh: Any, face: int) -> _Tags:
 
 
 def _points(gmsh: Any) -> NDArray[np.float64]:
-    """Coordinates by node tag, (largest tag + 1, 3), mm."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     points = np.zeros((int(tags.max()) + 1, 3))
     points[tags.astype(np.int64)] = coordinates.reshape(-1, 3)
@@ -81,7 +79,6 @@ def _points(gmsh: Any) -> NDArray[np.float64]:
 
 
 def _volumes(points: NDArray[np.float64], triangles: _Tags) -> NDArray[np.float64]:
-    """Signed volumes of the tetrahedra from the origin to each triangle."""
     a, b, c = (points[triangles[:, corner]] for corner in range(3))
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
 
@@ -142,19 +139,11 @@ def export_solid(
     facet_mm: float | None = None,
     started: datetime | None = None,
 ) -> float:
-    """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
+    """Write a part of a scene, mm, as STEP or STL by the file's suffix; return its exact volume, mm3.
 
-    Args:
-        path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.base.frames`.
-        facet_mm: edge length of STL facets; by default 1 mm for a throw of usual size, others in proportion.
-        started: when the work began that the file is a part of, the date of a STEP file; now by default.
-
-    Returns:
-        Volume of the exact body, mm3.
-
-    Raises:
-        CranktopoError: impossible dimensions, unknown suffix, a STEP file that does not read back, or a file
-            that cannot be written.
+    The file appears only when complete. STL facets have 1 mm for a throw of usual size, others in proportion;
+    `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
+    a STEP file that does not read back, or a file that cannot be written.
     """
     suffix = path.suffix.lower()
     check_file(path, "file", SOLIDS)
@@ -175,14 +164,7 @@ def export_solid(
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:
-    """Closed triangle mesh of a part of a scene.
-
-    Args:
-        facet_mm: edge length of the triangles; by default as `export_solid`.
-
-    Raises:
-        CranktopoError: impossible dimensions.
-    """
+    """Return the closed triangle mesh of a part of a scene, facets as `export_solid`."""
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
     with cad_session(f"{part} of {scene.name}") as gmsh:
@@ -215,7 +197,6 @@ def _web(occ: Any, half: Scene) -> DimTags:
 
 
 def _remove_loose(occ: Any) -> int:
-    """Remove the points, curves and faces that bound no body, and count them."""
     before = len(occ.getEntities())
     for dim in (2, 1, 0):  # what bounds something is kept by gmsh
         occ.remove(occ.getEntities(dim))
@@ -239,7 +220,7 @@ def _usual_facet_mm(scene: Scene) -> float:
 
 
 def coarse_facet_mm(scene: Scene) -> float:
-    """Twice the usual facet: for what is looked at, and for the envelope of a loop's next step."""
+    """Return twice the usual facet: for what is looked at, and for the envelope of a loop's next step."""
     return 2 * _usual_facet_mm(scene)
 
 
@@ -257,7 +238,6 @@ def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> 
 
 
 def _read_back(path: Path, volume: float) -> None:
-    """Check that a STEP file gives the body that was written, and nothing beside it."""
     with cad_session(str(path)) as gmsh:
         occ = gmsh.model.occ
         occ.importShapes(str(path), highestDimOnly=False)
@@ -273,13 +253,9 @@ def _read_back(path: Path, volume: float) -> None:
 
 
 def half_surfaces(scene: Scene, facet_mm: float | None = None) -> tuple[SurfaceMesh, SurfaceMesh]:
-    """Closed triangle meshes of both half throws, each in the frame of its half.
+    """Return closed triangle meshes of both half throws, each in the frame of its half.
 
-    Args:
-        facet_mm: edge length of the triangles; by default as `surface_of`.
-
-    Raises:
-        CranktopoError: impossible dimensions.
+    They are cut out of the whole: a drilling may reach across.
     """
     from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
 

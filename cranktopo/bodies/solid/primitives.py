@@ -67,7 +67,6 @@ def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
 
 
 def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
-    """Return the cylinder within a wider one around the hole."""
     wide = _PIECE * (outlet.hole.radius + outlet.rounding_mm)
     outward, point = np.array(outlet.outward), np.array(outlet.at)
     deep = min(2 * wide, outlet.surface_mm)
@@ -78,7 +77,6 @@ def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
 
 
 def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
-    """Return the curves of a body that lie on both the cylinder and the hole."""
     import gmsh
 
     start, along = np.array(outlet.hole.start), np.array(outlet.outward)
@@ -106,8 +104,6 @@ def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> in
 
 
 class _Contour:
-    """A closed loop of curves whose ends share their points."""
-
     def __init__(self, occ: Any) -> None:
         self._occ = occ
         self._points: dict[Point, int] = {}

@@ -31,14 +31,7 @@ _SOLID = re.compile(rf"(=\s*MANIFOLD_SOLID_BREP\s*\(\s*){_TEXT}")
 
 @dataclass(frozen=True)
 class StepLabel:
-    """What a reader shows of a STEP file.
-
-    Attributes:
-        product: name of the product and of its one solid.
-        description: of the product, one line.
-        program, version: that made it.
-        written: time in UTC.
-    """
+    """What a reader shows of a STEP file: its product and one solid, described in a line; written in UTC."""
 
     product: str
     description: str
@@ -48,20 +41,12 @@ class StepLabel:
 
 
 def label_step(path: Path, label: StepLabel) -> None:
-    """Write the label into a STEP file of one solid that OCC wrote.
-
-    Raises:
-        CranktopoError: the file does not hold exactly one product with one solid.
-    """
+    """Write the label into a STEP file of one solid that OCC wrote."""
     path.write_text(labelled(path.read_text(encoding="ascii"), label), encoding="ascii")
 
 
 def labelled(text: str, label: StepLabel) -> str:
-    """Return the text of a STEP file with the label in its header, its product and its solid.
-
-    Raises:
-        CranktopoError: the text does not hold exactly one product with one solid.
-    """
+    """Return the text of a STEP file with the label; it must hold one product with one solid."""
     product, description = step_string(label.product), step_string(label.description)
     system = _SYSTEM.search(text)
     header = (
@@ -84,10 +69,7 @@ def labelled(text: str, label: StepLabel) -> str:
 
 
 def step_string(text: str) -> str:
-    """A string of ISO 10303-21, quotes included: quotes and backslashes doubled, other alphabets as UTF-16.
-
-    Source: ISO 10303-21, 6.4.3.
-    """
+    """Return a string of ISO 10303-21, 6.4.3, quotes included: other alphabets as UTF-16."""
 
     def coded(match: re.Match[str]) -> str:
         return f"\\X2\\{match[0].encode('utf-16-be').hex().upper()}\\X0\\"
@@ -109,14 +91,9 @@ _VOLUME_TOLERANCE = 2e-3
 
 
 def step_surface(path: Path, name: str) -> SurfaceMesh:
-    """Outward triangles of the one solid in a STEP file, mm, joined along its edges.
+    """Return outward triangles of the one solid in a STEP file of any unit, mm, joined along its edges.
 
-    Args:
-        path: the file, any length unit.
-        name: of the file in messages.
-
-    Raises:
-        CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
+    Raises CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
     with cad_session(f"surface of {path}") as gmsh:
         body = step_solid(gmsh, path, name)
@@ -131,7 +108,7 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
 
 
 def kernel_surface(gmsh: Any) -> SurfaceMesh:
-    """The CAD kernel's own triangles of the open session's body, synchronised, joined; it stays unmeshed."""
+    """Return the kernel's own triangles of the open session's body, joined; it stays unmeshed."""
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
     for option, value in _TRIANGULATION.items():
@@ -154,14 +131,7 @@ def _check_step(path: Path, name: str) -> None:
 
 
 def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
-    """Return the one solid of a STEP file, in the open session, synchronised.
-
-    Args:
-        name: of the file in messages.
-
-    Raises:
-        CranktopoError: it cannot be read, is too large, of another kind, or does not hold exactly one solid.
-    """
+    """Return the one solid of a STEP file in the open session; raises CranktopoError without one."""
     _check_step(path, name)
     occ = gmsh.model.occ
     try:

@@ -33,12 +33,7 @@ outline, to about 5e-6 of the half throw; the smallest pocket is 1e-4 of it.
 
 @dataclass(frozen=True)
 class SolidProperties:
-    """Mass properties of a body of unit density.
-
-    Attributes:
-        centre_mm: centre of mass (x, y, z).
-        inertia_z_mm5: integral of x2 + y2 about the crank axis.
-    """
+    """Mass properties of a body of unit density; inertia is the integral of x2 + y2 about the crank axis."""
 
     volume_mm3: float
     centre_mm: tuple[float, float, float]
@@ -49,9 +44,6 @@ def add_half_throw(occ: Any, scene: Scene) -> DimTags:
     """Return the half throw, z from the mid-main-journal plane to the mid-pin plane, as one checked body.
 
     A bore runs through its journal and the web and ends at the web's far face.
-
-    Raises:
-        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
     require_equal_halves(scene)
     return _add_half(occ, scene)
@@ -76,9 +68,6 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
     drilled with may reach into the other, and comes last.
-
-    Raises:
-        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
     first, second = halves(scene)
     half, other = _add_half(occ, drilled_alike(first)), _add_half(occ, mirror_image(drilled_alike(second)))
@@ -91,14 +80,7 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
 
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
-    """Return all throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
-
-    Args:
-        scene: the throw, and an engine with a firing order.
-
-    Raises:
-        CranktopoError: no engine in the scene, or as `add_half_throw`.
-    """
+    """Return all throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body."""
     angles = scene.shaft_angles_deg
     throw = add_full_throw(occ, scene)
     bodies: DimTags = []
@@ -115,14 +97,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
 
 
 def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
-    """Check one body, its volume against the closed form, and a closed boundary.
-
-    Args:
-        expected_mm3: volume by the closed form.
-
-    Raises:
-        CranktopoError: the CAD kernel gave something else.
-    """
+    """Check that the kernel gave one body, its volume by the closed form, else raise CranktopoError."""
     solids = [pair for pair in body if pair[0] == 3]
     if len(solids) != 1:
         raise CranktopoError(
@@ -139,11 +114,7 @@ def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
 
 
 def solid_properties(occ: Any, body: DimTags) -> SolidProperties:
-    """Volume, centre and inertia about the crank axis of one body, from the CAD kernel's exact faces.
-
-    Args:
-        body: (dimension, tag) pairs that hold one volume.
-    """
+    """Return volume, centre and inertia about the crank axis of one body, from the kernel's exact faces."""
     (tag,) = [tag for dim, tag in body if dim == 3]
     volume = occ.getMass(3, tag)
     x, y, z = occ.getCenterOfMass(3, tag)
@@ -169,11 +140,7 @@ def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
 
 
 def add_drillings(occ: Any, scene: Scene, *, alone: bool = False) -> DimTags:
-    """Add the tools that drill the half throw; none for most throws.
-
-    Args:
-        alone: only those of drillings that the other half has no mirror image of.
-    """
+    """Add the tools that drill the half throw, or `alone` those without a mirror image in the other half."""
     return _solids(occ, [bore for bore in drill_bores(scene) if bore.alone or not alone])
 
 
@@ -184,13 +151,7 @@ def _solids(occ: Any, bodies: Sequence[Body]) -> DimTags:
 def _add_journal(
     occ: Any, scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int
 ) -> DimTags:
-    """Journal from its mid-plane to the web face with its fillet, by revolution, bore cut out.
-
-    Args:
-        y: its axis along the throw, mm.
-        z_mm: axial range.
-        toward: +1 if the web lies at the upper end, -1 at the lower.
-    """
+    """Return the journal at y from its mid-plane to the web face, its upper end if `toward` is +1."""
     face = z_mm[1] if toward > 0 else z_mm[0]
     far = z_mm[0] if toward > 0 else z_mm[1]
     if journal.fillet_mm:

@@ -43,12 +43,11 @@ the same number, or one layer that belongs to both where the parting plane lies 
 
 @dataclass(frozen=True)
 class ForgingConstraint:
-    """Two die halves that part in a plane.
+    """Two die halves that part in a plane across `axis`, 0 or 2.
 
     Attributes:
         free: designable cells (nx, ny, nw); the others are no obstacle.
-        kept: least density, 1 where material must be; None where there is none.
-        axis: along which the halves leave, 0 or 2.
+        kept: minimum density, 1 where material must be; None where there is none.
         draft_slope: tan(draft) times the cell's edge along the axis over its edge along each other axis.
     """
 
@@ -77,11 +76,7 @@ def reachable(open_to_die: NDArray[np.bool_], parting: Parting, axis: int = 0) -
 def without_undercuts(
     density: jax.Array, free: jax.Array, parting: Parting, draft_slope: tuple[float, float] = NO_DRAFT
 ) -> jax.Array:
-    """Return the density that never grows away from the parting plane, along the first axis.
-
-    Returns:
-        (nx, ny, nw) in [0, 1], at most `density` where that is designable.
-    """
+    """Return the density, at most the given one where free, that never grows away from the parting."""
     ks_terms, (end, start) = jnp.where(free, ks_term(density), 0.0), parting
     left, right = (
         running_smooth_min(ks_terms[:end][::-1], draft_slope)[::-1],
@@ -91,9 +86,7 @@ def without_undercuts(
 
 
 def running_smooth_min(ks_terms: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
-    """Smooth minimum of densities over the layers up to each one, the first axis; with draft the solid of
-    each layer lies within the eroded one before it.
-    """
+    """Return the smooth minimum over the layers (first axis) up to each; with draft over eroded ones."""
     if not any(draft_slope):
         return _smooth_minimum(jnp.cumsum(ks_terms, axis=0))
 
@@ -110,7 +103,6 @@ def ks_term(density: jax.Array) -> jax.Array:
 
 
 def _smooth_minimum(ks_terms: jax.Array) -> jax.Array:
-    """Smooth minimum of densities from the sum of their gaps; at most the true one."""
     return -jnp.log(jnp.minimum(ks_terms + jnp.exp(-SHARPNESS), 1.0)) / SHARPNESS
 
 
@@ -137,14 +129,7 @@ ONE_CELL: Offsets = ((0, 0),)
 
 @dataclass(frozen=True)
 class Direction:
-    """A way in from outside.
-
-    Attributes:
-        axis: along which it leads.
-        inward: +1 or -1, the sign of its motion along the axis.
-        section: cells of the tool's cross-section about its centre, along the two other axes.
-        draft_slope: of the draft, as for a die.
-    """
+    """A way in from outside along an axis, inward +1 or -1; the tool's section is in cells across it."""
 
     axis: int
     inward: int
@@ -158,10 +143,8 @@ class ToolAccess:
 
     Attributes:
         free: designable cells (nx, ny, nw).
-        air: 1 where there is nothing to begin with, 0 where solid stands or in a designable cell;
-            `margin` cells larger than the body at both ends of each axis.
-        margin: cells around the body that tools pass through.
-        mirrored_x: whether the first x plane is a mirror.
+        air: 1 where there is nothing to begin with, 0 where solid stands or in a designable cell; `margin`
+            cells larger than the body at both ends of each axis.
     """
 
     free: jax.Array
@@ -185,7 +168,6 @@ class ToolAccess:
 
 
 def _reached(open_: jax.Array, direction: Direction) -> jax.Array:
-    """Return how far a direction clears each cell: 0 solid, 1 void."""
     moved = jnp.moveaxis(open_, direction.axis, 0)
     moved = moved if direction.inward > 0 else moved[::-1]
     centres = running_smooth_min(_summed(ks_term(moved), direction.section), direction.draft_slope)
@@ -194,7 +176,6 @@ def _reached(open_: jax.Array, direction: Direction) -> jax.Array:
 
 
 def _summed(ks_terms: jax.Array, section: Offsets) -> jax.Array:
-    """Return the sums over the cross-section in each layer; nothing stands beyond the margin."""
     if section == ONE_CELL:
         return ks_terms
     return sum((_shifted(ks_terms, offset) for offset in section), jnp.zeros_like(ks_terms))

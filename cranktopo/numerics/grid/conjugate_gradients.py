@@ -36,13 +36,7 @@ _DIVERGED = 1e10
 
 
 class System(NamedTuple):
-    """Equilibrium K(moduli) u = f of every case.
-
-    Attributes:
-        blocks: parity blocks (8, 3, 3, nz) of the layers.
-        moduli: modulus per cell, float64.
-        forces: (cases, 3, nodes...), float64.
-    """
+    """Equilibrium K(moduli) u = f of every case: blocks (8, 3, 3, nz), forces (cases, 3, nodes...)."""
 
     blocks: jax.Array
     supports: BoundaryConditions
@@ -51,13 +45,7 @@ class System(NamedTuple):
 
 
 class CgResult(NamedTuple):
-    """Result of an iteration.
-
-    Attributes:
-        displacements: (cases, 3, nodes...).
-        relative_residual: (cases,) norm of the true residual, computed afresh, over that of the load.
-        iterations: number of iterations, shared by all cases.
-    """
+    """Displacements (cases, 3, nodes...), true residuals over the loads (cases,), common iterations."""
 
     displacements: jax.Array
     relative_residual: jax.Array
@@ -65,12 +53,7 @@ class CgResult(NamedTuple):
 
 
 class _CgState(NamedTuple):
-    """Between two steps.
-
-    Attributes:
-        true_error: relative residual at the last measurement; `error` is that of `r`, which is carried on.
-        measure: whether the next step is a measurement.
-    """
+    """State between two steps; `error` is that of `r`, `true_error` that of the last measurement."""
 
     u: jax.Array
     r: jax.Array
@@ -125,16 +108,10 @@ def multigrid_cg(
     tolerance: jax.Array,
     max_iterations: jax.Array,
 ) -> CgResult:
-    """Solve by conjugate gradients with the multigrid cycle.
+    """Solve by conjugate gradients with the multigrid cycle; the memory of the guess is taken for the result.
 
-    Args:
-        hierarchy: built from the system's moduli or from similar ones.
-        degree: smoothing steps before and after each coarse correction.
-        guess: start values; their memory is taken for the result, so that the array is gone afterwards.
-
-    Returns:
-        CgResult; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
-        not positive definite in floating point, and where rounding stops all progress.
+    The tolerance is missed where the cap is reached, where the preconditioner or the matrix is not positive
+    definite in floating point, and where rounding stops all progress. `degree` is that of `apply_cycle`.
     """
     precondition = partial(apply_cycle, hierarchy, system.supports, degree)
     return _iterate(system, precondition, guess, tolerance, max_iterations)
@@ -154,11 +131,7 @@ def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterat
 
 @dataclass(frozen=True)
 class _Iteration:
-    """One loop of two kinds of steps, so that the product is compiled only once.
-
-    Attributes:
-        load: (cases,) norms of the projected forces, 1 where 0.
-    """
+    """One loop of two kinds of steps, so that the product is compiled only once."""
 
     system: System
     precondition: _Preconditioner
@@ -220,7 +193,6 @@ def _iterate(
     tolerance: jax.Array,
     max_iterations: jax.Array,
 ) -> CgResult:
-    """Iterate from the guess until a measurement tells to stop."""
     free = project(system.supports, system.forces)
     load = jnp.sqrt(system.supports.partition.dot(free, free))
     load = jnp.where(load > 0, load, 1.0)

@@ -51,13 +51,7 @@ def partition_of(tables: GridTables, parts: int) -> Partition:
 
 @dataclass(frozen=True)
 class SharedSolve:
-    """A solve on the first devices that JAX finds.
-
-    Attributes:
-        degree, guess: as of `multigrid_cg`.
-        limits: tolerance and largest number of iterations.
-        parts: number of devices, a divisor of the number of layers.
-    """
+    """A solve on the first devices that JAX finds; the number of parts divides that of layers."""
 
     tables: GridTables
     system: System
@@ -94,11 +88,6 @@ class SharedSolve:
 
 @lru_cache(maxsize=8)
 def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
-    """Return the hierarchy and iteration as one program of all devices.
-
-    Args:
-        coarse: number of coarse grids.
-    """
 
     def solve(
         tables: GridTables, system: System, degree: jax.Array, guess: jax.Array, *limits: jax.Array
@@ -115,7 +104,6 @@ def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
 
 
 def _specs(partition: Partition, coarse: int) -> tuple[object, ...]:
-    """Return the axis that is cut of every argument of the program."""
     maps = tuple(
         CoarseMap(_SAME, _SAME, _CELLS if level < partition.levels else _SAME, _SAME)
         for level in range(1, coarse + 1)
@@ -145,7 +133,6 @@ def _cut(field: jax.Array, parts: int) -> jax.Array:
 
 @partial(jax.jit, static_argnums=1)
 def _joined(field: jax.Array, parts: int) -> jax.Array:
-    """Return a field from its parts."""
     planes = field.shape[-1] // parts
     pieces = [field[..., k * planes : (k + 1) * planes - 1] for k in range(parts)]
     return jnp.concatenate([*pieces, field[..., -1:]], axis=-1)

@@ -36,13 +36,9 @@ _JOINED_STIFFNESS_RATIO = 1e-3
 
 
 class Solution(NamedTuple):
-    """Displacements and how well they satisfy equilibrium.
+    """Displacements, true residuals over the loads (cases,), iterations of all methods, the one that did it.
 
-    Attributes:
-        relative_residual: (cases,) norm of the true residual over that of the load.
-        iterations: number of iterations, shared by all cases, of all methods together.
-        method: what reached the tolerance.
-        notice: one sentence when the first method was not enough, else empty.
+    The notice is one sentence where the first method was not enough, else empty.
     """
 
     displacements: jax.Array
@@ -81,14 +77,8 @@ def solve_system(
 ) -> Solution:
     """Return the displacements of every case, their true residual at most the tolerance.
 
-    Args:
-        guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros; the
-            array is gone afterwards.
-        precision: of the first method's multigrid cycle.
-
-    Raises:
-        CranktopoError: the field or the load makes no sense, or no method reaches the tolerance (exit
-            code 4).
+    The guess (cases, 3, nodes...) is admissible, e.g. the last solution or zeros, and gone afterwards. Raises
+    CranktopoError where field or load make no sense, or no method reaches the tolerance (exit code 4).
     """
     _check_numbers(system, names)
     iterations, tried = 0, ""
@@ -146,10 +136,7 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
 
 @jax.jit
 def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, ...]:
-    """Return minimum and largest modulus, whether all are finite, and whether the forces of each case are.
-
-    A compiled minimum may pass over what is not a number; a sum does not.
-    """
+    """Return moduli and what is finite: a compiled minimum may pass over NaN, a sum does not."""
     finite = jnp.isfinite(jnp.sum(moduli)), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
     return jnp.min(moduli), jnp.max(moduli), *finite
 
@@ -176,7 +163,6 @@ def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[
 
 
 def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
-    """Return the first case whose load reaches its supports across edges or corners only."""
     found = unsupported_load(system, threshold, "faces")
     return found and (
         found[0],

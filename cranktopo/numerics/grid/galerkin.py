@@ -54,11 +54,7 @@ class CoarseMap(NamedTuple):
 
 @lru_cache(maxsize=32)
 def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
-    """Return the constants of one coarse grid.
-
-    Args:
-        factors: fine cells per coarse cell along (x, y, z).
-    """
+    """Return the constants of a coarse grid with so many fine cells per coarse cell along (x, y, z)."""
     stacks = [lattice.dz_mm[k : k + factors[2]] for k in range(0, lattice.cells[2], factors[2])]
     layers = [_layer_map(lattice, factors, heights) for heights in stacks]
     return CoarseMap(
@@ -76,7 +72,6 @@ def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
 
 
 def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.Array:
-    """Return some entries of the stiffness matrices of coarse cells (entries, coarse cells...)."""
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, matrices.shape[2]
     weights_x, weights_y = (jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y))
@@ -91,12 +86,9 @@ def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.A
 
 
 def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision) -> jax.Array:
-    """Return the Galerkin operator's stencil: blocks that couple a node to itself and later neighbours.
+    """Return the stencil (nodes along x, y, 14, 3, 3, along z): blocks of a node with itself and later ones.
 
     Slab by slab along x: matrices of all coarse cells at once would be the most memory that a solve takes.
-
-    Returns:
-        Array (nodes along x, nodes along y, 14, 3, 3, nodes along z).
     """
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
@@ -151,7 +143,6 @@ def _apply_by_kernel(*arrays: jax.Array) -> jax.Array:
 
 
 def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Return the product as JAX code."""
     # A node of zeros around the grid: no neighbour is missing. Without the barrier XLA recomputes what made
     # the field once per neighbour.
     padded = jax.lax.optimization_barrier(jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1))))
@@ -177,14 +168,12 @@ def _block_product(blocks: jax.Array, field: jax.Array) -> jax.Array:
 
 
 def _neighbours(padded: jax.Array, offset: tuple[int, ...]) -> jax.Array:
-    """Return what the neighbours of all nodes have."""
     i, j, k = offset
     nx, ny, nz = padded.shape[2:]
     return padded[:, :, 1 + i : nx - 1 + i, 1 + j : ny - 1 + j, 1 + k : nz - 1 + k]
 
 
 def _add_at(padded: jax.Array, values: jax.Array, offset: tuple[int, ...]) -> jax.Array:
-    """Add to the neighbours of all nodes."""
     at = (0, 0, *(1 + n for n in offset))
     return jax.lax.dynamic_update_slice(padded, _neighbours(padded, offset) + values, at)
 

@@ -19,11 +19,7 @@ _GAUSS = (-1 / np.sqrt(3), 1 / np.sqrt(3))
 
 
 def elasticity(poisson: float) -> Array:
-    """Return the isotropic elasticity matrix for unit Young's modulus, shape (6, 6), order xx yy zz yz zx xy.
-
-    Args:
-        poisson: Poisson's ratio, 0 <= poisson < 0.5.
-    """
+    """Return the isotropic elasticity matrix (6, 6) for unit Young's modulus, order xx yy zz yz zx xy."""
     scale = 1 / ((1 + poisson) * (1 - 2 * poisson))
     matrix = np.zeros((6, 6))
     matrix[:3, :3] = poisson * scale
@@ -35,20 +31,12 @@ def elasticity(poisson: float) -> Array:
 def hexahedron_stiffness(
     size_mm: tuple[float, float, float], poisson: float, *, incompatible_modes: bool = True
 ) -> Array:
-    """Return the stiffness of a box-shaped 8-node hexahedron with incompatible modes for E = 1 MPa, N/mm.
+    """Return the stiffness (24, 24) of a box-shaped 8-node hexahedron for E = 1 MPa, N/mm.
 
-    The three quadratic bubble modes per direction remove parasitic shear in bending and are condensed
-    out; on a box they pass the patch test without correction.
-
-    Args:
-        size_mm: edge lengths (x, y, z), mm.
-        incompatible_modes: without, the bubbles are left out, to show what they are worth.
-
-    Returns:
-        Matrix of shape (24, 24), symmetric, with six rigid motions in its null space.
-
-    Source: E. L. Wilson et al., Incompatible displacement models, 1973; R. L. Taylor, P. J. Beresford,
-    E. L. Wilson, A non-conforming element for stress analysis, IJNME 10, 1976.
+    The three quadratic bubble modes per direction remove parasitic shear in bending and are condensed out; on
+    a box they pass the patch test without correction.
+    Source: E. L. Wilson et al., Incompatible displacement models, 1973; R. L. Taylor, P. J. Beresford, E. L.
+    Wilson, A non-conforming element for stress analysis, IJNME 10, 1976.
     """
     d = elasticity(poisson)
     blocks = np.zeros((33, 33))
@@ -64,14 +52,11 @@ def hexahedron_stiffness(
 
 
 def parity_blocks(stiffness: Array) -> Array:
-    """Return the eight 3 x 3 blocks of a hexahedron's stiffness in the basis of corner sums and differences.
+    """Return the blocks B (8, 3, 3) of a hexahedron's stiffness K = H^T B H in corner sums and differences.
 
-    A box of isotropic material commutes with its three reflections, so the Walsh-Hadamard transform over
-    its corners leaves one 3 x 3 block per parity class. Sum w = (wx, wy, wz) in {0, 1}^3 is a difference
-    (1) or sum (0) per axis; component c of class p belongs to sum p xor e_c.
-
-    Returns:
-        Array (8, 3, 3); class index 4 px + 2 py + pz. With it K = H^T B H for the unnormalised transform H.
+    A box of isotropic material commutes with its three reflections, so the unnormalised Walsh-Hadamard
+    transform H over its corners leaves one 3 x 3 block per parity class 4 px + 2 py + pz. Sum w = (wx, wy,
+    wz) in {0, 1}^3 is a difference (1) or sum (0) per axis; component c of class p belongs to sum p xor e_c.
     """
     signs = np.prod(np.where(CORNERS[None, :, :] == 1, 2 * CORNERS[:, None, :] - 1, 1), axis=2).astype(float)
     sums = np.einsum("aw,acbd,bv->wcvd", signs, stiffness.reshape(8, 3, 8, 3), signs) / 64
@@ -127,12 +112,7 @@ _DENSE_UNKNOWNS = 450
 
 @dataclass(frozen=True)
 class Lattice:
-    """A grid of box cells, uniform in x and y, with one height per layer in z.
-
-    Attributes:
-        dz_mm: cell edge along z for each of the nz layers, mm.
-        incompatible_modes: of the hexahedra; without, they are too stiff in bending.
-    """
+    """A grid of box cells, uniform in x and y, with one height per layer in z."""
 
     cells: Cells
     dx_mm: float

@@ -52,9 +52,7 @@ _SHIFT = 1e-13
 class GridTables(NamedTuple):
     """Constants of a lattice; arguments of the compiled functions, so that grids of one size share them.
 
-    Attributes:
-        blocks: parity blocks (8, 3, 3, nz) of the layers.
-        bound: bound of the Jacobi-scaled spectrum on the finest level.
+    Parity blocks (8, 3, 3, nz) of the layers, the bound of the Jacobi-scaled spectrum on the finest level.
     """
 
     blocks: Array
@@ -63,13 +61,12 @@ class GridTables(NamedTuple):
 
 
 class Hierarchy(NamedTuple):
-    """Everything the V-cycle needs for one set of moduli.
+    """Everything the V-cycle needs for one set of moduli, in the precision of the cycle.
 
     Attributes:
-        blocks: parity blocks of the finest layers; all arrays have the precision of the cycle.
         moduli: moduli of the finest cells over the largest one.
-        steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the
-            Jacobi-scaled operator, (3, nodes...), 0 in void.
+        steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the Jacobi-scaled
+            operator, (3, nodes...), 0 in void.
         stencils: Galerkin stencils of the intermediate levels.
         coarse_inverse: (cases, n, n) inverse on the coarsest grid, supports included.
     """
@@ -144,15 +141,13 @@ def apply_cycle(
 ) -> tuple[jax.Array, jax.Array]:
     """Apply one V-cycle to a residual: an approximate, symmetric positive definite inverse.
 
+    Returns a field and scale per case: the correction is what is admissible of their product. Rounding in the
+    cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
+
     Args:
         degree: number of smoothing steps before and after the coarse correction on the finest level; twice as
             many on the next, but as many on a large grid; three times as many on the one after, and so on.
-        residual: projected nodal forces (cases, 3, nodes...), any float type.
         norm: norms of the residual (cases,), about: what is computed with are numbers near 1.
-
-    Returns:
-        Field in the precision of the cycle and scale per case: the correction is what is admissible of their
-        product. Rounding in the cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
     """
     partition = supports.partition
     scale = jnp.where(norm > 0, norm, 1.0)
@@ -169,7 +164,6 @@ def _cycle(
     residual: jax.Array,
     level: int,
 ) -> jax.Array:
-    """Smooth, correct on the coarser grid, smooth."""
     if level == len(hierarchy.steps):
         return _solve_coarse(hierarchy, residual)
     partition, coarser = supports.partition, supports.partition.at_level(level + 1)
@@ -263,11 +257,8 @@ def project(
 ) -> jax.Array:
     """Return the orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
-    For nodal forces it is the part that admissible displacements feel.
-
-    Args:
-        scale: factors per case (cases,).
-        more: an admissible field to add.
+    For nodal forces it is the part that admissible displacements feel. The field is scaled per case before,
+    the admissible field `more` added.
     """
     factor = jnp.ones(field.shape[0], field.dtype) if scale is None else scale
     mask = interior_mask(supports, _nodes(field), field.dtype)

@@ -19,11 +19,7 @@ from cranktopo.numerics.kernels.registry import by_kernel, called, coupled
 
 
 def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Return the transpose of trilinear interpolation: fine nodal forces to the next coarser grid.
-
-    Args:
-        nodes: node counts of the coarser grid; an axis with as many as the finer one stays as it is.
-    """
+    """Return the transpose of `prolong`: fine nodal forces on the next coarser grid with so many nodes."""
     elsewhere = partial(_restricted, nodes=nodes)
     if not _halved(field.shape[2:], nodes):
         return elsewhere(field)
@@ -52,12 +48,10 @@ def _add_prolonged(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.
 
 
 def _halved(fine: tuple[int, ...], coarse: tuple[int, ...]) -> bool:
-    """Tell whether the coarse grid has every second node along all axes."""
     return all(one == 2 * other - 1 for one, other in zip(fine, coarse, strict=True))
 
 
 def _restricted(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Return the same as JAX code."""
     for axis, count in zip((2, 3, 4), nodes, strict=True):
         size = field.shape[axis]
         if size == count:
@@ -71,11 +65,7 @@ def _restricted(field: jax.Array, nodes: Cells) -> jax.Array:
 
 
 def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
-    """Return the trilinear interpolation of a coarse field to the next finer grid.
-
-    Args:
-        nodes: node counts of the finer grid; an axis with as many as the coarser one stays as it is.
-    """
+    """Return the trilinear interpolation to the next finer grid; an axis with as many nodes stays."""
     for axis, count in zip((4, 3, 2), reversed(nodes), strict=True):
         size = field.shape[axis]
         if size == count:
@@ -91,16 +81,7 @@ def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
 
 
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """Return the nodal forces K(moduli) u of every case: by a kernel on the processor, elsewhere by JAX.
-
-    Args:
-        blocks: parity blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
-        moduli: Young's modulus per cell (nx, ny, nz), MPa.
-        field: displacements (cases, 3, nx + 1, ny + 1, nz + 1), mm.
-
-    Returns:
-        Forces of the same shape and precision as `field`, N.
-    """
+    """Return the nodal forces K(moduli) u of every case, N, with moduli per cell in MPa and u in mm."""
     return by_kernel(_by_kernel, apply_by_slabs, blocks, moduli, field)
 
 
@@ -109,11 +90,7 @@ def _by_kernel(*arrays: jax.Array) -> jax.Array:
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
-    """Return v^T K_e u of every cell for unit modulus over all cases: the derivative of v^T K u by moduli.
-
-    Returns:
-        Array (nx, ny, nz), N mm per MPa.
-    """
+    """Return v^T K_e u of every cell for unit modulus, N mm per MPa: the derivative of v^T K u by moduli."""
     return jnp.sum(by_kernel(_energies_by_kernel, _energies_by_layers, blocks, left, right), axis=0)
 
 

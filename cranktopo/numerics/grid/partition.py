@@ -20,12 +20,7 @@ AXIS = "z"
 @jax.tree_util.register_static
 @dataclass(frozen=True)
 class Partition:
-    """Partition of a grid among devices.
-
-    Attributes:
-        parts: number of parts.
-        levels: multigrid levels that are cut, from the finest on; the others are whole on every device.
-    """
+    """Partition of a grid among devices; multigrid levels beyond `levels` are whole on every device."""
 
     parts: int = 1
     levels: int = 0
@@ -108,7 +103,6 @@ class Partition:
         return rows * (layers * self.parts + 1) + start + jnp.arange(planes)
 
     def _from_above(self, nodal: jax.Array) -> jax.Array:
-        """Return the first plane of the part above; zeros where there is none."""
         return jax.lax.ppermute(nodal[..., 0], AXIS, [(part + 1, part) for part in range(self.parts - 1)])
 
 

@@ -26,17 +26,12 @@ _State = tuple[jax.Array, jax.Array, jax.Array]
 def largest_eigenvalues(
     stencils: Sequence[jax.Array], roots: Sequence[jax.Array], partitions: Sequence[Partition]
 ) -> Sequence[jax.Array]:
-    """Estimate of each from Lanczos steps: the Ritz value plus its residual.
+    """Estimate the largest eigenvalues of Jacobi-scaled stencils: Ritz values of Lanczos steps + residuals.
 
     A power iteration fell below it on grids above a million cells, where the mode that has it is small beside
-    the grid: the cycle was then not positive definite.
-
+    the grid: the cycle was then not positive definite. `roots` are those of inverse diagonals, 0 in void.
     Source: Y. Zhou, R.-C. Li, Bounding the spectrum of large Hermitian matrices, Linear Algebra Appl. 435,
     2011, bound (11).
-
-    Args:
-        roots: root of the inverse diagonal, 0 in void.
-        partitions: of the grids, one for each stencil or more.
     """
     found = [_steps(*one) for one in zip(stencils, roots, partitions, strict=False)]
     if not found:
@@ -46,7 +41,6 @@ def largest_eigenvalues(
 
 
 def _steps(stencil: jax.Array, root: jax.Array, partition: Partition) -> tuple[jax.Array, jax.Array]:
-    """Return tridiagonal matrix of Lanczos steps: its diagonal, and what couples each step to the next."""
     waves = jnp.sin(partition.node_numbers(root.shape).astype(stencil.dtype) * 12.9898)[None]
     waves = waves * (root > 0)
 
@@ -80,11 +74,7 @@ def _scaled(field: jax.Array, length: jax.Array) -> jax.Array:
 
 
 class SmootherState(NamedTuple):
-    """Fields (cases, 3, nodes...) between two steps.
-
-    Attributes:
-        correction: part of `field` whose forces `residual` does not know of yet.
-    """
+    """Fields (cases, 3, nodes...) between two steps; the residual lacks the correction's forces."""
 
     correction: jax.Array
     field: jax.Array
@@ -92,12 +82,7 @@ class SmootherState(NamedTuple):
 
 
 class JacobiScaling(NamedTuple):
-    """Jacobi scaling of a level, and where components move on their own.
-
-    Attributes:
-        sizes: inverse diagonal over the largest eigenvalue of the Jacobi-scaled operator (3, nodes...).
-        along_x, along_z: (cases, 3, nodes) 0 where a component is held, else 1.
-    """
+    """Inverse diagonal over largest eigenvalue (3, nodes...), factors (cases, 3, nodes) 0 where held."""
 
     sizes: jax.Array
     along_x: jax.Array

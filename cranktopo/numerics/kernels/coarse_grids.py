@@ -48,7 +48,7 @@ class _Field:
 
 
 def write_restriction(code: VectorCode) -> None:
-    """Transpose of the interpolation, on the coarse planes of nodes from `first` to before `last`.
+    """Write the transpose of the interpolation, on the coarse planes of nodes from `first` to before `last`.
 
     Inputs of the function: fine field; coarse field; cases, coarse nodes along x, y, z, part, first, last.
     """
@@ -100,7 +100,7 @@ def _added_row(
 
 
 def write_prolongation(code: VectorCode) -> None:
-    """Trilinear interpolation, also added to a field, on the fine planes from `first` to before `last`.
+    """Write the interpolation, also added to a field, on the fine planes from `first` to before `last`.
 
     Inputs of the function: coarse field, fine field; the interpolation and, in the place of the fine field,
     the sum; cases, fine nodes along x, y, z, part, first, last.
@@ -126,7 +126,6 @@ def write_prolongation(code: VectorCode) -> None:
 
 
 def _mean(code: VectorCode, coarse: _Field, rows: Sequence[Value], k: Value) -> Value:
-    """Mean of four rows from k on."""
     total = code.zero
     for row in rows:
         total = code.add(total, coarse.load(row, k))
@@ -137,7 +136,6 @@ def _mean(code: VectorCode, coarse: _Field, rows: Sequence[Value], k: Value) -> 
 def _rows(
     code: VectorCode, cases: Value, planes: tuple[Value, Value], nodes: Sequence[Value]
 ) -> Iterator[tuple[Value, Value, Value, Value]]:
-    """Component, plane, row and first node of every vector of some planes."""
     one, zero = INT64(1), INT64(0)
     with (
         code.loop(zero, code.times(cases, INT64(3)), one) as component,
@@ -250,7 +248,6 @@ class _Nodes:
         return code.builder.and_(mask, code.builder.select(at_start, code.later_lanes(), mask))
 
     def _exists(self, to: tuple[int, int]) -> Value:
-        """Tell whether a neighbouring row does."""
         code, row = self.code, self.code.plus(self.row, to[1])
         exists = code.builder.and_(code.below(INT64(-1), row), code.below(row, self.grid.ny))
         return code.builder.and_(exists, self.inside) if to[0] else exists

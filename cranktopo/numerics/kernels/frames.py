@@ -150,7 +150,7 @@ def struct_size(kind: type[ctypes.Structure]) -> int:
 
 
 def unknown_size(frame: int) -> str:
-    """Return which struct at the address of a call frame is of another size than here, empty if none is.
+    """Tell which struct at the address of a call frame is of another size than here, empty if none is.
 
     Read from the outside in: what a struct of another size points to is not looked at.
     """
@@ -207,14 +207,9 @@ def first_line(error: Exception) -> str:
 
 
 def find_fault(address: int, product: Callable[[str], Product], expected: Product) -> str:
-    """Return what is wrong with the kernel of a product in a few words, empty if nothing is.
+    """Tell what is wrong with the product of the kernel at an address, empty if it is that of JAX code.
 
     In a thread of its own: the caller may be tracing a program, for another device or several.
-
-    Args:
-        address: of its handler.
-        product: what it computes, registered under a name.
-        expected: the same as JAX code.
     """
     with ThreadPoolExecutor(1) as pool:
         return pool.submit(_tried, address, product, expected).result()
@@ -251,7 +246,6 @@ def _tried(address: int, product: Callable[[str], Product], expected: Product) -
 
 
 def _operands() -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Blocks, moduli and displacements of any numbers."""
     cases, cells = TRIAL
     shapes = (8, 3, 3, cells[2]), cells, (cases, 3, *(n + 1 for n in cells))
     random = np.random.default_rng(0)

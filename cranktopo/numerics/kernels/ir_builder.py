@@ -23,11 +23,7 @@ _FUSED = ("contract",)
 
 
 class VectorCode:
-    """Code of one function; the builder stands where the next instruction goes.
-
-    Attributes:
-        width: numbers in a vector.
-    """
+    """Code of one function, with vectors of `width`; the builder stands where the next instruction goes."""
 
     def __init__(self, module: ir.Module, name: str, inputs: Sequence[ir.Type], precision: str, width: int):
         self.number = ir.FloatType() if precision == "float32" else ir.DoubleType()
@@ -150,7 +146,7 @@ class VectorCode:
     def loop(
         self, start: Value, stop: Value, step: Value, carried: Sequence[Value] = ()
     ) -> Iterator[SimpleNamespace]:
-        """Return what is written inside runs for `index` from start to below stop.
+        """Run what is written inside for `index` from start to below stop.
 
         `values` are those carried from turn to turn, and after the loop the last ones; inside it, `following`
         is to be set to what the next turn gets.

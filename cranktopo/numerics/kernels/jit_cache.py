@@ -24,7 +24,7 @@ _engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its e
 
 
 def address_of(function: str, text: str) -> int:
-    """Address of a function of a module, written for LLVM, as machine code for this processor.
+    """Return the address of a function of a module, written for LLVM, as machine code for this processor.
 
     LLVM takes a tenth of a second for a kernel: its object files are kept.
     """
@@ -45,7 +45,7 @@ def address_of(function: str, text: str) -> int:
 
 
 def vector_width(precision: str) -> int:
-    """Numbers in a vector register of this processor; 256 bits where it has no longer ones."""
+    """Return the numbers in a vector register of this processor; of 256 bits where it has no longer ones."""
     import llvmlite.binding as llvm
 
     wide = llvm.get_host_cpu_features().get("avx512f", False)
@@ -53,7 +53,6 @@ def vector_width(precision: str) -> int:
 
 
 def _compiled(text: str) -> bytes:
-    """Object file of a module."""
     import llvmlite.binding as llvm
 
     machine, module = _machine(), llvm.parse_assembly(text)
@@ -74,7 +73,6 @@ def _machine() -> llvm.TargetMachine:
 
 @cache
 def _processor() -> tuple[str, str]:
-    """Name and features of this processor."""
     import llvmlite.binding as llvm
 
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
@@ -87,7 +85,6 @@ def _kept(made_from: str) -> Path | None:
 
 
 def _read(file: Path) -> bytes | None:
-    """Return what is kept in a file, where it is whole."""
     try:
         found = file.read_bytes()
     except OSError:

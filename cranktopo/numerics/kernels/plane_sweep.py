@@ -43,13 +43,9 @@ class Pair:
 
 @dataclass(frozen=True)
 class Layer:
-    """What an operator couples in one go.
+    """What an operator couples in one go: the planes of every case.
 
-    Attributes:
-        number: of the near plane.
-        inside: whether there is a far one; where there is none its addresses must not be used.
-        cases: number of load cases.
-        pair: the planes of one of these.
+    The addresses of the far plane must not be used where it is not `inside`.
     """
 
     number: Value
@@ -61,9 +57,7 @@ class Layer:
 class Operator(Protocol):
     """What a layer of cells, or the stencils of a plane, give to the forces of two planes.
 
-    Attributes:
-        arrays: number of arrays that it is made of.
-        together: whether all load cases go through the planes side by side.
+    It is made of so many arrays; `together` all load cases go through the planes side by side.
     """
 
     arrays: int
@@ -76,9 +70,7 @@ class Operator(Protocol):
 class Finish(Protocol):
     """What is done with a plane whose forces are complete.
 
-    Attributes:
-        arrays: number of arrays that it reads, the field first; those that it writes come after.
-        replaced: how many of those that it reads, from the first on, are the memory of its results.
+    It reads so many arrays, the field first; the first `replaced` of them are the memory of its results.
     """
 
     arrays: int
@@ -94,7 +86,7 @@ class Finish(Protocol):
 
 
 def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
-    """Kernel that ends the planes of nodes from `first` to before `last` of every case.
+    """Write the kernel that ends the planes of nodes from `first` to before `last` of every case.
 
     Inputs of the function: arrays of the operator and of the finish, spare memory (parts, planes, 3, nodes
     along y, along z), `NUMBERS`. A part couples the planes on both sides of its own, whose forces it does not
@@ -121,7 +113,7 @@ def _copied_planes(finish: Finish) -> int:
 
 
 def write_copies(code: VectorCode, operator: Operator, finish: Finish) -> None:
-    """What is called for every part before the kernel, with the same inputs.
+    """Write what is called for every part before the kernel, with the same inputs.
 
     Where the finish overwrites the field it copies the planes next to the part's own into its spare memory.
     """

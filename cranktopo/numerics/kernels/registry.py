@@ -118,7 +118,6 @@ def _fault() -> str:
 
 
 def _stiffness_product(target: str) -> Product:
-    """Product with a stiffness by what is registered under a name."""
 
     def product(*arrays: jax.Array) -> jax.Array:
         return _called(target, "stiffness_product", arrays, _shapes("stiffness", "product", arrays))[0]
@@ -137,7 +136,6 @@ def by_kernel(
 
 
 def _on_processor() -> bool:
-    """Tell whether JAX computes on a processor now."""
     chosen = getattr(jax.config, _CHOSEN_DEVICE)
     return (jax.default_backend() if chosen is None else getattr(chosen, "platform", chosen)) == "cpu"
 
@@ -153,11 +151,7 @@ def compile_kernels() -> None:
 
 
 def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
-    """Return what the kernel of an operator and a finish computes, in the precision of the field.
-
-    Args:
-        arrays: of the operator and of the finish, the field the first of these.
-    """
+    """Return what the kernel of an operator and a finish computes, in the precision of the field."""
     field = arrays[_OPERATORS[operator].arrays]
     return called(f"{operator}_{finish}", arrays, _shapes(operator, finish, arrays), field.dtype)[:-1]
 
@@ -182,7 +176,6 @@ def called(
 def _called(
     target: str, name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]]
 ) -> Sequence[jax.Array]:
-    """Results of a kernel that is registered under a name."""
     results = [jax.ShapeDtypeStruct(shape, arrays[0].dtype) for shape in shapes]
     call = jax.ffi.ffi_call(target, results, input_output_aliases=dict(_KERNELS[name].replaced))
     found: Sequence[jax.Array] = call(*arrays)
@@ -209,12 +202,10 @@ def _register(kernel: str, precision: str, width: int, threads: int) -> str:
 
 @cache
 def _address(kernel: str, precision: str, width: int, threads: int) -> int:
-    """Address of a kernel's handler."""
     return address_of("handler", str(_module(_KERNELS[kernel], precision, width, threads)))
 
 
 def _module(kernel: _Kernel, precision: str, width: int, threads: int) -> ir.Module:
-    """Code of a kernel and of what calls it."""
     module = ir.Module()
     inputs = [POINTER] * sum(kernel.buffers) + NUMBERS
     functions = []

@@ -36,9 +36,7 @@ class Cells:
 class Waves:
     """Sums and differences of displacements in a column of cells between two planes of nodes.
 
-    Attributes:
-        k: first of the `width` cells along z.
-        inside: mask of those that exist.
+    Of `width` cells along z from `k` on those in the mask `inside` exist.
     """
 
     def __init__(self, code: VectorCode, cells: Cells, k: Value, field: tuple[Planes, Planes]):
@@ -156,12 +154,10 @@ class _Column:
     def _block(
         self, p: int, c: int, blocks: Value, classes: dict[tuple[int, int], Value], modulus: Value
     ) -> Value:
-        """Entry c of the 3 x 3 product of a parity class, times the modulus."""
         total = block_product(self._code, self._waves, blocks, classes, (p, c))
         return self._code.zero if total is None else self._code.multiply(total, modulus)
 
     def _add(self, sums: list[Value], row: Value) -> None:
-        """Add what a row of nodes has gathered to its forces."""
         code, width = self._code, self._code.width
         for index, (plane, c) in enumerate(product(self._pair.forces, range(3))):
             near, far = _corners(code, sums[2 * index], sums[2 * index + 1], c == 2)
@@ -179,7 +175,7 @@ def _corners(code: VectorCode, first: Value, second: Value, own: bool) -> tuple[
 
 
 def write_energies(code: VectorCode) -> None:
-    """v^T K_e u of the cells for unit modulus, from plane of cells `first` to before `last` of every case.
+    """Write v^T K_e u of the cells for unit modulus, from plane of cells `first` to before `last`.
 
     Inputs of the function: reflection blocks (8, 3, 3, cells along z); fields v and u (cases, 3, nodes...);
     energies (cases, 1, cells...); cases, cells along x, y, z, part, first, last.
@@ -203,7 +199,6 @@ def write_energies(code: VectorCode) -> None:
 def _layer(
     code: VectorCode, cells: Cells, start: Value, nx: Value, place: tuple[Value, Value]
 ) -> tuple[Planes, Planes]:
-    """Return both planes of nodes of a layer of cells of a field."""
     case, plane = place
     component = code.times(code.plus(nx, 1), cells.plane)
     planes = []
@@ -215,7 +210,6 @@ def _layer(
 
 
 def _write_column(code: VectorCode, blocks: Value, waves: list[Waves], energies: Value) -> None:
-    """All rows of cells of a column, one after the other."""
     cells, count = waves[0].cells, len(ROWS)
     before = [wave for side in waves for wave in side.along_z(INT64(0))]
     with code.loop(INT64(0), cells.ny, INT64(1), before) as row:
@@ -228,7 +222,6 @@ def _write_column(code: VectorCode, blocks: Value, waves: list[Waves], energies:
 
 
 def _energy(code: VectorCode, waves: Waves, blocks: Value, left: Classes, right: Classes) -> Value:
-    """Of a row of cells: the sum over classes and components."""
     energy = code.zero
     for entry in product(range(8), range(3)):
         force = block_product(code, waves, blocks, right, entry)

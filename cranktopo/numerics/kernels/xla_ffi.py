@@ -48,16 +48,12 @@ class Pool:
 def write_shared(
     builder: ir.IRBuilder, functions: Sequence[ir.Function], task: Sequence[Value], threads: int, pool: Pool
 ) -> None:
-    """Code that has a kernel called once per part, by the caller and by as many threads as come.
+    """Write a call of the functions once per part, the last by the caller and by as many threads as come.
 
     The caller takes part after part as the others do, and waits for none that has not begun: a pool that is
     busy, with programs that wait for theirs, holds nobody up. So a thread may find all done, and the job is
-    kept until the last one has looked.
-
-    Args:
-        functions: the kernel is the last; the others the caller calls for all parts before.
-        task: inputs but for the part's number, its first plane and the one after its last.
-        threads: number of parts.
+    kept until the last one has looked. A task lacks the part's number, its first plane and the one after its
+    last.
     """
     module, (*before, kernel) = builder.module, functions
     for function in before:
@@ -81,7 +77,6 @@ def write_shared(
 
 
 def _work(module: ir.Module, kernel: ir.Function, job: ir.Type, threads: int) -> ir.Function:
-    """Part after part, as long as there is one that nobody has begun."""
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [POINTER]), "work")
     start = function.args[0]
     entry, again, part, end = (function.append_basic_block() for _ in range(4))
@@ -102,13 +97,11 @@ def _work(module: ir.Module, kernel: ir.Function, job: ir.Type, threads: int) ->
 
 
 def _planes(builder: ir.IRBuilder, task: Sequence[Value], number: Value, threads: int) -> list[Value]:
-    """First plane of a part and the one after its last."""
     edges = number, builder.add(number, INT64(1))
     return [builder.sdiv(builder.mul(task[-3], edge), INT64(threads)) for edge in edges]
 
 
 def _release(module: ir.Module, job: ir.Type) -> ir.Function:
-    """Return one holder less; the last one gives the memory back."""
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [POINTER]), "release")
     builder = ir.IRBuilder(function.append_basic_block())
     holders = _count(builder, function.args[0], job, _HOLDERS, -1)
@@ -119,7 +112,6 @@ def _release(module: ir.Module, job: ir.Type) -> ir.Function:
 
 
 def _begin(module: ir.Module, work: ir.Function, release: ir.Function) -> ir.Function:
-    """Return what a thread of the pool is given to do."""
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), [POINTER]), "begin")
     builder = ir.IRBuilder(function.append_basic_block())
     builder.call(work, function.args)
@@ -172,7 +164,6 @@ def _at(builder: ir.IRBuilder, start: Value, kind: ir.Type, place: int) -> Value
 
 
 def _known(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
-    """Return a function of the C library."""
     return module.globals.get(name) or ir.Function(module, ir.FunctionType(result, inputs), name)
 
 
@@ -183,15 +174,12 @@ LEAST_SHARED = 20_000
 def write_handler(
     module: ir.Module, functions: Sequence[ir.Function], buffers: tuple[int, int], threads: int
 ) -> ir.Function:
-    """Handler that calls one function after the other once per part of the planes of nodes along x.
+    """Write the handler that calls one function after the other once per part of the planes of nodes along x.
 
     A function gets the addresses of its buffers, the number of cases, of nodes along x, y and z, the number
     of the part, its first plane and the one after its last. The first result has shape (cases, 3, nodes...).
-
-    Args:
-        functions: all but the last take no time: the caller calls them itself.
-        buffers: number of arguments and of results.
-        threads: number of parts, where there is enough to share.
+    All but the last function take no time: the caller calls them itself. Buffers: of arguments and of
+    results.
     """
     handler = ir.Function(module, ir.FunctionType(POINTER, [POINTER]), "handler")
     frame = handler.args[0]
@@ -259,7 +247,6 @@ def _pool(builder: ir.IRBuilder, frame: Value) -> Pool:
 def _read(
     builder: ir.IRBuilder, start: Value, kind: ir.Type, struct: type[ctypes.Structure], *path: str
 ) -> Value:
-    """Field of a struct that begins at an address."""
     return _load(builder, start, offset(struct, *path), kind)
 
 

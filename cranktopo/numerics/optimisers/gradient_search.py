@@ -23,12 +23,7 @@ _IMAGINARY = 1e-30
 def central_difference(
     function: Callable[[Array], Array], at: Array, step: float, places: Iterable[int] | None = None
 ) -> Array:
-    """Return the derivatives of a function by the first axis of its argument, as the last axis of the result.
-
-    Args:
-        function: of an array such as `at`; its result may have any shape.
-        places: positions along the first axis, by default all; by the others the derivatives are 0.
-    """
+    """Return derivatives by the argument's first axis, as last axis; 0 by places that are left out."""
     steps = step * np.eye(len(at)).reshape(len(at), len(at), *(1,) * (at.ndim - 1))
     chosen = range(len(at)) if places is None else places
     found = {i: (function(at + steps[i]) - function(at - steps[i])) / (2 * step) for i in chosen}
@@ -65,13 +60,10 @@ class Multipliers:
 def multipliers(
     gradient: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
 ) -> Multipliers:
-    """Return multipliers of the active constraints.
+    """Return multipliers of the active constraints for the gradient (n,) of a goal that is to be small.
 
-    Args:
-        gradient: (n,) gradient of the goal, smaller is better.
-        limits: values and gradients (m, n) of the limits, kept where <= 0, relative.
-        rules: values and gradients of the rules, kept where <= 0, mm.
-        bounds: room to the lower and to the upper bounds, (n,) each, mm or degrees.
+    Limits (relative) and rules (mm) are values, kept where <= 0, and gradients (m, n); bounds the room to the
+    lower and to the upper ones, (n,) each, mm or degrees.
     """
     from scipy.optimize import nnls
 
@@ -114,12 +106,9 @@ def minimise(
     evaluations: int,
     flat: float = 0.0,
 ) -> Array:
-    """Minimise an objective under constraints; what rounding stops ends at the start.
+    """Minimise an objective under constraints; what rounding stops ends at the start, clipped to the bounds.
 
-    Args:
-        bounds: lower and upper bounds of the parameters, between which the start is brought.
-        step, flat: change of a parameter and relative change of the objective that end the search.
-        evaluations: maximum number of them.
+    A change of a parameter by `step`, or of the objective by its share `flat`, ends the search.
     """
     import nlopt
 
@@ -149,11 +138,7 @@ def minimise(
 
 
 def restore_feasibility(rules: Constraints, bounds: tuple[Array, Array], start: Array) -> Array:
-    """Return the parameters nearest to a start that keep the rules; itself where a search can mend it.
-
-    Args:
-        start: (n,) parameters, mm or degrees.
-    """
+    """Return the parameters nearest to a start that keep the rules; itself where a search can mend it."""
     first = np.clip(start, *bounds)
     if rules(first)[0].max(initial=0.0) < _FAR:
         return start

@@ -15,16 +15,10 @@ from cranktopo.numerics.surfaces.mesh import DEGENERATE_MM2, SurfaceMesh, connec
 
 @lru_cache(maxsize=1)
 def self_intersections_mm(mesh: SurfaceMesh) -> Array:
-    """Ends of the edges that pierce a face which they do not touch.
+    """Return ends (n, 3), mm, of edges that pierce a face which they do not touch; none for a sound surface.
 
-    Two faces that intersect without sharing a vertex have such an edge. Extraction and its checks ask
-    for the same mesh: the last answer is kept.
-
-    Returns:
-        Points, (n, 3), mm; none for a sound surface.
-
-    Raises:
-        CranktopoError: the surface is not closed and oriented.
+    Two faces that intersect without sharing a vertex have such an edge. Extraction and its checks ask for the
+    same mesh: the last answer is kept.
     """
     return np.array(list(_piercing_edges(mesh)), dtype=np.float64).reshape(-1, 3)
 
@@ -46,11 +40,7 @@ _REMEDY = "Extract again at another resolution."
 
 
 def check_manifold(mesh: SurfaceMesh) -> None:
-    """Check that a mesh is a closed, outward-oriented 2-manifold without degenerate faces.
-
-    Raises:
-        CranktopoError: first property that fails, with code CRITERION_NOT_MET.
-    """
+    """Check that a mesh is a closed, outward 2-manifold without degenerate faces (CRITERION_NOT_MET)."""
     fault = manifold_fault(mesh)
     if fault:
         raise surface_refusal(fault, _REMEDY)
@@ -58,7 +48,7 @@ def check_manifold(mesh: SurfaceMesh) -> None:
 
 @lru_cache(maxsize=1)
 def manifold_fault(mesh: SurfaceMesh) -> str:
-    """Why a mesh is no closed, outward-oriented 2-manifold of faces with an area; empty where it is one.
+    """Tell why a mesh is no closed outward 2-manifold of faces with an area; empty where it is one.
 
     Extraction and its checks ask for the same mesh: the last answer is kept.
     """
@@ -77,11 +67,7 @@ def manifold_fault(mesh: SurfaceMesh) -> str:
 
 
 def check_self_intersection(mesh: SurfaceMesh) -> None:
-    """Check that no edge of a closed mesh pierces a face that it does not touch.
-
-    Raises:
-        CranktopoError: the surface intersects itself, with code CRITERION_NOT_MET.
-    """
+    """Check that no edge of a closed mesh pierces a face that it does not touch (CRITERION_NOT_MET)."""
     places = self_intersections_mm(mesh)
     if len(places):
         where = ", ".join(f"{value:.2f}" for value in places[0])

@@ -39,14 +39,7 @@ _3MF_TAIL = '</triangles></mesh></object></resources><build><item objectid="1"/>
 
 
 def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
-    """Write a mesh atomically, in the frame of `cranktopo.base.frames`.
-
-    STL (binary, single precision) and 3MF are in mm; GLB, for viewers, is in metres, as its
-    specification demands.
-
-    Raises:
-        CranktopoError: the file cannot be written.
-    """
+    """Write a mesh atomically in mm (STL in single precision, 3MF), or, as GLB demands, in metres."""
     write_bytes(path, {"stl": _stl, "3mf": _3mf, "glb": _glb}[form](mesh))
 
 
@@ -56,14 +49,7 @@ def write_stl(path: Path, mesh: SurfaceMesh) -> None:
 
 
 def read_stl(path: Path, name: str = "") -> SurfaceMesh:
-    """Return the surface in an STL file, mm, vertices joined; nothing about it is checked.
-
-    Args:
-        name: of the file in the message, by default its path.
-
-    Raises:
-        CranktopoError: it cannot be read.
-    """
+    """Return the surface in an STL file, mm, vertices joined; nothing else about it is checked."""
     name = name or f"'{path}'"
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
     try:
@@ -107,10 +93,7 @@ def _glb(mesh: SurfaceMesh) -> bytes:
 
 
 def _3mf(mesh: SurfaceMesh) -> bytes:
-    """3MF core specification 1.3: a package of one model with one object.
-
-    The date of its parts is fixed, so that the same surface gives the same bytes.
-    """
+    """Return a package of one model (3MF core specification 1.3); a fixed date gives the same bytes again."""
     vertices = "".join(
         f'<vertex x="{x!s}" y="{y!s}" z="{z!s}"/>' for x, y, z in mesh.vertices_mm.astype(np.float32)
     )

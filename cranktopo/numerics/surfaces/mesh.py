@@ -22,9 +22,7 @@ _REPAIRS = 3
 class SurfaceMesh:
     """Closed triangle mesh; equal only to itself, so that what is found out about one can be kept.
 
-    Attributes:
-        vertices_mm: (n, 3), mm, in the frame of `cranktopo.base.frames`.
-        faces: (m, 3) vertex numbers, counter-clockwise seen from outside.
+    Vertices (n, 3), mm, in the frame of `cranktopo.base.frames`; faces (m, 3) counter-clockwise from outside.
     """
 
     vertices_mm: Array
@@ -60,11 +58,7 @@ class SurfaceMesh:
 
 
 def solid_of(mesh: SurfaceMesh, name: str = "surface") -> Manifold:
-    """Return a closed mesh as a solid of the boolean engine; the message of an error calls it `name`.
-
-    Raises:
-        CranktopoError: the mesh is not a closed oriented 2-manifold.
-    """
+    """Return a closed oriented 2-manifold as a solid of the boolean engine; errors call it `name`."""
     # Copies, because the engine takes only arrays that it may write to.
     vertices = np.array(mesh.vertices_mm, np.float64, order="C")
     solid = Manifold(Mesh64(vertices, np.array(mesh.faces, np.uint64, order="C")))
@@ -107,20 +101,20 @@ _Labels = NDArray[np.int32]
 
 
 def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:
-    """Signed volume enclosed by each connected shell, mm3; negative for a hollow."""
+    """Return the signed volume enclosed by each connected shell, mm3; negative for a hollow."""
     a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
     return np.bincount(_shell_of_face(mesh), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6).astype(np.float64)
 
 
 def shells(mesh: SurfaceMesh) -> list[SurfaceMesh]:
-    """The shells, each with its own vertices: the largest body first, then the others and the hollows."""
+    """Return the shells, each with its own vertices: the largest first, then others and hollows."""
     number = _shell_of_face(mesh)
     parts = [_part(mesh, number == shell) for shell in range(number.max(initial=-1) + 1)]
     return sorted(parts, key=lambda part: -part.volume_mm3)
 
 
 def connected(nodes: int, links: NDArray[np.int64]) -> _Labels:
-    """Number of the connected component of each node, (nodes,), for links (n, 2) between them."""
+    """Return the number of the connected component of each node, (nodes,), for links (n, 2) between them."""
     from scipy import sparse
     from scipy.sparse.csgraph import connected_components
 

@@ -31,10 +31,9 @@ class Elasticity:
     """An assembled elastic body.
 
     Attributes:
-        nodes_mm: node coordinates, shape (3, nodes); corner nodes come first.
+        nodes_mm: shape (3, nodes), corners first; the corners alone if `order`, of displacements, is 1.
         stiffness: matrix over unknowns 3 node + axis, N/mm.
         prolongation: linear to quadratic interpolation over unknowns, shape (3 nodes, 3 corners).
-        order: degree of the displacements; with 1 the nodes are the corners alone.
     """
 
     nodes_mm: Array
@@ -46,14 +45,7 @@ class Elasticity:
 
 
 def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2) -> Elasticity:
-    """Assemble the isotropic stiffness matrix.
-
-    Args:
-        order: degree of the displacements; 1 only for comparison with quadratic elements.
-
-    Raises:
-        CranktopoError: an element is inverted at a quadrature point.
-    """
+    """Assemble the isotropic stiffness matrix; order 1 is only for comparison with quadratic elements."""
     from skfem import MeshTet2
 
     body = MeshTet2(mesh.points_mm, mesh.cells)
@@ -70,7 +62,6 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
 def _matrix(
     body: Any, order: Order, youngs_MPa: float, poisson: float, first: int, end: int
 ) -> tuple[sp.csr_matrix, float]:
-    """Stiffness and volume of the elements from the first to before the end."""
     from skfem import Basis
 
     unknowns = 3 * (body.doflocs.shape[1] if order == 2 else body.nvertices)
@@ -94,14 +85,10 @@ def _element(order: Order) -> Any:
 
 
 def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: float = math.inf) -> Array:
-    """Vector m with m.u = mean of one displacement component over the material beyond z, shape (unknowns,).
+    """Return m with m.u = mean of one displacement component over material between two z, (unknowns,).
 
     The same vector, times a force, is the load of that force spread evenly over that material. Elements that
     straddle z are integrated over their inside quadrature points.
-
-    Args:
-        axis: 0, 1, 2 for x, y, z.
-        z_from_mm, z_to_mm: start and end of the material.
     """
     basis, inside = basis_above_plane(model, z_from_mm, z_to_mm)
     weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
@@ -111,7 +98,7 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: f
 
 
 def basis_above_plane(model: Elasticity, z_from_mm: float, z_to_mm: float = math.inf) -> tuple[Any, Array]:
-    """Basis of the elements that reach beyond z, and the weights of its quadrature points there, mm3."""
+    """Return the basis of the elements that reach beyond z, and the weights of its points there, mm3."""
     from skfem import Basis
 
     heights = model.mesh.p[2][model.mesh.t]
@@ -122,7 +109,7 @@ def basis_above_plane(model: Elasticity, z_from_mm: float, z_to_mm: float = math
 
 
 def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
-    """Nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N."""
+    """Return the nodal forces of rotation about the crank axis at 1 rad/s, shape (unknowns,), N."""
     from skfem import Basis
 
     basis = Basis(model.mesh, _element(model.order), intorder=LOAD_ORDER)
@@ -136,7 +123,7 @@ def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
 
 
 def lame_constants_MPa(youngs_MPa: float, poisson: float) -> tuple[float, float]:
-    """Lame's first constant and the shear modulus."""
+    """Return Lame's first constant and the shear modulus."""
     return youngs_MPa * poisson / ((1 + poisson) * (1 - 2 * poisson)), youngs_MPa / (2 * (1 + poisson))
 
 

@@ -34,20 +34,7 @@ _BAND = 10.0
 def solve_symmetric(
     matrix: sp.csr_matrix, loads: Array, prolongation: sp.csr_matrix, method: str = "auto"
 ) -> Array:
-    """Solve a symmetric positive definite system for several right-hand sides.
-
-    Args:
-        matrix: shape (n, n).
-        loads: shape (n, k).
-        prolongation: interpolation from linear elements, shape (n, coarse).
-        method: "direct", "multigrid", or "auto" by size.
-
-    Returns:
-        Solutions, shape (n, k).
-
-    Raises:
-        CranktopoError: singular matrix, or a residual above the limit.
-    """
+    """Solve a symmetric positive definite system for right-hand sides (n, k), as `symmetric_solver`."""
     return symmetric_solver(matrix, prolongation, method)(loads)
 
 
@@ -57,17 +44,10 @@ def symmetric_solver(
     method: str = "auto",
     residual: float = RESIDUAL_LIMIT,
 ) -> Callable[[Array], Array]:
-    """Return what solves a symmetric positive definite system again and again, factorised once.
+    """Return the solver of a symmetric positive definite system for loads (n, k), factorised once.
 
-    Args:
-        matrix, prolongation, method: as `solve_symmetric`.
-        residual: largest accepted relative residual.
-
-    Returns:
-        A function from loads, shape (n, k), to solutions; it raises what `solve_symmetric` does.
-
-    Raises:
-        CranktopoError: singular matrix.
+    The prolongation is the interpolation from linear elements, the method "direct", "multigrid", or "auto" by
+    size. Raises CranktopoError: a singular matrix, or, of the solver, a relative residual above the limit.
     """
     direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
     factor = _factorise(matrix) if direct else two_level_cycle(matrix, prolongation)
@@ -106,7 +86,7 @@ def _check_residual(matrix: sp.csr_matrix, loads: Array, solution: Array, limit:
 
 
 def two_level_cycle(matrix: sp.csr_matrix, prolongation: sp.csr_matrix) -> Callable[[Array], Array]:
-    """Symmetric V-cycle over quadratic and linear elements; the linear level is solved directly."""
+    """Return a symmetric V-cycle over quadratic and linear elements; the linear level is solved directly."""
     restriction = prolongation.T.tocsr()
     coarse = _factorise((restriction @ matrix @ prolongation).tocsc())
     smooth = _chebyshev(matrix)
@@ -142,7 +122,7 @@ def _chebyshev(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
 
 
 def largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
-    """Of the Jacobi-scaled matrix, by Lanczos: one bad element may hold it, where power iteration is slow."""
+    """Return that of the Jacobi-scaled matrix, by Lanczos: power iteration is slow with a bad element."""
     root = np.sqrt(inverse[:, 0])
     scaled = sla.LinearOperator(matrix.shape, lambda x: root * (matrix @ (root * x.ravel())), dtype=float)
     start = np.random.default_rng(SEED).standard_normal(matrix.shape[0])

@@ -19,19 +19,11 @@ _ROUNDS = 20
 
 
 def straighten_folded(points_mm: Array, cells: NDArray[np.int64]) -> tuple[Array, int]:
-    """Put edge nodes of nearly folded elements back on their straight edges.
+    """Put edge nodes of nearly folded elements back on their straight edges; count these elements.
 
-    Moving an edge node touches the neighbours too, so this repeats until every element is sound.
-
-    Args:
-        points_mm: nodes, shape (3, nodes).
-        cells: ten nodes per element, VTK order, shape (10, elements).
-
-    Returns:
-        New nodes and how many elements were straightened.
-
-    Raises:
-        CranktopoError: an element is inverted even with straight edges.
+    Moving an edge node touches the neighbours too, so this repeats until every element is sound. Raises
+    CranktopoError where an element is inverted even with straight edges. Nodes (3, nodes), cells (10,
+    elements).
     """
     points = points_mm.copy()
     volume = _jacobians(_straight(points, cells)).min(axis=0)
@@ -51,18 +43,12 @@ def straighten_folded(points_mm: Array, cells: NDArray[np.int64]) -> tuple[Array
 
 
 def least_jacobian_ratio(points_mm: Array, before_mm: Array, cells: NDArray[np.int64]) -> float:
-    """Least Jacobian of moved elements over the least of the same element before, the worst of all.
-
-    Args:
-        points_mm, before_mm: nodes, shape (3, nodes).
-        cells: ten nodes per element, VTK order, shape (10, elements).
-    """
+    """Return the minimum Jacobian of moved elements over that of the same one before, the worst of all."""
     now, was = (_jacobians(points[:, cells]).min(axis=0) for points in (points_mm, before_mm))
     return float((now / was).min())
 
 
 def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
-    """Element nodes with every edge node midway between its corners, shape (3, 10, elements)."""
     nodes = points[:, cells]
     for k, (a, b) in enumerate(EDGES):
         nodes[:, 4 + k] = (nodes[:, a] + nodes[:, b]) / 2
@@ -86,7 +72,7 @@ def _check_points() -> Array:
 
 
 def shape_gradients(barycentric: Array) -> Array:
-    """Gradients of the ten quadratic shape functions in (xi, eta, zeta), shape (points, 10, 3)."""
+    """Return the gradients of the ten quadratic shape functions in (xi, eta, zeta), shape (points, 10, 3)."""
     slope = np.array([[-1.0, -1, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     corner = (4 * barycentric - 1)[:, :, None] * slope
     edge = [4 * (barycentric[:, a, None] * slope[b] + barycentric[:, b, None] * slope[a]) for a, b in EDGES]

@@ -33,17 +33,10 @@ _VOLUME_TOLERANCE = 5e-3
 def tetrahedralise(
     surface: SurfaceMesh, element_size_mm: float, size_at: _SizeField, name: str
 ) -> tuple[Array, Tetrahedra]:
-    """Ten-node tetrahedra of a closed surface that may have tunnels and closed hollows.
+    """Return nodes (3, nodes), mm, and straight ten-node cells of a closed surface, with hollows or not.
 
-    Args:
-        surface: oriented outwards, hollows inwards.
-        size_at: element size wanted at points (n, 3).
-
-    Returns:
-        Nodes (3, nodes) in mm and cells (10, elements) in VTK order, edges straight.
-
-    Raises:
-        CranktopoError: the surface cannot be filled, or its volume is not kept.
+    The surface is oriented outwards, hollows inwards; `size_at` gives the element size at points (n, 3).
+    Raises CranktopoError: the surface cannot be filled, or its volume is not kept.
     """
     points, tets = _fill(surface, element_size_mm, size_at, name)
     volume = _volumes(points, tets)
@@ -81,7 +74,6 @@ def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMe
 
 
 def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Tetrahedra]:
-    """Coarse tetrahedra on the triangles of the surface as they are."""
     with cad_session(f"surface of {name}") as gmsh:
         loops = [gmsh.model.geo.addSurfaceLoop([_add_shell(gmsh, shell)]) for shell in shells(surface)]
         gmsh.model.geo.addVolume(loops)
@@ -132,15 +124,7 @@ def _volumes(points: Array, tets: Tetrahedra) -> Array:
 
 
 def quadratic(points: Array, tets: Tetrahedra) -> tuple[Array, Tetrahedra]:
-    """Ten-node tetrahedra with a node in the middle of every edge.
-
-    Args:
-        points: corner nodes (n, 3).
-        tets: corners of the elements (elements, 4).
-
-    Returns:
-        Nodes (3, nodes), the corner nodes first, and cells (10, elements) in VTK order.
-    """
+    """Return nodes (3, nodes), corners first, and cells (10, elements) with nodes midway on edges."""
     ends = np.sort(np.concatenate([tets[:, list(edge)] for edge in EDGES]), axis=1)
     edges, inverse = np.unique(ends, axis=0, return_inverse=True)
     middles = len(points) + inverse.reshape(len(EDGES), -1)

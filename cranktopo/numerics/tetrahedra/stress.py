@@ -20,13 +20,13 @@ DEVIATOR[3:, 3:] = 3 * np.eye(3)
 
 
 def von_mises(stress: Array) -> Array:
-    """Von Mises stress; last axis holds the six components."""
+    """Return the von Mises stress; last axis holds the six components."""
     squared: Array = np.einsum("...i,ij,...j->...", stress, DEVIATOR, stress)
     return np.sqrt(np.maximum(squared, 0.0))
 
 
 def principal_stresses(stress: Array) -> Array:
-    """Principal stresses, falling, in the last axis; that of the argument holds the six components."""
+    """Return principal stresses, falling, in the last axis; that of the argument holds the six components."""
     tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
     return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
 
@@ -52,14 +52,11 @@ class NodalStress:
 
 
 def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, poisson: float) -> NodalStress:
-    """Stresses of displacement fields at all nodes.
+    """Return the stresses of displacement fields (fields, unknowns) at all nodes.
 
     Quadrature points are where stresses of quadratic elements converge fastest; a linear field through the
     four of them gives the corners, and the means of corners the edge nodes (Barlow, Int. J. Num. Meth. Eng.,
     1976).
-
-    Args:
-        displacement_mm: shape (fields, unknowns).
     """
     from skfem import Basis, ElementTetP2
 
@@ -79,7 +76,7 @@ def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> Noda
 
 
 def nodes_from_points(points: Array) -> Array:
-    """Values at the ten nodes from those at four points of the reference element, shape (10, 4)."""
+    """Return values at the ten nodes from those at four points of the reference element, shape (10, 4)."""
     barycentric = np.vstack([1 - points.sum(axis=0), points])
     corners = np.linalg.inv(barycentric.T)
     middles = [(corners[a] + corners[b]) / 2 for a, b in EDGES]
@@ -94,17 +91,13 @@ def _strain(basis: Any, displacement: Array) -> Array:
 
 
 def tensor_strain(slopes: Array) -> Array:
-    """Tensor strains (..., 6), last axis as `COMPONENTS`, of displacement gradients (..., 3, 3)."""
+    """Return tensor strains (..., 6), last axis as `COMPONENTS`, of displacement gradients (..., 3, 3)."""
     strain = (slopes + slopes.swapaxes(-1, -2)) / 2
     return np.asarray(strain[..., (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0)])
 
 
 def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
-    """Stresses of strains, MPa, of the same shape.
-
-    Args:
-        strain: tensor strains (..., 6), last axis as `COMPONENTS`.
-    """
+    """Return the stresses of tensor strains (..., 6), MPa, of the same shape."""
     shear = youngs_MPa / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
     stress = 2 * shear * strain
@@ -141,13 +134,10 @@ class Surface:
 
 @dataclass(frozen=True)
 class SurfaceStress:
-    """Stresses of some fields at the nodes of a surface.
+    """Stresses (fields, n, 6), and derivatives into the depth, at the nodes of a surface.
 
-    Attributes:
-        stress_MPa: shape (fields, n, 6), components as `COMPONENTS`.
-        depth_MPa_per_mm: derivative into the depth, along the inward normal, same shape.
-        jump_MPa: largest departure of an element's von Mises stress from that of the nodal mean, shape
-            (fields, n).
+    The jump (fields, n) is the largest departure of an element's von Mises stress from that of the nodal
+    mean.
     """
 
     stress_MPa: Array
@@ -156,12 +146,7 @@ class SurfaceStress:
 
 
 def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, float], ...]) -> Surface:
-    """Faces of the mesh that belong to one element only and lie in none of the given planes.
-
-    Args:
-        elements: nodes of each element, shape (10, elements).
-        planes: (axis, position in mm) of symmetry planes and end sections.
-    """
+    """Return faces of one element only that lie in none of the planes (axis, mm) of symmetry or ends."""
     local, owners = boundary_faces(elements)
     numbers = elements[local, owners]
     points = model.nodes_mm[:, numbers]  # (3, 6, faces)
@@ -176,7 +161,7 @@ def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, f
 
 
 def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> SurfaceStress:
-    """Nodal stresses on the surface, their derivative into the depth, and the jumps between elements.
+    """Return nodal stresses on the surface, their derivative into the depth, and the jumps between elements.
 
     The derivative is that of the nodal stresses interpolated by the element's shape functions, averaged over
     the faces that meet at a node.
@@ -186,11 +171,7 @@ def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> S
 
 
 def boundary_faces(elements: Index) -> tuple[Index, Index]:
-    """Local node numbers (6, f) and owners (f,) of the faces that occur once.
-
-    Args:
-        elements: nodes of each element, shape (10, elements).
-    """
+    """Return local node numbers (6, f) and owners (f,) of the faces that occur once in elements (10, n)."""
     count = elements.shape[1]
     corners = np.sort(np.stack([elements[list(face)] for face in _CORNERS]), axis=1)  # (4, 3, elements)
     keys = corners.transpose(0, 2, 1).reshape(-1, 3)
@@ -217,7 +198,7 @@ def _normals(
 
 
 def triangle_gradients() -> Array:
-    """Gradients of the six-node triangle's shape functions at its six nodes, shape (6 points, 6, 2)."""
+    """Return gradients of the six-node triangle's shape functions at its nodes, shape (6 points, 6, 2)."""
     points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
     slope = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
     corner = (4 * points - 1)[:, :, None] * slope
