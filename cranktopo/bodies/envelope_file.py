@@ -98,7 +98,6 @@ def _body(surface: SurfaceMesh, path: Path) -> Manifold:
 
 @lru_cache(maxsize=4)
 def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
-    """Return the surface, symmetric in x, and by how much of its volume the sides differed."""
     surface = _closed_surface(path, _KEY)
     body = _body(surface, path)
     share = mirror_difference(body)

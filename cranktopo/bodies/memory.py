@@ -113,7 +113,6 @@ def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
 
 
 def _half_volume_mm3(scene: Scene) -> float:
-    """Volume of a half throw without its fillets."""
     return web_volume_mm3(scene) + sum(
         math.pi * (journal.radius_mm**2 - journal.bore_radius_mm**2) * journal.length_mm / 2
         for journal, _ in scene.throw.journals

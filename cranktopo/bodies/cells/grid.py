@@ -174,7 +174,6 @@ def _levels(nx: int, ny: int, nz: int) -> int:
 
 
 def _grow_layers(layers: list[int], planes: tuple[float, ...], factor: int) -> list[int]:
-    """Add cells where they are tallest until the total divides by the factor."""
     grown = list(layers)
     while sum(grown) % factor:
         heights = [(b - a) / n for a, b, n in zip(planes, planes[1:], grown, strict=False)]

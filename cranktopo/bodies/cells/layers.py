@@ -74,7 +74,6 @@ def _annulus(journal: Journal, y_mm: float) -> Section:
 
 
 def _own_web(scene: Scene) -> list[AxialLayer]:
-    """Return the web of the scene, or the body named as the original."""
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
     bodies = web_bodies(scene)
@@ -126,7 +125,6 @@ def _design_space(scene: Scene) -> list[AxialLayer]:
 
 
 def _turning_free(scene: Scene, section: Section) -> Section:
-    """Return the part of a section that piston and crankcase leave free."""
     limit = clearance_limit(scene)
     if limit is None:
         return section

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -81,33 +80,26 @@ def mesh_throw(
         fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
     """
     whole = full or bool(difference(scene))
-    make = partial(_mesh_throw, scene, element_size_mm, whole, quarter, graded, fillet_fraction)
+    smooth = fillet_fraction is not None
+
+    def make(*, adapt: bool) -> MeshedThrow:
+        with cad_session(f"solid of {scene.name}") as gmsh:
+            occ = gmsh.model.occ
+            solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
+            body = solid_properties(occ, solid)
+            mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
+            if mirrored:
+                positive_x(occ, solid, scene.pitch_mm)
+            _set_sizes(
+                gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction
+            )
+            mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
+        return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
+
     try:
         return make(adapt=False)
     except _NoMeshError:
         return make(adapt=True)  # in a new session, as gmsh stays locked after an error
-
-
-def _mesh_throw(
-    scene: Scene,
-    element_size_mm: float,
-    whole: bool,
-    quarter: bool,
-    graded: bool,
-    fillet_fraction: float | None,
-    adapt: bool,
-) -> MeshedThrow:
-    with cad_session(f"solid of {scene.name}") as gmsh:
-        occ = gmsh.model.occ
-        solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
-        body = solid_properties(occ, solid)
-        mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
-        if mirrored:
-            solid = positive_x(occ, solid, scene.pitch_mm)
-        _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction)
-        smooth = fillet_fraction is not None
-        mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
-    return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
 
 
 def mesh_body(

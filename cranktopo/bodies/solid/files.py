@@ -84,7 +84,6 @@ def _volumes(points: NDArray[np.float64], triangles: _Tags) -> NDArray[np.float6
 
 
 def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:
-    """Return which faces run against the first one of their body."""
     neighbours = _neighbours(tags)
     turned: dict[int, bool] = {}
     for first in tags:
@@ -117,7 +116,6 @@ def _neighbours(tags: dict[int, _Tags]) -> dict[int, list[tuple[int, bool]]]:
 
 
 def _border(triangles: _Tags) -> list[tuple[int, int]]:
-    """Directed edges (start, end) that only one triangle of a face has."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     if not len(edges):
         return []

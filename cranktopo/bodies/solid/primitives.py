@@ -51,7 +51,6 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
 
 
 def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
-    """Return what a piece of the cylinder around the outlet loses by hole and rounding."""
     piece = _piece(occ, outlet)
     bored, _ = occ.cut(occ.copy(piece), add_solid(occ, outlet.hole))
     occ.synchronize()  # curves can be asked for their points only then
@@ -93,7 +92,6 @@ def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
 
 
 def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> int:
-    """Return a body between two quadrilaterals, from six plane faces."""
     rings = [[occ.addPoint(*point) for point in ring] for ring in (floor, mouth)]
     low, high = ([occ.addLine(a, b) for a, b in pairwise([*ring, ring[0]])] for ring in rings)
     ribs = [occ.addLine(a, b) for a, b in zip(*rings, strict=True)]

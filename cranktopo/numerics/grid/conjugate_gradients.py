@@ -53,8 +53,6 @@ class CgResult(NamedTuple):
 
 
 class _CgState(NamedTuple):
-    """State between two steps; `error` is that of `r`, `true_error` that of the last measurement."""
-
     u: jax.Array
     r: jax.Array
     p: jax.Array
@@ -90,7 +88,6 @@ def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Return the same, with masks and work of the free nodes where the product is made."""
     supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
     factors = interior_factors(supports, nodes)
     free, ends, works = coupled("stiffness", "free_forces", [system.blocks, system.moduli, u, *factors])
@@ -197,24 +194,12 @@ def _iterate(
     load = jnp.sqrt(system.supports.partition.dot(free, free))
     load = jnp.where(load > 0, load, 1.0)
     iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
-    first = _before_measuring(project(system.supports, guess))
+    u = project(system.supports, guess)
+    none, zero = jnp.zeros(u.shape[0], u.dtype), jnp.zeros_like(u)
+    counters = jnp.zeros((), jnp.int32), jnp.asarray(True), jnp.asarray(False)
+    first = _CgState(u, zero, zero, none, none, none, *counters)
     final = jax.lax.while_loop(lambda s: ~s.stop, iteration.step, first)
     return CgResult(final.u, final.true_error, final.done)
-
-
-def _before_measuring(u: jax.Array) -> _CgState:
-    none, zero = jnp.zeros(u.shape[0], u.dtype), jnp.zeros_like(u)
-    return _CgState(
-        u=u,
-        r=zero,
-        p=zero,
-        rz=none,
-        error=none,
-        true_error=none,
-        done=jnp.zeros((), jnp.int32),
-        measure=jnp.asarray(True),
-        stop=jnp.asarray(False),
-    )
 
 
 def _wide(scalars: jax.Array) -> jax.Array:

@@ -126,7 +126,6 @@ def _mesh(parts: int) -> Mesh:
 
 @partial(jax.jit, static_argnums=1)
 def _cut(field: jax.Array, parts: int) -> jax.Array:
-    """Return a field part after part, each with both its end planes."""
     layers = (field.shape[-1] - 1) // parts
     return jnp.concatenate([field[..., k * layers : (k + 1) * layers + 1] for k in range(parts)], axis=-1)
 

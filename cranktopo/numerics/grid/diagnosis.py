@@ -114,7 +114,6 @@ def _on_plane(shape: tuple[int, ...], plane: int) -> Mask:
 
 
 def _moving_planes(supports: BoundaryConditions, case: int) -> list[int]:
-    """Return the rigid sections with a free motion: 0 for the first z plane, -1 for the last."""
     basis = np.asarray(supports.basis[case])
     return [plane for plane, side in ((0, 0), (-1, 1)) if np.any(basis[:, side])]
 

@@ -184,12 +184,10 @@ def stencil_diagonal(stencil: jax.Array) -> jax.Array:
 
 
 def _samples(n: int) -> list[int]:
-    """Return the positions among n fine cells in a row at which quadratics are sampled."""
     return sorted({0, (n - 1) // 2, n - 1}) if n > 2 else list(range(n))
 
 
 def _moment_weights(n: int) -> Array:
-    """Return the Lagrange polynomials of the sample positions at every fine cell in a row (samples, n)."""
     samples = _samples(n)
     weights = np.ones((len(samples), n))
     for row, here in zip(weights, samples, strict=True):

@@ -42,9 +42,8 @@ def hexahedron_stiffness(
     blocks = np.zeros((33, 33))
     volume = float(np.prod(size_mm)) / 8
     for point in product(_GAUSS, repeat=3):
-        b = np.hstack(
-            [_strain(_corner_gradients(point, size_mm)), _strain(_bubble_gradients(point, size_mm))]
-        )
+        bubbles = np.diag([-2 * point[a] * 2 / size_mm[a] for a in range(3)])
+        b = np.hstack([_strain(_corner_gradients(point, size_mm)), _strain(bubbles)])
         blocks += volume * b.T @ d @ b
     corner, mixed, bubble = blocks[:24, :24], blocks[:24, 24:], blocks[24:, 24:]
     stiffness = corner - mixed @ np.linalg.solve(bubble, mixed.T) if incompatible_modes else corner
@@ -83,10 +82,6 @@ def _corner_gradients(point: tuple[float, ...], size: tuple[float, float, float]
             sign[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8 * 2 / size[axis]
         )
     return gradients
-
-
-def _bubble_gradients(point: tuple[float, ...], size: tuple[float, float, float]) -> Array:
-    return np.asarray(np.diag([-2 * point[a] * 2 / size[a] for a in range(3)]))
 
 
 def _strain(gradients: Array) -> Array:
@@ -138,7 +133,9 @@ class Lattice:
         All axes are halved `levels` times; then those that still can, until a dense solve is cheap.
         """
         factors = [(1 << level, 1 << level, 1 << level) for level in range(1, levels + 1)]
-        while self._coarse_unknowns(factors[-1]) > _DENSE_UNKNOWNS:
+        while (
+            3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors[-1], strict=True)) > _DENSE_UNKNOWNS
+        ):
             halved = tuple(
                 2 * f if n % (2 * f) == 0 else f for n, f in zip(self.cells, factors[-1], strict=True)
             )
@@ -146,9 +143,6 @@ class Lattice:
                 break
             factors.append((halved[0], halved[1], halved[2]))
         return tuple(factors)
-
-    def _coarse_unknowns(self, factors: Cells) -> int:
-        return 3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors, strict=True))
 
 
 @lru_cache(maxsize=64)

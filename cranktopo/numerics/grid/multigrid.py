@@ -120,7 +120,6 @@ def build_hierarchy(
 def _coarse_steps(
     stencils: Sequence[jax.Array], levels: Sequence[Partition], bounds: Sequence[Array] | None
 ) -> Iterator[jax.Array]:
-    """Return inverse diagonals over bounds, or estimates, of the spectra of the Jacobi-scaled stencils."""
     inverses = [
         _safe_inverse(at.add_interfaces(stencil_diagonal(stencil)))
         for stencil, at in zip(stencils, levels, strict=False)

@@ -162,5 +162,4 @@ def jacobi_scaling(sizes: jax.Array, supports: BoundaryConditions) -> JacobiScal
 
 
 def _weights(number: jax.Array) -> jax.Array:
-    """Return the weights of the last correction and of a Jacobi step in correction `number` + 1."""
     return jnp.stack([jnp.maximum(2 * number - 1, 0), 8 * number + 4]) / (2 * number + 3)

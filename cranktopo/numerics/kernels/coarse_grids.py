@@ -23,20 +23,18 @@ _TWO = INT64(2)
 
 @dataclass(frozen=True)
 class _Field:
-    """A field (cases, 3, nodes...): its address and the nodes per axis."""
-
     code: VectorCode
     start: Value
     nodes: Sequence[Value]
 
     def row(self, component: Value, i: Value, j: Value) -> Value:
-        """Address of a row along z; components are counted through all cases."""
+        """Return the address of a row along z; components are counted through all cases."""
         code, (nx, ny, nz) = self.code, self.nodes
         plane = code.plus(code.times(component, nx), i)
         return code.at(self.start, code.times(code.plus(code.times(plane, ny), j), nz))
 
     def load(self, row: Value, k: Value, exists: Value | None = None) -> Value:
-        """Numbers from k on along z; 0 outside the field, and where the row does not exist."""
+        """Return numbers from k on along z; 0 outside the field, and where the row does not exist."""
         code = self.code
         mask = code.first_lanes(code.plus(self.nodes[2], code.builder.neg(k)))
         return code.load(code.at(row, k), mask if exists is None else code.both(mask, exists))
@@ -162,7 +160,7 @@ class Stencil:
     together = True  # for all cases a block is read once
 
     def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
-        """Forces of a plane and of the one after it that are due to the blocks of the plane."""
+        """Add forces of a plane and of the one after it that are due to the blocks of the plane."""
         length = code.times(INT64(9 * len(OFFSETS)), grid.nz)
         with (
             code.loop(INT64(0), grid.ny, INT64(1)) as row,
@@ -178,8 +176,6 @@ class Stencil:
 
 @dataclass(frozen=True)
 class _Nodes:
-    """A vector of nodes of a row, from k on, and where their blocks begin."""
-
     code: VectorCode
     grid: Grid
     blocks: Value
@@ -194,7 +190,7 @@ class _Nodes:
             self.code.prefetch(address)
 
     def write(self, pair: Pair) -> None:
-        """What the nodes get from themselves and later neighbours, and these from them."""
+        """Add what the nodes get from themselves and later neighbours, and these from them."""
         own = (0, 0)
         field = {step: self._vectors(pair.field, own, step) for step in (-1, 0, 1)}
         sums = self._vectors(pair.forces, own, 0)
@@ -224,7 +220,6 @@ class _Nodes:
         return sums
 
     def _vectors(self, planes: tuple[Sequence[Value], ...], to: tuple[int, int], step: int) -> list[Value]:
-        """Three components at nodes of a neighbouring row, so many on along z; 0 where there are none."""
         code = self.code
         mask = code.both(self._along(step), self._exists(to))
         return [code.load(code.at(address, step), mask) for address in self._addresses(planes, to)]
@@ -239,7 +234,6 @@ class _Nodes:
         return [self.code.at(address, row, self.k) for address in planes[to[0]]]
 
     def _along(self, step: int) -> Value:
-        """Return which nodes have one so many on along z."""
         code = self.code
         mask = code.first_lanes(code.plus(self.grid.nz, code.builder.neg(self.k), -step))
         if step >= 0:

@@ -17,7 +17,7 @@ class Store:
     replaced = 0
 
     def results(self, field: Shape) -> list[Shape]:
-        """Forces."""
+        """Return forces."""
         return [field]
 
     def write(
@@ -39,14 +39,14 @@ class FreeForces:
     replaced = 0
 
     def results(self, field: Shape) -> list[Shape]:
-        """Forces times factors, all forces on the two ends along z, and the work of the former per plane."""
+        """Return forces times factors, all forces on the ends along z, works of the former per plane."""
         cases, _, nx, ny, _ = field
         return [field, (cases, 3, nx, ny, 2), (cases, nx)]
 
     def write(
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
     ) -> None:
-        """Row by row."""
+        """Write row by row."""
         field, along_x, along_z, free, ends, works = arrays
         total = code.zero
         for c, address in enumerate(forces):
@@ -87,13 +87,13 @@ class Smooth:
     replaced = 3
 
     def results(self, field: Shape) -> list[Shape]:
-        """Correction, field and residual."""
+        """Return correction, field and residual."""
         return [field] * 3
 
     def write(
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
     ) -> None:
-        """Row by row, each number read and written once."""
+        """Write row by row, each number read and written once."""
         weights = arrays[6]
         second = code.builder.load(code.at(weights, 1), typ=code.number)
         smooth = code.builder.fcmp_unordered("!=", second, ir.Constant(code.number, 0.0))

@@ -53,15 +53,15 @@ class VectorCode:
         return self.builder.fadd(a, b, flags=_FUSED)
 
     def subtract(self, a: Value, b: Value) -> Value:
-        """Difference of two vectors."""
+        """Return the difference of two vectors."""
         return self.builder.fsub(a, b, flags=_FUSED)
 
     def multiply(self, a: Value, b: Value) -> Value:
-        """Product of two vectors, number by number."""
+        """Return the product of two vectors, number by number."""
         return self.builder.fmul(a, b, flags=_FUSED)
 
     def times(self, *factors: Value) -> Value:
-        """Product of integers."""
+        """Return the product of integers."""
         first, *others = factors
         for factor in others:
             first = self.builder.mul(first, factor)
@@ -74,12 +74,12 @@ class VectorCode:
         return first
 
     def at(self, start: Value, *numbers: Value | int) -> Value:
-        """Address so many numbers after another."""
+        """Return the address so many numbers after another."""
         offset = self.plus(INT64(0), *numbers)
         return self.builder.gep(start, [offset], source_etype=self.number)
 
     def load(self, address: Value, mask: Value) -> Value:
-        """Vector at an address; 0 outside the mask, where nothing is read."""
+        """Return the vector at an address; 0 outside the mask, where nothing is read."""
         return self.builder.call(self._load, [address, INT32(self.item_bytes), mask, self.zero])
 
     def store(self, vector: Value, address: Value, mask: Value) -> None:
@@ -87,7 +87,7 @@ class VectorCode:
         self.builder.call(self._store, [vector, address, INT32(self.item_bytes), mask])
 
     def spread(self, address: Value) -> Value:
-        """Vector of one number at an address."""
+        """Return the vector of one number at an address."""
         undefined = ir.Constant(self.vector, ir.Undefined)
         one = self.builder.insert_element(undefined, self.builder.load(address, typ=self.number), INT32(0))
         return self.pick(one, one, [0] * self.width)
@@ -123,7 +123,7 @@ class VectorCode:
         self.builder.call(self._copy, [target, source, length, BIT(0)])
 
     def first_lanes(self, count: Value) -> Value:
-        """Mask of so many numbers from the first; of all where there are not as many."""
+        """Return the mask of so many numbers from the first; of all where there are not as many."""
         integers = ir.VectorType(INT64, self.width)
         undefined = ir.Constant(integers, ir.Undefined)
         one = self.builder.insert_element(undefined, count, INT32(0))
@@ -131,15 +131,15 @@ class VectorCode:
         return self.builder.icmp_signed("<", ir.Constant(integers, list(range(self.width))), everywhere)
 
     def later_lanes(self) -> Value:
-        """Mask of all numbers but the first."""
+        """Return the mask of all numbers but the first."""
         return ir.Constant(self.mask, [0] + [1] * (self.width - 1))
 
     def all_lanes(self) -> Value:
-        """Mask of all numbers."""
+        """Return the mask of all numbers."""
         return ir.Constant(self.mask, [1] * self.width)
 
     def pick(self, a: Value, b: Value, lanes: list[int]) -> Value:
-        """Vector of numbers of two others: lanes of `a` count from 0, those of `b` from `width`."""
+        """Return numbers of two vectors: lanes of `a` count from 0, those of `b` from `width`."""
         return self.builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(INT32, len(lanes)), lanes))
 
     @contextmanager

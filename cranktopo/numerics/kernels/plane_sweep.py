@@ -77,7 +77,7 @@ class Finish(Protocol):
     replaced: int
 
     def results(self, field: Shape) -> list[Shape]:
-        """Shapes of what it writes; the first one has the field's."""
+        """Return shapes of what it writes; the first one has the field's."""
 
     def write(
         self, code: VectorCode, grid: Grid, arrays: Sequence[Value], case: Value, plane: Value, forces: Planes
@@ -102,7 +102,7 @@ def write_planes(code: VectorCode, operator: Operator, finish: Finish) -> None:
 
 
 def spare_planes(operator: Operator, finish: Finish) -> tuple[int, int]:
-    """Planes in the spare memory of a part, per case and besides: copies of neighbours, forces of two."""
+    """Return planes in the spare memory of a part, per case and besides: copies, forces of two."""
     copies = _copied_planes(finish)
     return (copies + 2, 0) if operator.together else (copies, 2)
 
@@ -137,7 +137,7 @@ class _March:
         self._near = code.at(self._copies, code.times(copied, cases, plane))
 
     def write(self, start: Value, cases: Value) -> None:
-        """Through the planes with so many cases, from one on."""
+        """Go through the planes with so many cases, from one on."""
         code, first = self._code, self._first
         size = code.times(INT64(3), cases, self.grid.plane)
         before = code.plus(first, -1)
@@ -159,7 +159,7 @@ class _March:
             turn.following = far, near
 
     def copy_neighbours(self) -> None:
-        """The planes before and after the part's own, of all cases."""
+        """Copy the planes before and after the part's own, of all cases."""
         code, there = self._code, (self._code.plus(self._first, -1), self._last)
         exists = code.below(INT64(0), self._first), code.below(self._last, self.grid.nx)
         for side in range(2):
@@ -175,7 +175,6 @@ class _March:
         return Pair(fields, (self._forces(forces[0], k), self._forces(forces[1], k)))
 
     def _field(self, case: Value, plane: Value) -> Planes:
-        """Displacements of a plane; from the copies where another part overwrites them."""
         code, own = self._code, tuple(self._plane(case, c, plane) for c in range(3))
         if not self._finish.replaced:
             return own
@@ -201,6 +200,6 @@ class _March:
 
 
 def field_offset(code: VectorCode, grid: Grid, case: Value, c: int, plane: Value) -> Value:
-    """Numbers before a plane of a component in a field (cases, 3, nodes...)."""
+    """Return numbers before a plane of a component in a field (cases, 3, nodes...)."""
     component = code.plus(code.times(case, INT64(3)), c)
     return code.plus(code.times(component, grid.component), code.times(plane, grid.plane))

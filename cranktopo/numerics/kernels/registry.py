@@ -104,7 +104,6 @@ def why_no_kernels() -> str:
 
 @cache
 def _fault() -> str:
-    """Return what is wrong with a first small product; told in one line."""
     from cranktopo.numerics.grid.slab_product import apply_by_slabs
 
     try:
@@ -157,7 +156,6 @@ def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence
 
 
 def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tuple[int, ...]]:
-    """Shapes of the results; spare memory is the last."""
     field = arrays[_OPERATORS[operator].arrays]
     cases, _, _, *plane = field.shape
     each, besides = spare_planes(_OPERATORS[operator], _FINISHES[finish])
@@ -168,7 +166,7 @@ def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tup
 def called(
     name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]], precision: jax.typing.DTypeLike
 ) -> Sequence[jax.Array]:
-    """Results of a kernel, of the given shapes; what goes in and out has one precision."""
+    """Return results of a kernel, of the given shapes; what goes in and out has one precision."""
     target = _registered(name, jax.numpy.dtype(precision).name)
     return _called(target, name, [array.astype(precision) for array in arrays], shapes)
 

@@ -68,7 +68,7 @@ class Waves:
 def block_product(
     code: VectorCode, waves: Waves, blocks: Value, classes: Classes, entry: tuple[int, int]
 ) -> Value | None:
-    """Entry (class, component) of the 3 x 3 products of all parity classes; None where it is always 0."""
+    """Return an entry (class, component) of the products of all parity classes; None where it is always 0."""
     (p, c), total = entry, None
     for d in np.flatnonzero(COUPLED[p, c]):
         place = code.times(INT64(int((3 * p + c) * 3 + d)), waves.cells.nz)
@@ -90,7 +90,7 @@ class StiffnessOperator:
     together = False
 
     def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
-        """Forces of a layer of cells on the planes on both sides of it, where there is one."""
+        """Add the forces of a layer of cells to the planes on both sides of it, where there is one."""
         blocks, moduli = arrays
         cells = Cells(code.plus(grid.ny, -1), code.plus(grid.nz, -1), grid.nz, grid.plane)
         stiffness = code.at(moduli, code.times(layer.number, cells.ny, cells.nz))
@@ -103,8 +103,6 @@ class StiffnessOperator:
 
 
 class _Column:
-    """A column of cells between two planes of nodes, `width` along z from k."""
-
     def __init__(self, code: VectorCode, grid: Cells, k: Value, pair: Pair):
         self._code, self._grid, self._k, self._pair = code, grid, k, pair
         self._waves = Waves(code, grid, k, pair.field)
@@ -115,7 +113,7 @@ class _Column:
         self._beyond = code.first_lanes(code.builder.zext(full, INT64))
 
     def write(self, blocks: Value, moduli: Value) -> None:
-        """All rows of cells, one after the other, adding to the forces on the nodes."""
+        """Write all rows of cells, one after the other, adding to the forces on the nodes."""
         code, grid = self._code, self._grid
         waiting = [code.zero] * len(ROWS)
         with code.loop(INT64(0), grid.ny, INT64(1), (*self._waves.along_z(INT64(0)), *waiting)) as row:
@@ -139,7 +137,6 @@ class _Column:
     def _row_forces(
         self, near: list[Value], far: list[Value], blocks: Value, modulus: Value
     ) -> tuple[list[Value], list[Value]]:
-        """What a row of cells gives to the nodes before and after it, as sums and differences along z."""
         code, along_y = self._code, {}
         classes = self._waves.classes(near, far)
         products = {

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
 
 import llvmlite.ir as ir
@@ -27,7 +26,7 @@ from cranktopo.numerics.kernels.frames import (
 from cranktopo.numerics.kernels.ir_builder import BYTE, INT32, INT64, POINTER, Value
 
 # What the interface offers for it, and of which kind that is.
-OFFERED = {
+_OFFERED = {
     "XLA_FFI_ThreadPool_Schedule": ir.PointerType(ir.FunctionType(POINTER, [POINTER])),
     "XLA_FFI_Error_Destroy": ir.PointerType(ir.FunctionType(ir.VoidType(), [POINTER])),
 }
@@ -36,17 +35,8 @@ _NEXT, _DONE, _HOLDERS, _TASK = range(4)
 _SPINS, _SLEEP_US = 100, 10
 
 
-@dataclass(frozen=True)
-class Pool:
-    """XLA's pool of threads: the context of a call, and two functions of the interface, `OFFERED`."""
-
-    context: Value
-    schedule: Value
-    destroy_error: Value
-
-
 def write_shared(
-    builder: ir.IRBuilder, functions: Sequence[ir.Function], task: Sequence[Value], threads: int, pool: Pool
+    builder: ir.IRBuilder, functions: Sequence[ir.Function], task: Sequence[Value], threads: int, frame: Value
 ) -> None:
     """Write a call of the functions once per part, the last by the caller and by as many threads as come.
 
@@ -66,10 +56,13 @@ def write_shared(
     begun = builder.call(_known(module, "malloc", POINTER, [INT64]), [INT64(8 * len(job.elements))])
     for place, value in enumerate((INT64(0), INT64(0), INT64(threads), *task)):
         builder.store(value, _at(builder, begun, job, place))
+    offered = _read(builder, frame, POINTER, CallFrame, "api")
+    schedule, destroy = (_read(builder, offered, kind, Api, name) for name, kind in _OFFERED.items())
+    context = _read(builder, frame, POINTER, CallFrame, "ctx")
     for _ in range(threads - 1):
-        error = _call_interface(builder, pool.schedule, pool.context, begin, begun)
+        error = _call_interface(builder, schedule, context, begin, begun)
         with builder.if_then(builder.icmp_unsigned("!=", error, ir.Constant(POINTER, None))):
-            _call_interface(builder, pool.destroy_error, error)
+            _call_interface(builder, destroy, error)
             builder.call(release, [begun])
     builder.call(work, [begun])
     _wait(builder, begun, job, threads)
@@ -155,7 +148,6 @@ def _call_interface(builder: ir.IRBuilder, function: Value, *arguments: Value) -
 
 
 def _count(builder: ir.IRBuilder, start: Value, job: ir.Type, place: int, step: int) -> Value:
-    """Add to a counter that others add to as well; what it was before."""
     return builder.atomic_rmw("add", _at(builder, start, job, place), INT64(step), "acq_rel")
 
 
@@ -195,7 +187,7 @@ def write_handler(
     )
     with builder.if_else(shared) as (together, alone):
         with together:
-            write_shared(builder, functions, task, threads, _pool(builder, frame))
+            write_shared(builder, functions, task, threads, frame)
         with alone:
             for function in functions:
                 builder.call(function, [*task, INT64(0), INT64(0), planes])
@@ -230,18 +222,11 @@ def _write_answer(builder: ir.IRBuilder, first: Value) -> None:
 
 
 def _task(builder: ir.IRBuilder, frame: Value, buffers: tuple[int, int]) -> list[Value]:
-    """Return what every part of a call gets: addresses of all buffers, cases, nodes along x, y and z."""
     lists = [_read(builder, frame, POINTER, CallFrame, name, "buffers") for name in ("args", "rets")]
     found = [_load(builder, lists[k], 8 * n, POINTER) for k in (0, 1) for n in range(buffers[k])]
     sizes = _read(builder, found[buffers[0]], POINTER, Buffer, "dims")
     shape = [_load(builder, sizes, 8 * axis, INT64) for axis in (0, 2, 3, 4)]
     return [*(_read(builder, buffer, POINTER, Buffer, "data") for buffer in found), *shape]
-
-
-def _pool(builder: ir.IRBuilder, frame: Value) -> Pool:
-    functions = _read(builder, frame, POINTER, CallFrame, "api")
-    offered = (_read(builder, functions, kind, Api, name) for name, kind in OFFERED.items())
-    return Pool(_read(builder, frame, POINTER, CallFrame, "ctx"), *offered)
 
 
 def _read(

@@ -105,7 +105,6 @@ def mma_step(
 
 
 def _moved(x: jax.Array, width: jax.Array, memory: Asymptotes) -> tuple[jax.Array, jax.Array]:
-    """Return asymptotes about x: further away where a variable goes on, closer where it turns back."""
     trend = (x - memory.last) * (memory.last - memory.before)
     factor = jnp.where(trend > 0, _GROW, jnp.where(trend < 0, _SHRINK, 1.0))
     first = memory.steps[0] < 2

@@ -91,10 +91,14 @@ def mean_displacement(model: Elasticity, axis: int, z_from_mm: float, z_to_mm: f
     straddle z are integrated over their inside quadrature points.
     """
     basis, inside = basis_above_plane(model, z_from_mm, z_to_mm)
-    weights = np.stack([(np.asarray(phi[0]) * inside).sum(axis=1) for phi in basis.basis])
     mean = np.zeros(model.nodes_mm.size)
-    np.add.at(mean, 3 * basis.element_dofs + axis, weights)
+    _add_load(mean, basis, axis, inside)
     return np.asarray(mean / inside.sum(), dtype=np.float64)
+
+
+def _add_load(force: Array, basis: Any, axis: int, weights: Array) -> None:
+    shares = np.stack([(np.asarray(phi[0]) * weights).sum(axis=1) for phi in basis.basis])
+    np.add.at(force, 3 * basis.element_dofs + axis, shares)
 
 
 def basis_above_plane(model: Elasticity, z_from_mm: float, z_to_mm: float = math.inf) -> tuple[Any, Array]:
@@ -116,9 +120,7 @@ def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
     points = np.asarray(basis.global_coordinates())
     force = np.zeros(model.nodes_mm.size)
     for axis in (0, 1):
-        pull = density_tonne_per_mm3 * points[axis] * basis.dx
-        weights = np.stack([(np.asarray(phi[0]) * pull).sum(axis=1) for phi in basis.basis])
-        np.add.at(force, 3 * basis.element_dofs + axis, weights)
+        _add_load(force, basis, axis, density_tonne_per_mm3 * points[axis] * basis.dx)
     return force
 
 

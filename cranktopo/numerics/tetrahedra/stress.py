@@ -186,7 +186,6 @@ def boundary_faces(elements: Index) -> tuple[Index, Index]:
 def _normals(
     model: Elasticity, elements: Index, numbers: Index, owners: Index, faces: Index, count: int
 ) -> Array:
-    """Outward unit normals at the surface nodes: mean over their faces by area."""
     at = model.nodes_mm[:, numbers]
     tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
     normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)  # (3, 6, faces)
@@ -237,6 +236,6 @@ def _jumps(surface: Surface, found: NodalStress) -> Array:
 
 
 def node_points() -> Array:
-    """Barycentric coordinates of the ten nodes, shape (10, 4)."""
+    """Return barycentric coordinates of the ten nodes, shape (10, 4)."""
     corners = np.eye(4)
     return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])
