@@ -12,7 +12,7 @@ from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.geometry import Journal
-from cranktopo.throw.moments import Moments, body_moments, body_section_moments
+from cranktopo.throw.moments import Moments, body_moments
 from cranktopo.throw.web import web_bodies
 
 
@@ -45,11 +45,6 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
     added = body_moments([*bodies, *weight.parts(scene)], before_z_mm)
     added = added + body_moments(bodies, before_z_mm).times(-1.0)
     return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
-
-
-def section_moments(scene: Scene, z_mm: float) -> Moments:
-    """Return the moments of the web's section at a height, per mm of height."""
-    return body_section_moments(web_bodies(scene), z_mm)
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:

@@ -114,11 +114,6 @@ class DiskChain:
         }
 
 
-def supplied_J(torque_Nm: ComplexArray, twist_rad: ComplexArray) -> Array:
-    """Return the work of harmonic torques on the disks in one period, J; what the damping takes."""
-    return np.asarray(math.pi * (torque_Nm * twist_rad.conj()).imag.sum(axis=-1))
-
-
 def _filled(values: tuple[float, ...], count: int) -> Array:
     return np.array(values) if values else np.zeros(count)
 

@@ -15,7 +15,7 @@ import pytest
 
 from cranktopo.numerics.grid.conjugate_gradients import product_and_work, stiffness_product
 from cranktopo.numerics.grid.galerkin import apply_stencil
-from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
+from cranktopo.numerics.grid.lattice import WHOLE, Lattice, layer_blocks
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import (
     add_prolonged,
@@ -24,7 +24,6 @@ from cranktopo.numerics.grid.operator import (
     strain_energy_densities,
     strain_energy_density,
 )
-from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.grid.smoothing import JacobiScaling, Smoother, SmootherState
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import Precision

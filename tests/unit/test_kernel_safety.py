@@ -22,7 +22,7 @@ from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.numerics.grid import operator, slab_product
 from cranktopo.numerics.grid.operator import restrict
 from cranktopo.numerics.kernels import frames
-from cranktopo.numerics.kernels import jit_cache as machine_code
+from cranktopo.numerics.kernels import registry as machine_code
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.kernels import xla_ffi as foreign
 from cranktopo.numerics.kernels.frames import (

@@ -13,10 +13,11 @@ import trimesh
 from manifold3d import CrossSection, Manifold
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import (
     SurfaceMesh,
+    check_manifold,
+    check_self_intersection,
     mesh_of,
     shell_volumes_mm3,
     shells,

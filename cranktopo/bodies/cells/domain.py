@@ -170,13 +170,9 @@ def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
 def _check_touches(scene: Scene, domain: Domain) -> None:
     start, stop = scene.web_z_mm
     z = domain.grid.z_mm
-    faces = (
-        ("throw.main_journal", int(np.argmin(np.abs(z - start))), 0),
-        ("throw.crankpin", int(np.argmin(np.abs(z - stop))), -1),
-    )
-    for key, plane, side in faces:
-        journal = domain.passive_fraction[:, :, plane - 1 if side == 0 else plane]
-        layer = plane if side == 0 else plane - 1
+    for key, face, before in (("throw.main_journal", start, 0), ("throw.crankpin", stop, 1)):
+        layer = int(np.argmin(np.abs(z - face))) - before
+        journal = domain.passive_fraction[:, :, layer + 1 if before else layer - 1]
         web = domain.design_fraction[:, :, layer] + domain.passive_fraction[:, :, layer]
         contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
         if contact < 0.1:

@@ -103,12 +103,7 @@ def mesh_throw(
 
 
 def mesh_body(
-    gmsh: Any,
-    scene: Scene,
-    element_size_mm: float,
-    *,
-    mirrored: bool,
-    fillet_fraction: float | None = None,
+    gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool, fillet_fraction: float | None = None
 ) -> TetMesh:
     """Return the mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False, fillet_fraction=fillet_fraction)
@@ -152,13 +147,7 @@ def positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
 
 
 def _set_sizes(
-    gmsh: Any,
-    scene: Scene,
-    size: float,
-    *,
-    graded: bool,
-    full: bool,
-    fillet_fraction: float | None = None,
+    gmsh: Any, scene: Scene, size: float, *, graded: bool, full: bool, fillet_fraction: float | None = None
 ) -> None:
     """One analytic size field: distance to each fillet surface (or sharp ring), growing linearly."""
     gmsh.model.occ.synchronize()

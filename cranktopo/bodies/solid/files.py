@@ -100,18 +100,16 @@ def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:
 
 def _neighbours(tags: dict[int, _Tags]) -> dict[int, list[tuple[int, bool]]]:
     """Faces that share an edge with each face, and whether they run along it in the same direction."""
-    first: dict[tuple[int, int], tuple[int, bool]] = {}
+    sides: dict[tuple[int, int], list[tuple[int, bool]]] = defaultdict(list)
+    for face, corners in tags.items():
+        for start, end in _border(corners):
+            sides[min(start, end), max(start, end)].append((face, start < end))
     found: dict[int, list[tuple[int, bool]]] = defaultdict(list)
-    for face, own in tags.items():
-        for start, end in _border(own):
-            edge, forward = (min(start, end), max(start, end)), start < end
-            if edge not in first:
-                first[edge] = face, forward
-                continue
-            other, before = first[edge]
+    for (face, forward), *others in sides.values():
+        for other, along in others:
             if other != face:
-                found[face].append((other, before == forward))
-                found[other].append((face, before == forward))
+                found[face].append((other, along == forward))
+                found[other].append((face, along == forward))
     return found
 
 
@@ -131,11 +129,7 @@ _DELAUNAY = 5
 
 
 def export_solid(
-    scene: Scene,
-    part: SolidPart,
-    path: Path,
-    facet_mm: float | None = None,
-    started: datetime | None = None,
+    scene: Scene, part: SolidPart, path: Path, facet_mm: float | None = None, started: datetime | None = None
 ) -> float:
     """Write a part of a scene, mm, as STEP or STL by the file's suffix; return its exact volume, mm3.
 

@@ -170,14 +170,7 @@ def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, towa
     near, reach = face - toward * fillet.axial_mm, radius + fillet.radial_mm
     axis_far, rim, top, foot, axis_face, centre = (
         occ.addPoint(x, y, z)
-        for x, z in (
-            (0.0, far),
-            (radius, far),
-            (radius, near),
-            (reach, face),
-            (0.0, face),
-            (reach, near),
-        )
+        for x, z in ((0.0, far), (radius, far), (radius, near), (reach, face), (0.0, face), (reach, near))
     )
     longer = foot if fillet.axial_mm > fillet.radial_mm else top  # the kernel wants the major axis
     curves = [

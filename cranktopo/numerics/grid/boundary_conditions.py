@@ -15,8 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.grid.lattice import Cells, Lattice
-from cranktopo.numerics.grid.partition import WHOLE, Partition
+from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition
 
 # Rigid motions of a section about its centre.
 MOTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")

@@ -20,8 +20,8 @@ from jax.sharding import PartitionSpec as Spec
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions
 from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, multigrid_cg
 from cranktopo.numerics.grid.galerkin import CoarseMap
+from cranktopo.numerics.grid.lattice import AXIS, Partition
 from cranktopo.numerics.grid.multigrid import GridTables, build_hierarchy
-from cranktopo.numerics.grid.partition import AXIS, Partition
 from cranktopo.numerics.precision import Precision
 
 # With fewer cells the messages between devices take longer than what they save (tests/benchmarks/devices.py).

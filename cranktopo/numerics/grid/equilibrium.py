@@ -84,7 +84,7 @@ def solve_system(
     iterations, tried = 0, ""
     for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
         result = run_method(method, tables, system, guess, tolerance)
-        used, residual = int(result.iterations), _worst(result)
+        used, residual = int(result.iterations), float(jnp.max(result.relative_residual))
         iterations += used
         _check_meaning(system, result, residual <= tolerance, names)
         if residual <= tolerance:
@@ -110,10 +110,6 @@ def run_method(
     compile_multigrid(tables, system, method.precision)
     hierarchy = build_hierarchy(tables, system.supports, system.moduli, method.precision)
     return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
-
-
-def _worst(result: CgResult) -> float:
-    return float(jnp.max(result.relative_residual))
 
 
 def _check_numbers(system: System, names: tuple[str, ...]) -> None:

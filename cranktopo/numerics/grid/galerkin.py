@@ -135,11 +135,7 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
     """Return a stencil operator's product with fields: by a kernel on the processor, elsewhere by JAX."""
-    return by_kernel(_apply_by_kernel, _apply_by_sums, stencil, field)
-
-
-def _apply_by_kernel(*arrays: jax.Array) -> jax.Array:
-    return coupled("stencil", "product", arrays)[0]
+    return by_kernel(lambda *a: coupled("stencil", "product", a)[0], _apply_by_sums, stencil, field)
 
 
 def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:

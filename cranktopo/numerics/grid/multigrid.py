@@ -28,7 +28,7 @@ from cranktopo.numerics.grid.galerkin import (
     jacobi_bound,
     stencil_diagonal,
 )
-from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
+from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition, layer_blocks, layer_stiffness
 from cranktopo.numerics.grid.operator import (
     add_prolonged,
     apply_stiffness,
@@ -36,7 +36,6 @@ from cranktopo.numerics.grid.operator import (
     restrict,
     stiffness_diagonal,
 )
-from cranktopo.numerics.grid.partition import WHOLE, Partition
 from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling, largest_eigenvalues
 from cranktopo.numerics.precision import Precision
 
@@ -164,7 +163,8 @@ def _cycle(
     level: int,
 ) -> jax.Array:
     if level == len(hierarchy.steps):
-        return _solve_coarse(hierarchy, residual)
+        flat = residual.reshape(residual.shape[0], -1)
+        return jnp.einsum("bij,bj->bi", hierarchy.coarse_inverse, flat).reshape(residual.shape)
     partition, coarser = supports.partition, supports.partition.at_level(level + 1)
     smoother = level_smoother(hierarchy, supports, level)
 
@@ -209,11 +209,6 @@ def _coarser_nodes(hierarchy: Hierarchy, supports: BoundaryConditions, level: in
         nx, ny = supports.coarse_basis.shape[4:]
         nz = hierarchy.coarse_inverse.shape[-1] // (3 * nx * ny)
     return nx, ny, nz
-
-
-def _solve_coarse(hierarchy: Hierarchy, residual: jax.Array) -> jax.Array:
-    flat = residual.reshape(residual.shape[0], -1)
-    return jnp.einsum("bij,bj->bi", hierarchy.coarse_inverse, flat).reshape(residual.shape)
 
 
 def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array:

@@ -82,11 +82,7 @@ def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
 
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
     """Return the nodal forces K(moduli) u of every case, N, with moduli per cell in MPa and u in mm."""
-    return by_kernel(_by_kernel, apply_by_slabs, blocks, moduli, field)
-
-
-def _by_kernel(*arrays: jax.Array) -> jax.Array:
-    return coupled("stiffness", "product", arrays)[0]
+    return by_kernel(lambda *a: coupled("stiffness", "product", a)[0], apply_by_slabs, blocks, moduli, field)
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:

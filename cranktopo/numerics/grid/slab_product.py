@@ -79,10 +79,7 @@ def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, sums: jax.Array) -> j
 
 
 def add_slabs(
-    total: jax.Array,
-    layers: int,
-    part: Callable[[int | jax.Array, int], jax.Array],
-    axis: int,
+    total: jax.Array, layers: int, part: Callable[[int | jax.Array, int], jax.Array], axis: int
 ) -> jax.Array:
     """Return a nodal array plus the parts of slabs of equal depth along x; neighbours share a plane of nodes.
 

@@ -99,11 +99,7 @@ def _3mf(mesh: SurfaceMesh) -> bytes:
     )
     faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces)
     model = f"{_3MF_HEAD}{vertices}</vertices><triangles>{faces}{_3MF_TAIL}"
-    parts = {
-        "[Content_Types].xml": _3MF_TYPES,
-        "_rels/.rels": _3MF_RELATIONS,
-        "3D/3dmodel.model": model,
-    }
+    parts = {"[Content_Types].xml": _3MF_TYPES, "_rels/.rels": _3MF_RELATIONS, "3D/3dmodel.model": model}
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as package:
         for name, text in parts.items():

@@ -39,10 +39,7 @@ def solve_symmetric(
 
 
 def symmetric_solver(
-    matrix: sp.csr_matrix,
-    prolongation: sp.csr_matrix,
-    method: str = "auto",
-    residual: float = RESIDUAL_LIMIT,
+    matrix: sp.csr_matrix, prolongation: sp.csr_matrix, method: str = "auto", residual: float = RESIDUAL_LIMIT
 ) -> Callable[[Array], Array]:
     """Return the solver of a symmetric positive definite system for loads (n, k), factorised once.
 
@@ -131,10 +128,7 @@ def largest_eigenvalue(matrix: sp.csr_matrix, inverse: Array) -> float:
 
 
 def _conjugate_gradients(
-    matrix: sp.csr_matrix,
-    loads: Array,
-    cycle: Callable[[Array], Array],
-    tolerance: float,
+    matrix: sp.csr_matrix, loads: Array, cycle: Callable[[Array], Array], tolerance: float
 ) -> Array:
     """Preconditioned CG, all right-hand sides in step; those that are solved leave."""
     solution = np.zeros_like(loads)

@@ -18,8 +18,14 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.prisms import ON_MIRROR_MM, journal_halves, web_region
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.checks import manifold_fault, self_intersections_mm
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
+from cranktopo.numerics.surfaces.mesh import (
+    SurfaceMesh,
+    manifold_fault,
+    mesh_of,
+    self_intersections_mm,
+    solid_of,
+    sound_mesh_of,
+)
 from cranktopo.tasks.extraction.cutter import Cutter, find_iso
 from cranktopo.tasks.extraction.iso_distance import iso_surface_distances_mm
 from cranktopo.tasks.extraction.isosurface import REFINE, FineField, blurred

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection, surface_refusal
-from cranktopo.numerics.surfaces.mesh import shell_volumes_mm3
+from cranktopo.numerics.surfaces.mesh import (
+    check_manifold,
+    check_self_intersection,
+    shell_volumes_mm3,
+    surface_refusal,
+)
 from cranktopo.tasks.extraction.half_throw import WebSurface
 
 _VOLUME_TOLERANCE_PERCENT = 0.5

@@ -13,9 +13,8 @@ from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.prisms import snapped_to_mirror_plane, web_region
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.checks import manifold_fault
 from cranktopo.numerics.surfaces.files import as_stored, read_stl, write_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_of, solid_of
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 
 _RAYS = 61
