@@ -66,12 +66,9 @@ class Domain:
     @property
     def web_layers(self) -> tuple[int, int]:
         """First and past-the-last z layer of the (first) web; its layers have one height."""
-        filled = np.flatnonzero(self.web[:, :, : self._half_layers].any(axis=(0, 1)))
+        half = self.grid.cells[2] // (2 if self.extent == "full" else 1)
+        filled = np.flatnonzero(self.web[:, :, :half].any(axis=(0, 1)))
         return int(filled[0]), int(filled[-1]) + 1
-
-    @property
-    def _half_layers(self) -> int:
-        return self.grid.cells[2] // (2 if self.extent == "full" else 1)
 
     @property
     def symmetry_fraction(self) -> float:
@@ -109,7 +106,9 @@ def build_domain(
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = half_throw_layers(scene, target)
-    grid = grid or _grid(scene, resolution_mm, target, extent)
+    if grid is None:
+        faces = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
+        grid = plan_grid(*throw_ranges_mm(scene, target), faces, resolution_mm, extent)
     planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
     planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
     planes["design_fraction"] = np.minimum(planes["design_fraction"], 1.0 - planes["passive_fraction"])
@@ -135,12 +134,6 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
         check_envelope_reach(scene, bounds[-1])
     x_low, x_high, y_low, y_high = zip(*bounds, strict=True)
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
-
-
-def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> CellGrid:
-    x_range, y_range = throw_ranges_mm(scene, target)
-    planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
-    return plan_grid(x_range, y_range, planes, resolution_mm, extent)
 
 
 def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:

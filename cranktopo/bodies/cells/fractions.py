@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.spans import Section, Span, common, holds, section_difference, together
+from cranktopo.base.spans import Section, common, holds, section_difference, together
 from cranktopo.bodies.cells.grid import CellGrid
 from cranktopo.bodies.cells.layers import AxialLayer
 from cranktopo.bodies.envelope_file import envelope_section
@@ -26,8 +25,12 @@ from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.moments import gauss_rule
 
-_PARTS, _PLACES = 4, 5
-"""Parts of a cell along the throw to begin with, and points of the quadrature in each, with its ends."""
+_PARTS = 4
+"""Parts of a cell along the throw to begin with."""
+_INNER = math.sqrt(3 / 7)
+_SHARES = (np.array([-1.0, -_INNER, 0.0, _INNER, 1.0]) + 1) / 2
+_WEIGHTS = np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 180
+"""Lobatto points of 0 .. 1 and weights: a body that only just enters a part is seen at its end."""
 _TOLERANCE = 1e-6
 """Largest change of a cell's fraction by halving a part."""
 _HALVINGS = 40
@@ -100,26 +103,12 @@ def plane_fractions(x_mm: Array, y_mm: Array, z_mm: Array, section: Section) -> 
 
 def _areas(x_mm: Array, low: Array, high: Array, z_mm: Array, section: Section) -> Array:
     """Areas (parts, nx) that a section fills between places along the throw at heights, mm2."""
-    share, weights = _rule()
-    size = high - low
-    places = low[:, None] + size[:, None] * share
-    lengths = _lengths(x_mm, section(places.ravel(), np.repeat(z_mm, _PLACES)))
-    return np.einsum("pgx,g,p->px", lengths.reshape(*places.shape, -1), weights, size)
-
-
-def _lengths(x_mm: Array, spans: Sequence[Span]) -> Array:
-    """Lengths (places, nx) that intervals fill of the cells along x, mm."""
-    left, right = x_mm[:-1], x_mm[1:]
-    parts = (np.minimum(right, high[:, None]) - np.maximum(left, low[:, None]) for low, high in spans)
-    return np.asarray(sum(np.maximum(part, 0.0) for part in parts))
-
-
-@lru_cache(maxsize=1)
-def _rule() -> tuple[Array, Array]:
-    """Lobatto points of 0 .. 1 and weights: a body that only just enters a part is seen at its end."""
-    inner = math.sqrt(3 / 7)
-    nodes = np.array([-1.0, -inner, 0.0, inner, 1.0])
-    return (nodes + 1) / 2, np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 180
+    size, (left, right) = high - low, (x_mm[:-1], x_mm[1:])
+    places = low[:, None] + size[:, None] * _SHARES
+    spans = section(places.ravel(), np.repeat(z_mm, len(_SHARES)))
+    parts = (np.minimum(right, end[:, None]) - np.maximum(left, start[:, None]) for start, end in spans)
+    lengths = np.asarray(sum(np.maximum(part, 0.0) for part in parts))
+    return np.einsum("pgx,g,p->px", lengths.reshape(*places.shape, -1), _WEIGHTS, size)
 
 
 _ROUNDING = 1e-6

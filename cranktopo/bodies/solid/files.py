@@ -52,23 +52,16 @@ def orient_outward(gmsh: Any, faces: list[int]) -> None:
     faces agree where they run along their common edge in opposite directions; the volume tells which side
     is out.
     """
-    tags = {face: _triangles_of(gmsh, face) for face in faces}
-    turned = _turned(tags)
-    points = _points(gmsh)
-    volume = sum(
-        (-1.0 if turned[face] else 1.0) * float(_volumes(points, found).sum()) for face, found in tags.items()
-    )
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+    found = {face: gmsh.model.mesh.getElementsByType(_TRIANGLE, face)[1] for face in faces}
+    tags = {face: np.asarray(nodes, dtype=np.int64).reshape(-1, 3) for face, nodes in found.items()}
+    turned, points = _turned(tags), _points(gmsh)
+    volumes = {face: SurfaceMesh(points, corners).volume_mm3 for face, corners in tags.items()}
+    volume = sum(-own if turned[face] else own for face, own in volumes.items())
     wrong = [(2, face) for face in faces if turned[face] != (volume < 0)]
     if wrong:
         gmsh.model.mesh.reverse(wrong)
-
-
-def _triangles_of(gmsh: Any, face: int) -> _Tags:
-    kinds, _, nodes = gmsh.model.mesh.getElements(2, face)
-    found = [
-        np.asarray(node, dtype=np.int64) for kind, node in zip(kinds, nodes, strict=True) if kind == _TRIANGLE
-    ]
-    return np.concatenate(found).astype(np.int64).reshape(-1, 3) if found else np.zeros((0, 3), np.int64)
 
 
 def _points(gmsh: Any) -> NDArray[np.float64]:
@@ -76,11 +69,6 @@ def _points(gmsh: Any) -> NDArray[np.float64]:
     points = np.zeros((int(tags.max()) + 1, 3))
     points[tags.astype(np.int64)] = coordinates.reshape(-1, 3)
     return points
-
-
-def _volumes(points: NDArray[np.float64], triangles: _Tags) -> NDArray[np.float64]:
-    a, b, c = (points[triangles[:, corner]] for corner in range(3))
-    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
 
 
 def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:

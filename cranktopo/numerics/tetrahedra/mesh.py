@@ -127,7 +127,8 @@ def tetrahedralise(
     Raises CranktopoError: the surface cannot be filled, or its volume is not kept.
     """
     points, tets = _fill(surface, element_size_mm, size_at, name)
-    volume = _volumes(points, tets)
+    a, b, c, d = (points[tets[:, corner]] for corner in range(4))
+    volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     error = volume.sum() / surface.volume_mm3 - 1
     if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
         raise CranktopoError(
@@ -204,11 +205,6 @@ def _options(size: float, distance: float) -> dict[str, float | int]:
         "ar": _SHARP_DEG,
         "verbose": -1,
     }
-
-
-def _volumes(points: Array, tets: Tetrahedra) -> Array:
-    a, b, c, d = (points[tets[:, corner]] for corner in range(4))
-    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
 
 
 def quadratic(points: Array, tets: Tetrahedra) -> tuple[Array, Tetrahedra]:
