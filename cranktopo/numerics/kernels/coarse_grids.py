@@ -134,12 +134,11 @@ def _mean(code: VectorCode, coarse: _Field, rows: Sequence[Value], k: Value) -> 
 def _rows(
     code: VectorCode, cases: Value, planes: tuple[Value, Value], nodes: Sequence[Value]
 ) -> Iterator[tuple[Value, Value, Value, Value]]:
-    one, zero = INT64(1), INT64(0)
     with (
-        code.loop(zero, code.times(cases, INT64(3)), one) as component,
-        code.loop(planes[0], planes[1], one) as plane,
-        code.loop(zero, nodes[1], one) as row,
-        code.loop(zero, nodes[2], INT64(code.width)) as column,
+        code.loop(code.times(cases, INT64(3))) as component,
+        code.loop(planes[1], start=planes[0]) as plane,
+        code.loop(nodes[1]) as row,
+        code.loop(nodes[2], step=code.width) as column,
     ):
         yield component.index, plane.index, row.index, column.index
 
@@ -162,15 +161,12 @@ class Stencil:
     def couple(self, code: VectorCode, grid: Grid, arrays: Sequence[Value], layer: Layer) -> None:
         """Add forces of a plane and of the one after it that are due to the blocks of the plane."""
         length = code.times(INT64(9 * len(OFFSETS)), grid.nz)
-        with (
-            code.loop(INT64(0), grid.ny, INT64(1)) as row,
-            code.loop(INT64(0), grid.nz, INT64(code.width)) as nodes,
-        ):
+        with code.loop(grid.ny) as row, code.loop(grid.nz, step=code.width) as nodes:
             number = code.plus(code.times(layer.number, grid.ny), row.index)
             blocks = code.at(arrays[0], code.times(number, length), nodes.index)
             vector = _Nodes(code, grid, blocks, row.index, nodes.index, layer.inside)
             vector.prefetch(length)
-            with code.loop(INT64(0), layer.cases, INT64(1)) as case:
+            with code.loop(layer.cases) as case:
                 vector.write(layer.pair(case.index))
 
 

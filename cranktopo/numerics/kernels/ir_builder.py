@@ -17,6 +17,7 @@ BYTE, INT32, INT64, BIT, POINTER = (
     ir.PointerType(),
 )
 Value: TypeAlias = ir.Value
+ZERO = INT64(0)
 
 # Products and sums may become one instruction, as in XLA's programs; nothing else is reordered.
 _FUSED = ("contract",)
@@ -144,7 +145,7 @@ class VectorCode:
 
     @contextmanager
     def loop(
-        self, start: Value, stop: Value, step: Value, carried: Sequence[Value] = ()
+        self, stop: Value, *, start: Value = ZERO, step: int = 1, carried: Sequence[Value] = ()
     ) -> Iterator[SimpleNamespace]:
         """Run what is written inside for `index` from start to below stop.
 
@@ -160,7 +161,7 @@ class VectorCode:
         builder.cbranch(builder.icmp_signed("<", turn.index, stop), body, after)
         builder.position_at_end(body)
         yield turn
-        following = [builder.add(turn.index, step), *turn.following]
+        following = [builder.add(turn.index, INT64(step)), *turn.following]
         for phi, first, later in zip(phis, (start, *carried), following, strict=True):
             phi.add_incoming(first, before)
             phi.add_incoming(later, builder.block)

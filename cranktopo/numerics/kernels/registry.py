@@ -21,13 +21,15 @@ import numpy as np
 from cranktopo.base.cache import private_cache
 from cranktopo.base.machine import usable_cores
 from cranktopo.numerics.kernels.coarse_grids import Stencil, write_prolongation, write_restriction
-from cranktopo.numerics.kernels.epilogues import FreeForces, Smooth, Store
 from cranktopo.numerics.kernels.frames import Product, find_fault, first_line, register
 from cranktopo.numerics.kernels.ir_builder import POINTER, VectorCode
 from cranktopo.numerics.kernels.plane_sweep import (
     NUMBERS,
     Finish,
+    FreeForces,
     Operator,
+    Smooth,
+    Store,
     spare_planes,
     write_copies,
     write_planes,

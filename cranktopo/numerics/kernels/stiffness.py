@@ -96,8 +96,8 @@ class StiffnessOperator:
         stiffness = code.at(moduli, code.times(layer.number, cells.ny, cells.nz))
         with (
             code.builder.if_then(layer.inside),
-            code.loop(INT64(0), layer.cases, INT64(1)) as case,
-            code.loop(INT64(0), cells.nz, INT64(code.width)) as column,
+            code.loop(layer.cases) as case,
+            code.loop(cells.nz, step=code.width) as column,
         ):
             _Column(code, cells, column.index, layer.pair(case.index)).write(blocks, stiffness)
 
@@ -116,7 +116,7 @@ class _Column:
         """Write all rows of cells, one after the other, adding to the forces on the nodes."""
         code, grid = self._code, self._grid
         waiting = [code.zero] * len(ROWS)
-        with code.loop(INT64(0), grid.ny, INT64(1), (*self._waves.along_z(INT64(0)), *waiting)) as row:
+        with code.loop(grid.ny, carried=(*self._waves.along_z(INT64(0)), *waiting)) as row:
             near, waiting = row.values[: len(ROWS)], row.values[len(ROWS) :]
             far = self._waves.along_z(code.plus(row.index, 1))
             place = code.times(row.index, grid.nz), self._k
@@ -181,9 +181,9 @@ def write_energies(code: VectorCode) -> None:
     row = code.plus(nz, 1)
     cells = Cells(ny, nz, row, code.times(code.plus(ny, 1), row))
     with (
-        code.loop(INT64(0), cases, INT64(1)) as case,
-        code.loop(first, last, INT64(1)) as plane,
-        code.loop(INT64(0), nz, INT64(code.width)) as column,
+        code.loop(cases) as case,
+        code.loop(last, start=first) as plane,
+        code.loop(nz, step=code.width) as column,
     ):
         number = code.plus(code.times(case.index, nx), plane.index)
         energies = code.at(target, code.times(number, ny, nz), column.index)
@@ -209,7 +209,7 @@ def _layer(
 def _write_column(code: VectorCode, blocks: Value, waves: list[Waves], energies: Value) -> None:
     cells, count = waves[0].cells, len(ROWS)
     before = [wave for side in waves for wave in side.along_z(INT64(0))]
-    with code.loop(INT64(0), cells.ny, INT64(1), before) as row:
+    with code.loop(cells.ny, carried=before) as row:
         after = [side.along_z(code.plus(row.index, 1)) for side in waves]
         known = row.values[:count], row.values[count:]
         left, right = (side.classes(near, far) for side, near, far in zip(waves, known, after, strict=True))
