@@ -94,7 +94,7 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
     needed = evaluation_memory_MiB(scene, element_size_mm)
     if needed <= available:
         return
-    finest = element_size_mm * math.cbrt((needed - _MESH_BASE_MIB) / max(available - BASE_MIB, 1.0))
+    finest = element_size_mm * math.cbrt((needed - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0))
     raise invalid(
         "element size",
         element_size_mm,
