@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 
 _TRIANGLE = 2
 _ALONE = threading.RLock()
@@ -43,10 +43,9 @@ def _session(what: str) -> Iterator[Any]:
     except Exception as error:
         if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
             raise
-        raise CranktopoError(
+        raise solver_error(
             f"{what}: gmsh failed: {str(error).strip() or gmsh.logger.getLastError()}.",
-            hint="Change the dimensions slightly, or the element size.",
-            code=ExitCode.SOLVER,
+            "Change the dimensions slightly, or the element size.",
         ) from None
     finally:
         gmsh.finalize()
@@ -83,9 +82,7 @@ def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.f
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, nodes = gmsh.model.mesh.getElementsByType(element_type)
     if len(nodes) == 0:
-        raise CranktopoError(
-            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
-        )
+        raise solver_error("mesh: no tetrahedra were made.", "Choose a smaller element size.")
     return coordinates.reshape(-1, 3), _numbers(tags)[nodes].reshape(-1, corners)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import solver_error
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
@@ -224,11 +224,10 @@ def _read_back(path: Path, volume: float) -> None:
         loose = _remove_loose(occ)
         found = [float(occ.getMass(*pair)) for pair in occ.getEntities(3)]
     if len(found) != 1 or loose or abs(found[0] - volume) > VOLUME_TOLERANCE * volume:
-        raise CranktopoError(
+        raise solver_error(
             f"STEP file: reads back as {len(found)} solids of {sum(found):.3f} mm3 and {loose} loose points, "
             f"curves and faces instead of one solid of {volume:.3f} mm3.",
-            hint="Export STL, or change the dimensions slightly.",
-            code=ExitCode.SOLVER,
+            "Export STL, or change the dimensions slightly.",
         )
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import solver_error
 from cranktopo.throw.primitives import (
     Arc,
     Bezier,
@@ -56,10 +56,9 @@ def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
     occ.synchronize()  # curves can be asked for their points only then
     edges = _edges(bored, outlet)
     if not edges:
-        raise CranktopoError(
+        raise solver_error(
             f"{outlet.key}: the CAD kernel finds no edge at the outlet on {outlet.on}.",
-            hint="Change diameter_mm slightly.",
-            code=ExitCode.SOLVER,
+            "Change diameter_mm slightly.",
         )
     rounded = occ.fillet([tag for _, tag in bored], edges, [outlet.rounding_mm])
     return list(occ.cut(piece, rounded)[0])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.reading import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
 
@@ -60,10 +60,9 @@ def labelled(text: str, label: StepLabel) -> str:
     text, products = _PRODUCT.subn(lambda m: f"{m[1]}{product}{m[2]}{product}{m[3]}{description}", text)
     text, solids = _SOLID.subn(lambda m: f"{m[1]}{product}", text)
     if (headers, products, solids) != (1, 1, 1):
-        raise CranktopoError(
+        raise solver_error(
             f"STEP file: holds {products} products with {solids} solids instead of one each.",
-            hint="Export STL, or change the dimensions slightly.",
-            code=ExitCode.SOLVER,
+            "Export STL, or change the dimensions slightly.",
         )
     return text
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.solid.primitives import DimTags, add_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
@@ -106,10 +106,9 @@ def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
         )
     volume = occ.getMass(*solids[0])
     if abs(volume - expected_mm3) > VOLUME_TOLERANCE * expected_mm3:
-        raise CranktopoError(
+        raise solver_error(
             f"{name}: the CAD kernel built {volume:.2f} mm3, the closed form is {expected_mm3:.2f} mm3.",
-            hint="Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
-            code=ExitCode.SOLVER,
+            "Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
         )
 
 

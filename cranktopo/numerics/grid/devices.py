@@ -88,7 +88,6 @@ class SharedSolve:
 
 @lru_cache(maxsize=8)
 def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
-
     def solve(
         tables: GridTables, system: System, degree: jax.Array, guess: jax.Array, *limits: jax.Array
     ) -> CgResult:

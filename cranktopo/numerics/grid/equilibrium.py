@@ -17,7 +17,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
 from cranktopo.numerics.grid.devices import SharedSolve, devices_for
 from cranktopo.numerics.grid.diagnosis import (
@@ -116,17 +116,15 @@ def _check_numbers(system: System, names: tuple[str, ...]) -> None:
     least, largest, numbers, finite = _extreme_values(system.moduli, system.forces)
     least, largest = float(least), float(largest)
     if not (numbers and least >= 0 and largest > 0):
-        raise CranktopoError(
+        raise solver_error(
             f"solver: relative moduli from {least:.3g} to {largest:.3g}{'' if numbers else ' or no number'}; "
             "all must be finite, none negative and one positive.",
-            hint="Check the densities and the material.",
-            code=ExitCode.SOLVER,
+            "Check the densities and the material.",
         )
     if not bool(jnp.all(finite)):
-        raise CranktopoError(
+        raise solver_error(
             f"solver: load case {names[int(jnp.argmin(finite))]} has forces that are not finite numbers.",
-            hint="Check the loads.",
-            code=ExitCode.SOLVER,
+            "Check the loads.",
         )
 
 
@@ -150,11 +148,10 @@ def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[
         or _hinge(system, VOID_STIFFNESS_RATIO)
         or (int(shares.argmax()), "a part of the structure is loose")
     )
-    raise CranktopoError(
+    raise solver_error(
         f"solver: load case {names[case]} has no answer that means anything: {reason}; {shares.max():.0%} of "
         f"its work is done on void, cells softer than {VOID_STIFFNESS_RATIO:.0e} of the stiffest.",
-        hint="Join the load to the supports with material: move the load or raise the volume fraction.",
-        code=ExitCode.SOLVER,
+        "Join the load to the supports with material: move the load or raise the volume fraction.",
     )
 
 
@@ -171,10 +168,9 @@ def _check_load_path(system: System, names: tuple[str, ...]) -> None:
     found = unsupported_load(system, 0.0)
     if found is not None:
         case, reason = found
-        raise CranktopoError(
+        raise solver_error(
             f"solver: load case {names[case]} has no answer: {reason}.",
-            hint="Join the load to the supports with material, or give void cells a small modulus.",
-            code=ExitCode.SOLVER,
+            "Join the load to the supports with material, or give void cells a small modulus.",
         )
 
 
@@ -185,11 +181,10 @@ def _failure(
     worst = residual.index(max(residual))
     found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
     reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
-    return CranktopoError(
+    return solver_error(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
         f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
-        hint="Check that a load path joins the journals, or use a smaller stiffness contrast.",
-        code=ExitCode.SOLVER,
+        "Check that a load path joins the journals, or use a smaller stiffness contrast.",
     )
 
 

@@ -211,7 +211,6 @@ def _fault() -> str:
 
 
 def _stiffness_product(target: str) -> Product:
-
     def product(*arrays: jax.Array) -> jax.Array:
         return _called(target, "stiffness_product", arrays, _shapes("stiffness", "product", arrays))[0]
 

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import solver_error
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 
@@ -70,9 +70,7 @@ def _matrix(
         elements = np.arange(start, min(start + _CHUNK, end))
         basis = Basis(body, _element(order), intorder=STIFFNESS_ORDER, elements=elements)
         if basis.mapping.detDF(basis.X, tind=elements).min() <= 0:  # basis.dx takes its absolute value
-            raise CranktopoError(
-                "mesh: an element is inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
-            )
+            raise solver_error("mesh: an element is inverted.", "Choose another element size.")
         stiffness = stiffness + _chunk_matrix(basis, youngs_MPa, poisson, unknowns)
         volume += float(basis.dx.sum())
     return stiffness, volume

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as sla
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import solver_error
 from cranktopo.base.reproducible import SEED
 
 DIRECT_LIMIT = 12_000
@@ -62,10 +62,9 @@ def _factorise(matrix: sp.csr_matrix) -> Callable[[Array], Array]:
     try:
         factor = sla.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     except (RuntimeError, MemoryError) as error:
-        raise CranktopoError(
+        raise solver_error(
             f"solver: factorisation of {matrix.shape[0]} unknowns failed: {error}.",
-            hint="Choose a larger element size.",
-            code=ExitCode.SOLVER,
+            "Choose a larger element size.",
         ) from None
     solver: Callable[[Array], Array] = factor.solve
     return solver
@@ -75,10 +74,9 @@ def _check_residual(matrix: sp.csr_matrix, loads: Array, solution: Array, limit:
     scale = np.linalg.norm(loads, axis=0)
     residual = np.linalg.norm(matrix @ solution - loads, axis=0) / np.where(scale > 0, scale, 1.0)
     if not (residual <= limit).all():
-        raise CranktopoError(
+        raise solver_error(
             f"solver: relative residual {residual.max():.1e} is above {limit:.0e}.",
-            hint="Choose a smaller element size: badly shaped elements spoil the matrix.",
-            code=ExitCode.SOLVER,
+            "Choose a smaller element size: badly shaped elements spoil the matrix.",
         )
 
 

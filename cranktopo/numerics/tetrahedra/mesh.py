@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shells
 
@@ -37,9 +37,7 @@ def straighten_folded(points_mm: Array, cells: NDArray[np.int64]) -> tuple[Array
     points = points_mm.copy()
     volume = _jacobians(_straight(points, cells)).min(axis=0)
     if volume.min() <= 0:
-        raise CranktopoError(
-            "mesh: an element is flat or inverted.", hint="Choose another element size.", code=ExitCode.SOLVER
-        )
+        raise solver_error("mesh: an element is flat or inverted.", "Choose another element size.")
     straightened = np.zeros(cells.shape[1], dtype=bool)
     for _ in range(_ROUNDS):
         bad = _jacobians(points[:, cells]).min(axis=0) < _LEAST_RATIO * volume
@@ -131,10 +129,9 @@ def tetrahedralise(
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     error = volume.sum() / surface.volume_mm3 - 1
     if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
-        raise CranktopoError(
+        raise solver_error(
             f"{name}: the remeshed body is {100 * error:+.2g} % off in volume.",
-            hint="Choose a smaller element size.",
-            code=ExitCode.SOLVER,
+            "Choose a smaller element size.",
         )
     return quadratic(points, tets)
 
@@ -147,10 +144,9 @@ def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> 
             return _improved(*_inside(clean, size, name), size, size * distance, size_at)
         except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
             failure = failure or str(error)
-    raise CranktopoError(
+    raise solver_error(
         f"{name}: the surface cannot be meshed: {failure}",
-        hint="Choose another element size, or repair thin spots of the surface.",
-        code=ExitCode.SOLVER,
+        "Choose another element size, or repair thin spots of the surface.",
     )
 
 
