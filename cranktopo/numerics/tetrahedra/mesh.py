@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -71,18 +70,26 @@ def _jacobians(nodes: Array) -> Array:
 
 def _check_points() -> Array:
     """Barycentric points: corners, edge middles, four quadrature points, centre; shape (15, 4)."""
-    corners = np.eye(4)
-    middles = np.array([(corners[a] + corners[b]) / 2 for a, b in combinations(range(4), 2)])
     a, b = 0.5854101966249685, 0.1381966011250105
-    inner = b + (a - b) * corners
-    return np.vstack([corners, middles, inner, np.full((1, 4), 0.25)])
+    inner = b + (a - b) * np.eye(4)
+    return np.vstack([node_points(), inner, np.full((1, 4), 0.25)])
 
 
-def shape_gradients(barycentric: Array) -> Array:
-    """Return the gradients of the ten quadratic shape functions in (xi, eta, zeta), shape (points, 10, 3)."""
-    slope = np.array([[-1.0, -1, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+def node_points() -> Array:
+    """Return barycentric coordinates of the ten nodes, shape (10, 4)."""
+    corners = np.eye(4)
+    return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])
+
+
+def shape_gradients(barycentric: Array, edges: tuple[tuple[int, int], ...] = EDGES) -> Array:
+    """Return the gradients of the quadratic shape functions in (xi, eta, zeta), shape (points, nodes, 3).
+
+    Of tetrahedra (points, 10, 3), or, with the edges of one, of a triangle (points, 6, 2).
+    """
+    axes = barycentric.shape[1] - 1
+    slope = np.vstack([-np.ones(axes), np.eye(axes)])
     corner = (4 * barycentric - 1)[:, :, None] * slope
-    edge = [4 * (barycentric[:, a, None] * slope[b] + barycentric[:, b, None] * slope[a]) for a, b in EDGES]
+    edge = [4 * (barycentric[:, a, None] * slope[b] + barycentric[:, b, None] * slope[a]) for a, b in edges]
     return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)
 
 

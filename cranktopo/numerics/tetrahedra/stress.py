@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.numerics.tetrahedra.mesh import EDGES, shape_gradients
+from cranktopo.numerics.tetrahedra.mesh import EDGES, node_points, shape_gradients
 
 DEVIATOR = np.zeros((6, 6))
 DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
@@ -199,11 +199,7 @@ def _normals(
 def triangle_gradients() -> Array:
     """Return gradients of the six-node triangle's shape functions at its nodes, shape (6 points, 6, 2)."""
     points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
-    slope = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
-    corner = (4 * points - 1)[:, :, None] * slope
-    pairs = ((0, 1), (1, 2), (0, 2))
-    edge = [4 * (points[:, a, None] * slope[b] + points[:, b, None] * slope[a]) for a, b in pairs]
-    return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)
+    return shape_gradients(points, edges=((0, 1), (1, 2), (0, 2)))
 
 
 def _depth(model: Elasticity, surface: Surface, found: NodalStress) -> Array:
@@ -233,9 +229,3 @@ def _jumps(surface: Surface, found: NodalStress) -> Array:
         mean = von_mises(nodal)[found.elements.T[touching]]
         np.maximum.at(field, where[touching], np.abs(von_mises(element[touching]) - mean))
     return jump
-
-
-def node_points() -> Array:
-    """Return barycentric coordinates of the ten nodes, shape (10, 4)."""
-    corners = np.eye(4)
-    return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])

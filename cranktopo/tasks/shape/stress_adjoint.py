@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity
-from cranktopo.numerics.tetrahedra.mesh import shape_gradients
+from cranktopo.numerics.tetrahedra.mesh import node_points, shape_gradients
 from cranktopo.numerics.tetrahedra.stress import (
     NodalStress,
     Surface,
     hooke,
-    node_points,
     nodes_from_points,
     triangle_gradients,
 )
