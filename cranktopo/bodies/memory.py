@@ -15,7 +15,7 @@ from cranktopo.design.symmetry import may_mirror, web_asymmetry
 WALL_CELLS = 2
 # Peak memory of a process: BASE + PER_CELL x cells x load cases lies above everything measured, 3 to 0.8 mm
 # with two and with four load cases, nothing compiled before (`python -m tests.benchmarks.memory`).
-BASE_MIB = 1250.0
+_BASE_MIB = 1250.0
 _PER_CELL_KIB = 0.5
 _MIB = 1024.0**2
 
@@ -52,7 +52,7 @@ def thinnest_wall_mm(scene: Scene) -> float:
 
 def optimiser_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
     """Estimate the peak memory of an optimisation, of half a model if `quarter`, at a cell size, MiB."""
-    return BASE_MIB + _PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
+    return _BASE_MIB + _PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
 
 
 def estimated_cells(
@@ -66,8 +66,8 @@ def estimated_cells(
 
 def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:
     """Return the finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
-    at_one = optimiser_memory_MiB(scene, 1.0, quarter, cases) - BASE_MIB
-    room = max(available_MiB - BASE_MIB, 1e-3)
+    at_one = optimiser_memory_MiB(scene, 1.0, quarter, cases) - _BASE_MIB
+    room = max(available_MiB - _BASE_MIB, 1e-3)
     return math.ceil(math.cbrt(at_one / room) * 100) / 100
 
 

@@ -45,7 +45,7 @@ _Tags = NDArray[np.int64]
 _TRIANGLE = 2
 
 
-def orient_outward(gmsh: Any, faces: list[int]) -> None:
+def _orient_outward(gmsh: Any, faces: list[int]) -> None:
     """Turn the triangles of whole CAD faces of one closed body so that all normals point out of it.
 
     gmsh's own rule shoots a ray from each face and errs where that passes near an edge. Neighbours tell: two
@@ -214,7 +214,7 @@ def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> 
     gmsh.model.mesh.generate(2)
     for pair in body:
         if pair[0] == 3:
-            orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
+            _orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
 
 
 def _read_back(path: Path, volume: float) -> None:

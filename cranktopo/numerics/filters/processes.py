@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SHARPNESS = 60.0
-NO_DRAFT = (0.0, 0.0)
+_NO_DRAFT = (0.0, 0.0)
 Parting = tuple[int, int]
 """Cells along the axis up to which the negative half of a die reaches, and from which the positive one does:
 the same number, or one layer that belongs to both where the parting plane lies in the middle of it."""
@@ -55,7 +55,7 @@ class ForgingConstraint:
     kept: jax.Array | None
     axis: int
     parting: Parting
-    draft_slope: tuple[float, float] = NO_DRAFT
+    draft_slope: tuple[float, float] = _NO_DRAFT
 
     def __call__(self, smooth: jax.Array) -> jax.Array:
         """Return density that the die releases (nx, ny, nw), nowhere above the given one but where kept."""
@@ -74,30 +74,30 @@ def reachable(open_to_die: NDArray[np.bool_], parting: Parting, axis: int = 0) -
 
 
 def without_undercuts(
-    density: jax.Array, free: jax.Array, parting: Parting, draft_slope: tuple[float, float] = NO_DRAFT
+    density: jax.Array, free: jax.Array, parting: Parting, draft_slope: tuple[float, float] = _NO_DRAFT
 ) -> jax.Array:
     """Return the density, at most the given one where free, that never grows away from the parting."""
-    ks_terms, (end, start) = jnp.where(free, ks_term(density), 0.0), parting
+    ks_terms, (end, start) = jnp.where(free, _ks_term(density), 0.0), parting
     left, right = (
-        running_smooth_min(ks_terms[:end][::-1], draft_slope)[::-1],
-        running_smooth_min(ks_terms[start:], draft_slope),
+        _running_smooth_min(ks_terms[:end][::-1], draft_slope)[::-1],
+        _running_smooth_min(ks_terms[start:], draft_slope),
     )
     return jnp.concatenate([left, right[end - start :]])
 
 
-def running_smooth_min(ks_terms: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
+def _running_smooth_min(ks_terms: jax.Array, draft_slope: tuple[float, float]) -> jax.Array:
     """Return the smooth minimum over the layers (first axis) up to each; with draft over eroded ones."""
     if not any(draft_slope):
         return _smooth_minimum(jnp.cumsum(ks_terms, axis=0))
 
     def layer(before: jax.Array, own: jax.Array) -> tuple[jax.Array, jax.Array]:
-        found = _smooth_minimum(own + ks_term(eroded(before, draft_slope)))
+        found = _smooth_minimum(own + _ks_term(eroded(before, draft_slope)))
         return found, found
 
     return jax.lax.scan(layer, jnp.ones(ks_terms.shape[1:]), ks_terms)[1]
 
 
-def ks_term(density: jax.Array) -> jax.Array:
+def _ks_term(density: jax.Array) -> jax.Array:
     """Return what a density adds to the sum in a smooth minimum: nothing where it is full."""
     return jnp.exp(-SHARPNESS * density) - jnp.exp(-SHARPNESS)
 
@@ -134,7 +134,7 @@ class Direction:
     axis: int
     inward: int
     section: Offsets = ONE_CELL
-    draft_slope: tuple[float, float] = NO_DRAFT
+    draft_slope: tuple[float, float] = _NO_DRAFT
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ class ToolAccess:
 def _reached(open_: jax.Array, direction: Direction) -> jax.Array:
     moved = jnp.moveaxis(open_, direction.axis, 0)
     moved = moved if direction.inward > 0 else moved[::-1]
-    centres = running_smooth_min(_summed(ks_term(moved), direction.section), direction.draft_slope)
+    centres = _running_smooth_min(_summed(_ks_term(moved), direction.section), direction.draft_slope)
     cut = dilate(centres, direction.section)
     return jnp.moveaxis(cut if direction.inward > 0 else cut[::-1], 0, direction.axis)
 

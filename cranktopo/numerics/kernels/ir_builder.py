@@ -17,7 +17,7 @@ BYTE, INT32, INT64, BIT, POINTER = (
     ir.PointerType(),
 )
 Value: TypeAlias = ir.Value
-ZERO = INT64(0)
+_ZERO = INT64(0)
 
 # Products and sums may become one instruction, as in XLA's programs; nothing else is reordered.
 _FUSED = ("contract",)
@@ -35,17 +35,17 @@ class VectorCode:
         self.zero = ir.Constant(self.vector, [0.0] * width)
         suffix = f"v{width}f{8 * self.item_bytes}.p0"
         memory = POINTER, INT32, self.mask
-        self._load = _declare(module, f"llvm.masked.load.{suffix}", self.vector, (*memory, self.vector))
-        self._store = _declare(module, f"llvm.masked.store.{suffix}", ir.VoidType(), (self.vector, *memory))
-        self._fill = _declare(module, "llvm.memset.p0.i64", ir.VoidType(), (POINTER, BYTE, INT64, BIT))
-        self._copy = _declare(module, "llvm.memcpy.p0.p0.i64", ir.VoidType(), (POINTER, POINTER, INT64, BIT))
-        self._total = _declare(
+        self._load = declare(module, f"llvm.masked.load.{suffix}", self.vector, (*memory, self.vector))
+        self._store = declare(module, f"llvm.masked.store.{suffix}", ir.VoidType(), (self.vector, *memory))
+        self._fill = declare(module, "llvm.memset.p0.i64", ir.VoidType(), (POINTER, BYTE, INT64, BIT))
+        self._copy = declare(module, "llvm.memcpy.p0.p0.i64", ir.VoidType(), (POINTER, POINTER, INT64, BIT))
+        self._total = declare(
             module,
             f"llvm.vector.reduce.fadd.v{width}f{8 * self.item_bytes}",
             self.number,
             (self.number, self.vector),
         )
-        self._fetch = _declare(module, "llvm.prefetch.p0", ir.VoidType(), (POINTER, INT32, INT32, INT32))
+        self._fetch = declare(module, "llvm.prefetch.p0", ir.VoidType(), (POINTER, INT32, INT32, INT32))
         self.function = ir.Function(module, ir.FunctionType(ir.VoidType(), inputs), name)
         self.builder = ir.IRBuilder(self.function.append_basic_block())
 
@@ -145,7 +145,7 @@ class VectorCode:
 
     @contextmanager
     def loop(
-        self, stop: Value, *, start: Value = ZERO, step: int = 1, carried: Sequence[Value] = ()
+        self, stop: Value, *, start: Value = _ZERO, step: int = 1, carried: Sequence[Value] = ()
     ) -> Iterator[SimpleNamespace]:
         """Run what is written inside for `index` from start to below stop.
 
@@ -169,5 +169,6 @@ class VectorCode:
         builder.position_at_end(after)
 
 
-def _declare(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
+def declare(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
+    """Return a function of LLVM or of the C library."""
     return module.globals.get(name) or ir.Function(module, ir.FunctionType(result, inputs), name)

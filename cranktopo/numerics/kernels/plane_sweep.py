@@ -185,7 +185,7 @@ class _March:
         )
 
     def _plane(self, case: Value, c: int, plane: Value) -> Value:
-        return self._code.at(self._others[0], field_offset(self._code, self.grid, case, c, plane))
+        return self._code.at(self._others[0], _field_offset(self._code, self.grid, case, c, plane))
 
     def _copy(self, side: int, case: Value, c: int) -> Value:
         code, cases = self._code, self.grid.cases
@@ -198,7 +198,7 @@ class _March:
         return tuple(code.at(start, code.times(code.plus(first, c), self.grid.plane)) for c in range(3))
 
 
-def field_offset(code: VectorCode, grid: Grid, case: Value, c: int, plane: Value) -> Value:
+def _field_offset(code: VectorCode, grid: Grid, case: Value, c: int, plane: Value) -> Value:
     """Return numbers before a plane of a component in a field (cases, 3, nodes...)."""
     component = code.plus(code.times(case, INT64(3)), c)
     return code.plus(code.times(component, grid.component), code.times(plane, grid.plane))
@@ -219,7 +219,7 @@ class Store:
     ) -> None:
         """Write them to their place."""
         for c, address in enumerate(forces):
-            code.copy(address, code.at(arrays[1], field_offset(code, grid, case, c, plane)), grid.plane)
+            code.copy(address, code.at(arrays[1], _field_offset(code, grid, case, c, plane)), grid.plane)
 
 
 class FreeForces:
@@ -245,7 +245,7 @@ class FreeForces:
         total = code.zero
         for c, address in enumerate(forces):
             component = code.plus(code.times(case, INT64(3)), c)
-            start = field_offset(code, grid, case, c, plane)
+            start = _field_offset(code, grid, case, c, plane)
             across = code.spread(code.at(along_x, code.times(component, grid.nx), plane))
             factors = code.at(along_z, code.times(component, grid.nz))
             rows = code.times(code.plus(code.times(component, grid.nx), plane), grid.ny)
@@ -308,7 +308,7 @@ class Smooth:
     ) -> None:
         correction, field, residual, step, along_x, along_z, weights = arrays[:7]
         case, c, plane = place
-        start = field_offset(code, grid, case, c, plane)
+        start = _field_offset(code, grid, case, c, plane)
         own = code.plus(code.times(INT64(c), grid.component), code.times(plane, grid.plane))
         component = code.plus(code.times(case, INT64(3)), c)
         keep, fresh = (code.spread(code.at(weights, n)) for n in range(2))

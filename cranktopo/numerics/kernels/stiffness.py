@@ -18,8 +18,8 @@ from cranktopo.numerics.kernels.ir_builder import INT64, Value, VectorCode
 from cranktopo.numerics.kernels.plane_sweep import Grid, Layer, Pair, Planes
 
 # What a row of nodes is known by: its plane (near or far along x), the component, the wave along z.
-ROWS = list(product(range(2), range(3), range(2)))
-Classes = dict[tuple[int, int], Value]
+_ROWS = list(product(range(2), range(3), range(2)))
+_Classes = dict[tuple[int, int], Value]
 """Waves of a row of cells by parity class and component, in the order of `parity_sums`."""
 
 
@@ -33,7 +33,7 @@ class Cells:
     plane: Value
 
 
-class Waves:
+class _Waves:
     """Sums and differences of displacements in a column of cells between two planes of nodes.
 
     Of `width` cells along z from `k` on those in the mask `inside` exist.
@@ -44,7 +44,7 @@ class Waves:
         self.inside = code.first_lanes(code.plus(cells.nz, code.builder.neg(k)))
 
     def along_z(self, row: Value) -> list[Value]:
-        """Return those of a row of nodes, in the order of `ROWS`."""
+        """Return those of a row of nodes, in the order of `_ROWS`."""
         code = self._code
         result: list[Value] = []
         for plane, c in product(self._field, range(3)):
@@ -53,10 +53,10 @@ class Waves:
             result += _waves(code, near, far, c == 2)
         return result
 
-    def classes(self, near: list[Value], far: list[Value]) -> Classes:
+    def classes(self, near: list[Value], far: list[Value]) -> _Classes:
         """Return those of the cells between two rows of nodes."""
         code, along_y, classes = self._code, {}, {}
-        for (x, c, z), a, b in zip(ROWS, near, far, strict=True):
+        for (x, c, z), a, b in zip(_ROWS, near, far, strict=True):
             for y, wave in enumerate(_waves(code, a, b, c == 1)):
                 along_y[x, y, z, c] = wave
         for c, y, z in product(range(3), range(2), range(2)):
@@ -65,8 +65,8 @@ class Waves:
         return classes
 
 
-def block_product(
-    code: VectorCode, waves: Waves, blocks: Value, classes: Classes, entry: tuple[int, int]
+def _block_product(
+    code: VectorCode, waves: _Waves, blocks: Value, classes: _Classes, entry: tuple[int, int]
 ) -> Value | None:
     """Return an entry (class, component) of the products of all parity classes; None where it is always 0."""
     (p, c), total = entry, None
@@ -105,7 +105,7 @@ class StiffnessOperator:
 class _Column:
     def __init__(self, code: VectorCode, grid: Cells, k: Value, pair: Pair):
         self._code, self._grid, self._k, self._pair = code, grid, k, pair
-        self._waves = Waves(code, grid, k, pair.field)
+        self._waves = _Waves(code, grid, k, pair.field)
         left, width = code.plus(grid.nz, code.builder.neg(k)), code.width
         self._nodes = code.first_lanes(code.plus(left, 1))
         # The last node of a full column lies in the vector after it.
@@ -115,9 +115,9 @@ class _Column:
     def write(self, blocks: Value, moduli: Value) -> None:
         """Write all rows of cells, one after the other, adding to the forces on the nodes."""
         code, grid = self._code, self._grid
-        waiting = [code.zero] * len(ROWS)
+        waiting = [code.zero] * len(_ROWS)
         with code.loop(grid.ny, carried=(*self._waves.along_z(INT64(0)), *waiting)) as row:
-            near, waiting = row.values[: len(ROWS)], row.values[len(ROWS) :]
+            near, waiting = row.values[: len(_ROWS)], row.values[len(_ROWS) :]
             far = self._waves.along_z(code.plus(row.index, 1))
             place = code.times(row.index, grid.nz), self._k
             modulus = code.load(code.at(moduli, *place), self._waves.inside)
@@ -125,7 +125,7 @@ class _Column:
             here, later = self._row_forces(near, far, blocks, modulus)
             self._add([code.add(a, b) for a, b in zip(here, waiting, strict=True)], row.index)
             row.following = (*far, *later)
-        self._add(row.values[len(ROWS) :], grid.ny)
+        self._add(row.values[len(_ROWS) :], grid.ny)
 
     def _ask_for_next(self, moduli: Value, row: Value) -> None:
         """What the next plane of cells reads: rows are too far apart for the processor to foresee it."""
@@ -145,13 +145,13 @@ class _Column:
         for c, y, z in product(range(3), range(2), range(2)):
             pair = products[2 * y + z, c], products[4 + 2 * y + z, c]
             along_y[0, y, z, c], along_y[1, y, z, c] = _corners(code, *pair, c == 0)
-        pairs = [_corners(code, along_y[x, 0, z, c], along_y[x, 1, z, c], c == 1) for x, c, z in ROWS]
+        pairs = [_corners(code, along_y[x, 0, z, c], along_y[x, 1, z, c], c == 1) for x, c, z in _ROWS]
         return [pair[0] for pair in pairs], [pair[1] for pair in pairs]
 
     def _block(
         self, p: int, c: int, blocks: Value, classes: dict[tuple[int, int], Value], modulus: Value
     ) -> Value:
-        total = block_product(self._code, self._waves, blocks, classes, (p, c))
+        total = _block_product(self._code, self._waves, blocks, classes, (p, c))
         return self._code.zero if total is None else self._code.multiply(total, modulus)
 
     def _add(self, sums: list[Value], row: Value) -> None:
@@ -188,7 +188,7 @@ def write_energies(code: VectorCode) -> None:
         number = code.plus(code.times(case.index, nx), plane.index)
         energies = code.at(target, code.times(number, ny, nz), column.index)
         fields = [_layer(code, cells, start, nx, (case.index, plane.index)) for start in (left, right)]
-        waves = [Waves(code, cells, column.index, field) for field in fields]
+        waves = [_Waves(code, cells, column.index, field) for field in fields]
         _write_column(code, blocks, waves, energies)
     code.builder.ret_void()
 
@@ -206,8 +206,8 @@ def _layer(
     return planes[0], planes[1]
 
 
-def _write_column(code: VectorCode, blocks: Value, waves: list[Waves], energies: Value) -> None:
-    cells, count = waves[0].cells, len(ROWS)
+def _write_column(code: VectorCode, blocks: Value, waves: list[_Waves], energies: Value) -> None:
+    cells, count = waves[0].cells, len(_ROWS)
     before = [wave for side in waves for wave in side.along_z(INT64(0))]
     with code.loop(cells.ny, carried=before) as row:
         after = [side.along_z(code.plus(row.index, 1)) for side in waves]
@@ -218,10 +218,10 @@ def _write_column(code: VectorCode, blocks: Value, waves: list[Waves], energies:
         row.following = (*after[0], *after[1])
 
 
-def _energy(code: VectorCode, waves: Waves, blocks: Value, left: Classes, right: Classes) -> Value:
+def _energy(code: VectorCode, waves: _Waves, blocks: Value, left: _Classes, right: _Classes) -> Value:
     energy = code.zero
     for entry in product(range(8), range(3)):
-        force = block_product(code, waves, blocks, right, entry)
+        force = _block_product(code, waves, blocks, right, entry)
         if force is not None:
             energy = code.add(energy, code.multiply(left[entry], force))
     return energy

@@ -23,7 +23,7 @@ from cranktopo.numerics.kernels.frames import (
     MetadataExtension,
     offset,
 )
-from cranktopo.numerics.kernels.ir_builder import BYTE, INT32, INT64, POINTER, Value
+from cranktopo.numerics.kernels.ir_builder import BYTE, INT32, INT64, POINTER, Value, declare
 
 # What the interface offers for it, and of which kind that is.
 _OFFERED = {
@@ -35,7 +35,7 @@ _NEXT, _DONE, _HOLDERS, _TASK = range(4)
 _SPINS, _SLEEP_US = 100, 10
 
 
-def write_shared(
+def _write_shared(
     builder: ir.IRBuilder, functions: Sequence[ir.Function], task: Sequence[Value], threads: int, frame: Value
 ) -> None:
     """Write a call of the functions once per part, the last by the caller and by as many threads as come.
@@ -53,7 +53,7 @@ def write_shared(
     work = _work(module, kernel, job, threads)
     release = _release(module, job)
     begin = _begin(module, work, release)
-    begun = builder.call(_known(module, "malloc", POINTER, [INT64]), [INT64(8 * len(job.elements))])
+    begun = builder.call(declare(module, "malloc", POINTER, [INT64]), [INT64(8 * len(job.elements))])
     for place, value in enumerate((INT64(0), INT64(0), INT64(threads), *task)):
         builder.store(value, _at(builder, begun, job, place))
     offered = _read(builder, frame, POINTER, CallFrame, "api")
@@ -99,7 +99,7 @@ def _release(module: ir.Module, job: ir.Type) -> ir.Function:
     builder = ir.IRBuilder(function.append_basic_block())
     holders = _count(builder, function.args[0], job, _HOLDERS, -1)
     with builder.if_then(builder.icmp_signed("==", holders, INT64(1))):
-        builder.call(_known(module, "free", ir.VoidType(), [POINTER]), [function.args[0]])
+        builder.call(declare(module, "free", ir.VoidType(), [POINTER]), [function.args[0]])
     builder.ret_void()
     return function
 
@@ -130,7 +130,7 @@ def _wait(builder: ir.IRBuilder, start: Value, job: ir.Type, threads: int) -> No
     builder.cbranch(builder.icmp_signed("<", turns, INT64(_SPINS)), spin, sleep)
     for block, function, arguments in ((spin, "sched_yield", []), (sleep, "usleep", [INT32(_SLEEP_US)])):
         builder.position_at_end(block)
-        builder.call(_known(builder.module, function, INT32, [value.type for value in arguments]), arguments)
+        builder.call(declare(builder.module, function, INT32, [value.type for value in arguments]), arguments)
         builder.branch(check)
         turns.add_incoming(more, block)
     turns.add_incoming(INT64(0), before)
@@ -153,10 +153,6 @@ def _count(builder: ir.IRBuilder, start: Value, job: ir.Type, place: int, step: 
 
 def _at(builder: ir.IRBuilder, start: Value, kind: ir.Type, place: int) -> Value:
     return builder.gep(start, [INT32(0), INT32(place)], source_etype=kind)
-
-
-def _known(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
-    return module.globals.get(name) or ir.Function(module, ir.FunctionType(result, inputs), name)
 
 
 # Below so many numbers in the result sharing costs more than it saves.
@@ -187,7 +183,7 @@ def write_handler(
     )
     with builder.if_else(shared) as (together, alone):
         with together:
-            write_shared(builder, functions, task, threads, frame)
+            _write_shared(builder, functions, task, threads, frame)
         with alone:
             for function in functions:
                 builder.call(function, [*task, INT64(0), INT64(0), planes])

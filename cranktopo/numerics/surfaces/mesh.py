@@ -18,7 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 
 Faces = NDArray[np.int64]
-DEGENERATE_MM2 = 1e-12
+_DEGENERATE_MM2 = 1e-12
 _NOTHING_MM = 1e-9
 _REPAIRS = 3
 
@@ -96,7 +96,7 @@ def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
     """Return the mesh of a solid without faces that rounding made flat; vertices near them may move."""
     mesh = mesh_of(solid)
     for _ in range(_REPAIRS):
-        if mesh.areas_mm2.min(initial=np.inf) > DEGENERATE_MM2:
+        if mesh.areas_mm2.min(initial=np.inf) > _DEGENERATE_MM2:
             break
         mesh = mesh_of(solid_of(mesh).simplify(tolerance_mm))
     return mesh
@@ -186,7 +186,7 @@ def manifold_fault(mesh: SurfaceMesh) -> str:
     pinched = _pinched_vertices(surface)
     if pinched:
         return f"not a 2-manifold, surfaces touch in {pinched} single vertices"
-    degenerate = int((mesh.areas_mm2 <= DEGENERATE_MM2).sum())
+    degenerate = int((mesh.areas_mm2 <= _DEGENERATE_MM2).sum())
     return f"{degenerate} degenerate faces" if degenerate else ""
 
 

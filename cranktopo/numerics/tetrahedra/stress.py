@@ -31,7 +31,7 @@ def principal_stresses(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
 
 
-COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _ORDER = 2
 """Four points, where stresses of quadratic tetrahedra are most accurate."""
 
@@ -91,7 +91,7 @@ def _strain(basis: Any, displacement: Array) -> Array:
 
 
 def tensor_strain(slopes: Array) -> Array:
-    """Return tensor strains (..., 6), last axis as `COMPONENTS`, of displacement gradients (..., 3, 3)."""
+    """Return tensor strains (..., 6), last axis as `_COMPONENTS`, of displacement gradients (..., 3, 3)."""
     strain = (slopes + slopes.swapaxes(-1, -2)) / 2
     return np.asarray(strain[..., (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0)])
 
