@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
-from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import (
     nodal_stress,

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from cranktopo.numerics.grid.devices import devices_for, partition_of
+from cranktopo.numerics.grid.conjugate_gradients import devices_for, partition_of
 from cranktopo.numerics.grid.lattice import Lattice, Partition
 from cranktopo.numerics.grid.multigrid import build_tables
 from tests.studies.parts import TOLERANCE, in_own_process

@@ -10,8 +10,13 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
-from cranktopo.bodies.solid.primitives import DimTags
-from cranktopo.bodies.solid.throw import SolidProperties, add_full_throw, add_half_throw, solid_properties
+from cranktopo.bodies.solid.throw import (
+    DimTags,
+    SolidProperties,
+    add_full_throw,
+    add_half_throw,
+    solid_properties,
+)
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.scale import usual_scale

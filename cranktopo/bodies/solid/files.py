@@ -15,10 +15,10 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.step import StepLabel, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
+    DimTags,
     add_crankshaft,
     add_drillings,
     add_full_throw,

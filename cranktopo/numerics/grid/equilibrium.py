@@ -18,8 +18,14 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.base.errors import CranktopoError, solver_error
-from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
-from cranktopo.numerics.grid.devices import SharedSolve, devices_for
+from cranktopo.numerics.grid.conjugate_gradients import (
+    CgResult,
+    SharedSolve,
+    System,
+    devices_for,
+    jacobi_cg,
+    multigrid_cg,
+)
 from cranktopo.numerics.grid.diagnosis import (
     VOID_STIFFNESS_RATIO,
     unsupported_load,

@@ -14,9 +14,8 @@ from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
-from cranktopo.bodies.solid.primitives import DimTags
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, kernel_surface, step_solid
-from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
+from cranktopo.bodies.solid.throw import DimTags, SolidProperties, solid_properties
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
