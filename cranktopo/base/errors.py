@@ -56,6 +56,11 @@ def invalid(key: str, value: object, allowed: str, hint: str = "") -> CranktopoE
     return CranktopoError(f"{key} = {quoted(value)}: {allowed}.", hint=hint)
 
 
+def solver_error(message: str, hint: str) -> CranktopoError:
+    """Return the error of a solver, a mesher or a CAD kernel that finds no result."""
+    return CranktopoError(message, hint=hint, code=ExitCode.SOLVER)
+
+
 def quoted(value: object, most: int = 120) -> str:
     """Return a value for a message: on one line, shortened in the middle to so many characters."""
     try:

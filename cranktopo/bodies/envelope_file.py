@@ -1,20 +1,21 @@
-"""Envelopes and original webs given as files: closed surfaces, or STEP bodies, which become surfaces here."""
+"""Envelopes and original webs given as STL, or as STEP, which becomes a surface here, and their holes."""
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
+from functools import lru_cache, reduce
 from pathlib import Path
 
 import numpy as np
-from manifold3d import Manifold
+from manifold3d import CrossSection, FillRule, Manifold
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section, polygon_section
-from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, step_surface
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, step_surface
+from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
 from cranktopo.throw.envelope import Envelope
 
 _KEY = "envelope.file"
@@ -33,29 +34,24 @@ def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> 
     """Return the closed body in an STL or STEP file, mm, in the frame of `cranktopo.base.frames`.
 
     Args:
-        symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made
-            so from the side x >= 0.
+        symmetric: the body is its own mirror image in x = 0; sides that differ by their triangles are made so
+            from the side x >= 0.
         key: of the file in the scene, for messages.
 
-    Raises:
-        CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or not
-            symmetric though it should be.
+    Raises CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or
+    not symmetric though it should be.
     """
     return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path, key), path)
 
 
 def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:
-    """Range of the body: (x_min, x_max, y_min, y_max), mm."""
+    """Return the range of the body: (x_min, x_max, y_min, y_max), mm."""
     box = envelope_from_file(path, symmetric, key).bounding_box()
     return box[0], box[3], box[1], box[4]
 
 
 def symmetrised(path: Path) -> str:
-    """Return what was done to make a body its own mirror image in x = 0, in words; empty for nothing.
-
-    Raises:
-        CranktopoError: as `envelope_from_file`.
-    """
+    """Tell what was done to make a body its own mirror image in x = 0, in words; empty for nothing."""
     share = _symmetric_surface(path)[1]
     if share <= _ALIKE:
         return ""
@@ -66,18 +62,18 @@ def symmetrised(path: Path) -> str:
 
 
 def mirror_difference(body: Manifold) -> float:
-    """Volume of a body outside its mirror image in x = 0, over that of the body; 0 for an empty one."""
+    """Return the volume of a body outside its mirror image in x = 0, over its own; 0 for an empty one."""
     outside = (body - body.mirror((1.0, 0.0, 0.0))).volume()
     return float(outside / body.volume()) if outside else 0.0
 
 
 def section(path: Path, z_mm: float, symmetric: bool = False) -> list[NDArray[np.float64]]:
-    """Closed contours (n, 2) of the body's cross-section at a height z, mm."""
+    """Return closed contours (n, 2) of the body's cross-section at a height z, mm."""
     return [np.asarray(contour) for contour in envelope_from_file(path, symmetric).slice(z_mm).to_polygons()]
 
 
 def envelope_section(envelope: Envelope, z_mm: float) -> Section:
-    """Cross-section of the design envelope at a height; only a mesh changes along the crank axis."""
+    """Return the envelope's cross-section at a height; only a mesh changes along the crank axis."""
     return (
         polygon_section(section(envelope.stl_file, z_mm, not envelope.asymmetry))
         if envelope.stl_file
@@ -86,12 +82,12 @@ def envelope_section(envelope: Envelope, z_mm: float) -> Section:
 
 
 def envelope_sections(envelope: Envelope) -> int:
-    """Layers that the envelope is cut into."""
+    """Return the number of layers that the envelope is cut into."""
     return SECTIONS if envelope.stl_file else 1
 
 
 def envelope_bounds_mm(envelope: Envelope) -> tuple[float, float, float, float]:
-    """Ranges that hold the envelope: (x_min, x_max, y_min, y_max), mm."""
+    """Return ranges that hold the envelope: (x_min, x_max, y_min, y_max), mm."""
     return bounds_mm(envelope.stl_file, not envelope.asymmetry) if envelope.stl_file else envelope.bounds_mm
 
 
@@ -101,7 +97,6 @@ def _body(surface: SurfaceMesh, path: Path) -> Manifold:
 
 @lru_cache(maxsize=4)
 def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
-    """Return the surface, symmetric in x, and by how much of its volume the sides differed."""
     surface = _closed_surface(path, _KEY)
     body = _body(surface, path)
     share = mirror_difference(body)
@@ -136,3 +131,49 @@ def _closed_surface(path: Path, key: str) -> SurfaceMesh:
     if bodies > 1:
         raise invalid(key, str(path), f"holds {bodies} separate bodies", "Remove the loose parts.")
     return surface
+
+
+_Contour = NDArray[np.float64]
+
+
+def envelope_z_mm(scene: Scene) -> tuple[float, float]:
+    """Return the axial range that the envelope may fill: that of the web less the clearances."""
+    start, end = scene.web_z_mm
+    envelope = scene.envelope
+    if envelope is None:
+        return start, end
+    return start + envelope.bearing_clearance_mm, end - envelope.rod_clearance_mm
+
+
+def through_holes(scene: Scene, heights_mm: Sequence[float]) -> list[list[_Contour]]:
+    """Return contours (n, 2), mm, of the holes at each height; none where the envelope may not be.
+
+    A hole counts with all its steps and chamfers if some line along the crank axis passes through it at all
+    the heights.
+    """
+    low, high = envelope_z_mm(scene)
+    inside = [low < z < high for z in heights_mm]
+    layers = [_holes(scene, z) if within else [] for z, within in zip(heights_mm, inside, strict=True)]
+    regions = [_region(layer) for layer, within in zip(layers, inside, strict=True) if within]
+    if not regions or any(region.is_empty() for region in regions):
+        return [[] for _ in heights_mm]
+    through = reduce(lambda a, b: a ^ b, regions)
+    return [[c for c in layer if not (_region([c]) ^ through).is_empty()] for layer in layers]
+
+
+def _holes(scene: Scene, z_mm: float) -> list[_Contour]:
+    """Inner contours of the envelope's cross-section; none where its file is gone."""
+    envelope = scene.envelope
+    if envelope is None or envelope.stl_file is None or not envelope.stl_file.is_file():
+        return []
+    contours = section(envelope.stl_file, z_mm, not envelope.asymmetry)
+    return [contour for contour in contours if _area(contour) < 0]
+
+
+def _area(contour: _Contour) -> float:
+    x, y = contour.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def _region(contours: list[_Contour]) -> CrossSection:
+    return CrossSection(contours, FillRule.NonZero) if contours else CrossSection()

@@ -10,9 +10,8 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
 
 from cranktopo.base.frames import X
-from cranktopo.bodies.density_grid import DensityGrid
-from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
-from cranktopo.bodies.through_holes import envelope_z_mm, through_holes
+from cranktopo.bodies.cells.grid import DensityGrid
+from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.outlet import DrillOutlet, across, ring_points
@@ -31,22 +30,19 @@ ON_MIRROR_MM = 1e-4
 
 
 def segments(radius_mm: float) -> int:
-    """Number of sides whose chords stay within CHORD_ERROR_MM of the circle; a multiple of 8.
-
-    The chord error of a side that spans 2 pi / n is r (1 - cos(pi / n)).
-    """
+    """Return the number of sides, a multiple of 8, whose chord error r (1 - cos(pi / n)) is allowed."""
     sides = math.pi / math.acos(max(0.0, 1 - _CHORD_ERROR_MM / radius_mm))
     return max(32, 8 * math.ceil(sides / 8))
 
 
 def cylinder(radius_mm: float, y_mm: float, z_mm: tuple[float, float]) -> Manifold:
-    """Cylinder parallel to the crank axis at x = 0, with its vertices on the true circle."""
+    """Return a cylinder parallel to the crank axis at x = 0, with its vertices on the true circle."""
     solid = Manifold.cylinder(z_mm[1] - z_mm[0], radius_mm, radius_mm, segments(radius_mm))
     return solid.translate((0.0, y_mm, z_mm[0]))
 
 
 def journal_halves(scene: Scene) -> tuple[Manifold, Manifold]:
-    """Half main journal (z = 0 to the web) and half crankpin (web to pitch / 2), with their bores."""
+    """Return half main journal (z = 0 to the web) and half crankpin (web to pitch / 2), with their bores."""
     start, end = scene.web_z_mm
     throw = scene.throw
     main = _tube(throw.main_journal, 0.0, (0.0, start))
@@ -96,7 +92,7 @@ def _outlet_ring(radius_mm: float, outlet: DrillOutlet) -> Manifold:
 
 
 def envelope_holes(scene: Scene) -> Manifold:
-    """Holes through the envelope, drilled after forging or casting as bores are; in slices, just wider."""
+    """Return holes through the envelope, drilled after forging as bores are; in slices, just wider."""
     start, end = envelope_z_mm(scene)
     edges = np.linspace(start, end, _SLICES + 1)
     holes = through_holes(scene, ((edges[1:] + edges[:-1]) / 2).tolist())
@@ -110,7 +106,7 @@ def envelope_holes(scene: Scene) -> Manifold:
 
 
 def journal_stubs(scene: Scene) -> Manifold:
-    """Continuation of both journals through the clearances that the envelope leaves at the web faces."""
+    """Return both journals through the clearances that the envelope leaves at the web faces."""
     envelope, throw = scene.envelope, scene.throw
     start, end = scene.web_z_mm
     stubs = Manifold()
@@ -136,10 +132,9 @@ def kept_solid(scene: Scene) -> Manifold:
 
 
 def envelope_solid(scene: Scene, grid: DensityGrid) -> Manifold:
-    """Design envelope between the web faces less the clearances, and what piston and crankcase leave of it.
+    """Return the envelope between web faces less the clearances, and what piston and crankcase leave of it.
 
-    Raises:
-        CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
+    Raises CranktopoError: the envelope's STL is missing or not closed, or an outline crosses itself.
     """
     whole, limit = _whole_envelope(scene, grid), clearance_limit(scene)
     if limit is None:
@@ -182,7 +177,7 @@ def web_region(solid: Manifold, scene: Scene) -> Manifold:
 
 
 def snapped_to_mirror_plane(points: np.ndarray, within_mm: float = ON_MIRROR_MM) -> np.ndarray:
-    """Points (n, 3) with a tiny |x| put on x = 0, in place: mirrored halves then leave no slivers there."""
+    """Put points (n, 3) with a tiny |x| on x = 0, in place: mirrored halves then leave no slivers there."""
     points[np.abs(points[:, X]) < within_mm, X] = 0.0
     return points
 

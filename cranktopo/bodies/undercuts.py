@@ -22,13 +22,9 @@ _TOUCH_MM = 1e-3
 
 @dataclass(frozen=True)
 class Undercuts:
-    """What the web's process cannot leave.
+    """What the web's process cannot leave: `caught` of the rays through the web have void before solid.
 
-    Attributes:
-        rays: rays that met the web.
-        caught: rays with void between the parting plane and solid further out.
-        deepest_mm: longest such void along one ray and side.
-        by: the die, mould or mill.
+    The deepest is the longest such void along one ray and side; `by` names the die, mould or mill.
     """
 
     rays: int
@@ -49,7 +45,6 @@ class Withdrawal:
     """How a die, a mould or a mill leaves the web.
 
     Attributes:
-        text: who does.
         axis: along which it is left; None for a mill, which comes from both faces and both sides.
         parting_mm: plane that a die parts in; None for a mould, whose halves part anywhere.
     """
@@ -81,12 +76,7 @@ def withdrawal_of(scene: Scene) -> Withdrawal:
 
 
 def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | None = None) -> Undercuts:
-    """Return what the scene's process would have to leave behind, bores and drilled holes filled.
-
-    Args:
-        scene: its bores and the holes of its envelope, which are drilled afterwards.
-        way: by default that of the scene's process.
-    """
+    """Return what the scene's process, or another way, would leave behind; drilled holes are filled."""
     way = way or withdrawal_of(scene)
     body = solid_of(web, "web")
     filled = body + web_bores(scene) + envelope_holes(scene)
@@ -148,7 +138,6 @@ def _beyond_mills(
 
 
 def _voxels(body: Manifold, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
-    """Tell whether the points of a lattice lie inside a body."""
     from skimage.draw import polygon2mask
 
     inside = np.zeros((len(x), len(y), len(z)), dtype=bool)
@@ -166,16 +155,13 @@ def _centres(low: float, high: float, step: float) -> Array:
 
 
 def _cuts(body: Manifold, start: Array, end: Array, axis: int) -> Array:
-    """Sorted places of the entries into a body and exits from it along a ray."""
     return np.array([hit.position[axis] for hit in body.ray_cast(tuple(start), tuple(end))])
 
 
 def _voids_mm(cuts: Array, within: Array, parting_mm: float | None) -> tuple[float, float]:
     """Lengths of void on both sides of the parting plane, or between the outermost solids and 0.
 
-    Args:
-        cuts: of the web.
-        within: of the web with its holes filled, which count as solid only within the web.
+    The web with its holes filled is entered and left at `within`: holes count as solid only within the web.
     """
     if parting_mm is None:
         if not len(cuts):
@@ -186,7 +172,6 @@ def _voids_mm(cuts: Array, within: Array, parting_mm: float | None) -> tuple[flo
 
 
 def _void_mm(cuts: Array, within: Array) -> float:
-    """Length of void between 0 and the outermost solid beyond it."""
     if len(cuts) % 2 or len(within) % 2:  # grazes an edge
         return 0.0
     outermost = float(cuts.max(initial=0.0))

@@ -1,21 +1,54 @@
-"""Volume of the half throw without a CAD kernel: the oracle of every solid."""
+"""Volumes and moments of webs and half throws without a CAD kernel: the oracle of every solid."""
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
-from cranktopo.bodies.web_moments import web_moments
+from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.journal import Journal
+from cranktopo.throw.moments import Moments, body_moments
 from cranktopo.throw.web import web_bodies
 
 
+@lru_cache(maxsize=16)
+def web_moments(scene: Scene) -> Moments:
+    """Return the moments of one whole web, bores and features taken out."""
+    return body_moments(web_bodies(scene))
+
+
+_NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
+
+
+def bolted_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
+    """Return mass moments of a counterweight bolted to one web, kg and mm; all 0 without one."""
+    weight = scene.web.counterweight
+    return counterweight_mass(scene, before_z_mm) if weight is not None and weight.bolted else _NOTHING
+
+
+@lru_cache(maxsize=16)
+def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
+    """Return mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
+
+    What of it lies within the web is the web's, and what a pocket cuts is neither's.
+    """
+    weight = scene.web.counterweight
+    if weight is None:
+        return _NOTHING
+    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    bodies = web_bodies(bare)
+    added = body_moments([*bodies, *weight.parts(scene)], before_z_mm)
+    added = added + body_moments(bodies, before_z_mm).times(-1.0)
+    return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
+
+
 def half_throw_volume_mm3(scene: Scene) -> float:
-    """Volume of the half throw, mm3: journals, web and fillets less bores, pockets and drillings."""
+    """Return the volume, mm3, of journals, web and fillets less bores, pockets and drillings."""
     throw = scene.throw
     total = web_moments(scene).volume - drilled(scene).volume
     for journal in (throw.main_journal, throw.crankpin):
@@ -27,12 +60,12 @@ def half_throw_volume_mm3(scene: Scene) -> float:
 
 
 def throw_volume_mm3(scene: Scene) -> float:
-    """Volume of the throw between its two mid-main-journal planes, mm3."""
+    """Return the volume of the throw between its two mid-main-journal planes, mm3."""
     return sum(of_halves(scene, half_throw_volume_mm3))
 
 
 def web_volume_mm3(scene: Scene) -> float:
-    """Volume of the web between its two faces, mm3."""
+    """Return the volume of the web between its two faces, mm3."""
     return web_moments(scene).volume - drilled(scene, "web").volume
 
 

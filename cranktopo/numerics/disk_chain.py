@@ -19,11 +19,7 @@ _RIGID = 1e-12
 
 @dataclass(frozen=True)
 class Mode:
-    """A natural vibration without damping.
-
-    Attributes:
-        shape: amplitude of every disk, the largest 1, that of the first disk positive.
-    """
+    """A natural vibration without damping; the largest amplitude of its shape is 1, the first positive."""
 
     frequency_Hz: float
     shape: Array
@@ -47,12 +43,12 @@ class DiskChain:
     absolute_damping_Nms_per_rad: tuple[float, ...] = ()
 
     def natural_frequencies_Hz(self) -> tuple[float, ...]:
-        """Natural frequencies above the rigid rotation, Hz, rising."""
+        """Return natural frequencies above the rigid rotation, Hz, rising."""
         squares = np.linalg.eigvalsh(self._scaled_stiffness())
         return tuple(float(math.sqrt(max(s, 0.0)) / (2 * math.pi)) for s in squares[1:])
 
     def modes(self) -> tuple[Mode, ...]:
-        """Natural vibrations above the rigid rotation of the whole or of disks on no spring, rising."""
+        """Return natural vibrations above the rigid rotation of the whole or of disks on no spring."""
         squares, vectors = np.linalg.eigh(self._scaled_stiffness())
         shapes = vectors / np.sqrt(self.inertia_kg_m2)[:, None]
         shapes = shapes / np.abs(shapes).max(axis=0)
@@ -64,7 +60,7 @@ class DiskChain:
         )
 
     def damping_ratio(self, mode: Mode) -> float:
-        """Damping of a natural vibration over its critical damping, all of it taken as light."""
+        """Return the damping of a natural vibration over its critical damping, all of it taken as light."""
         w = 2 * math.pi * mode.frequency_Hz
         taken = self.dissipated_J(np.array(w), mode.shape.astype(complex))
         energy = (np.array(self.inertia_kg_m2) * mode.shape**2).sum() * w**2 / 2
@@ -75,19 +71,14 @@ class DiskChain:
         return np.asarray(_joined(np.array(self.stiffness_Nm_per_rad)) * np.outer(scale, scale))
 
     def section_stiffness_Nm_per_rad(self, frequency_rad_s: Array) -> ComplexArray:
-        """Complex stiffness of each spring with its damping, shape (*frequencies, springs)."""
+        """Return complex stiffness of each spring with its damping, shape (*frequencies, springs)."""
         stiffness = np.array(self.stiffness_Nm_per_rad)
         lossy = stiffness * (1 + 1j * _filled(self.loss_factor, len(stiffness)))
         viscous = _filled(self.relative_damping_Nms_per_rad, len(stiffness))
         return np.asarray(lossy + 1j * np.asarray(frequency_rad_s)[..., None] * viscous)
 
     def response_rad(self, frequency_rad_s: Array, torque_Nm: ComplexArray) -> ComplexArray:
-        """Complex amplitude of every disk under harmonic torques on the disks.
-
-        Args:
-            frequency_rad_s: above zero, shape (*frequencies).
-            torque_Nm: complex amplitudes, shape (*frequencies, disks).
-        """
+        """Return complex amplitudes of the disks under harmonic torques of shape (*frequencies, disks)."""
         frequency = np.asarray(frequency_rad_s)
         inertia = np.array(self.inertia_kg_m2)
         absolute = _filled(self.absolute_damping_Nms_per_rad, len(inertia))
@@ -98,12 +89,12 @@ class DiskChain:
         return np.asarray(np.linalg.solve(matrix, torque_Nm[..., None])[..., 0])
 
     def section_torque_Nm(self, frequency_rad_s: Array, twist_rad: ComplexArray) -> ComplexArray:
-        """Torque that each spring passes on toward the last disk, complex amplitudes."""
+        """Return the torque that each spring passes on toward the last disk, complex amplitudes."""
         relative = twist_rad[..., :-1] - twist_rad[..., 1:]
         return np.asarray(self.section_stiffness_Nm_per_rad(frequency_rad_s) * relative)
 
     def dissipated_J(self, frequency_rad_s: Array, twist_rad: ComplexArray) -> Array:
-        """Energy that all damping takes in one period of a harmonic vibration, J."""
+        """Return the energy that all damping takes in one period of a harmonic vibration, J."""
         relative = np.abs(twist_rad[..., :-1] - twist_rad[..., 1:]) ** 2
         springs = (self.section_stiffness_Nm_per_rad(frequency_rad_s).imag * relative).sum(axis=-1)
         absolute = _filled(self.absolute_damping_Nms_per_rad, len(self.inertia_kg_m2))
@@ -111,7 +102,7 @@ class DiskChain:
         return np.asarray(math.pi * (springs + disks))
 
     def as_opentorsion(self) -> dict[str, Any]:
-        """Arguments of openTorsion's `Disk(node, I)` and `Shaft(nl, nr, k=..., I=0)`, SI units.
+        """Return arguments of openTorsion's `Disk(node, I)` and `Shaft(nl, nr, k=..., I=0)`, SI units.
 
         All inertia sits in the disks: openTorsion 0.3.2 takes an inertia given with `k` six times too large.
         """
@@ -123,17 +114,12 @@ class DiskChain:
         }
 
 
-def supplied_J(torque_Nm: ComplexArray, twist_rad: ComplexArray) -> Array:
-    """Work of harmonic torques on the disks in one period, J; what the damping takes."""
-    return np.asarray(math.pi * (torque_Nm * twist_rad.conj()).imag.sum(axis=-1))
-
-
 def _filled(values: tuple[float, ...], count: int) -> Array:
     return np.array(values) if values else np.zeros(count)
 
 
 def _joined(stiffness: NDArray[Any]) -> NDArray[Any]:
-    """Stiffness matrix of disks in a row, shape (*..., disks, disks)."""
+    """Return the stiffness matrix of disks in a row, shape (*..., disks, disks)."""
     disks = stiffness.shape[-1] + 1
     matrix = np.zeros((*stiffness.shape[:-1], disks, disks), dtype=stiffness.dtype)
     first, second = np.arange(disks - 1), np.arange(1, disks)

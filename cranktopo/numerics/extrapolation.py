@@ -17,12 +17,7 @@ _SEARCHED = 0.05, 8.0
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Limit of a sequence.
-
-    Attributes:
-        uncertainty_percent: half the width of the band that should hold the true value.
-        order: observed order of convergence of the three finest, None where they show none.
-    """
+    """Limit of a sequence, half the width of the band that should hold it; None where no order shows."""
 
     value: float
     uncertainty_percent: float
@@ -34,15 +29,7 @@ class Extrapolation:
 
 
 def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
-    """Return order p of values f + C h^p on three sizes.
-
-    Args:
-        sizes: three element sizes, falling.
-        values: found with them.
-
-    Returns:
-        The order, or None where the values do not approach a limit from one side.
-    """
+    """Return the order p of f + C h^p on three falling sizes; None where the values approach no limit."""
     (a, b, c), (first, second, third) = sizes, values
     if (first - second) * (second - third) <= 0:
         return None
@@ -58,17 +45,10 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
 
 
 def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolation | None:
-    """Return the limit of values on falling sizes (Richardson, 1911).
+    """Return the limit of values on falling sizes (Richardson, 1911); None for fewer than two values.
 
     The band covers the limits that every plausible order would give; where none is observed a typical one
     gives the value. Where the three finest values go to and fro, their scatter is the band.
-
-    Args:
-        sizes: element sizes, falling.
-        values: found with them.
-
-    Returns:
-        The limit, or None for fewer than two values.
     """
     if len(values) < 2:
         return None
@@ -84,5 +64,4 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolatio
 
 
 def _further(sizes: Sequence[float], order: float) -> float:
-    """Return what is still to come over the last step, for an order."""
     return 1 / (math.pow(sizes[-2] / sizes[-1], order) - 1)

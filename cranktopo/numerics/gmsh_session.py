@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 
 _TRIANGLE = 2
 _ALONE = threading.RLock()
@@ -21,12 +21,9 @@ _ALONE = threading.RLock()
 
 @contextmanager
 def cad_session(what: str) -> Iterator[Any]:
-    """Return a fresh gmsh model, yielding the gmsh module; everything in it is gone afterwards.
+    """Yield gmsh with a fresh model, which is gone afterwards; errors of gmsh become CranktopoError.
 
     Single-threaded, so that the same input gives the same mesh; sessions of other threads wait.
-
-    Raises:
-        CranktopoError: gmsh or a library of it is missing, or gmsh failed inside the block.
     """
     with _ALONE:
         yield from _session(what)
@@ -46,10 +43,9 @@ def _session(what: str) -> Iterator[Any]:
     except Exception as error:
         if type(error) is not Exception:  # gmsh raises the bare class; anything else is a defect
             raise
-        raise CranktopoError(
+        raise solver_error(
             f"{what}: gmsh failed: {str(error).strip() or gmsh.logger.getLastError()}.",
-            hint="Change the dimensions slightly, or the element size.",
-            code=ExitCode.SOLVER,
+            "Change the dimensions slightly, or the element size.",
         ) from None
     finally:
         gmsh.finalize()
@@ -57,7 +53,7 @@ def _session(what: str) -> Iterator[Any]:
 
 @contextmanager
 def quiet_stdout() -> Iterator[None]:
-    """Reader and writer of STEP in OCC print to the process's stdout, past any Python stream."""
+    """Silence OCC's reader and writer of STEP, which print to the process's stdout past any Python stream."""
     sys.stdout.flush()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
@@ -82,33 +78,22 @@ def _gmsh() -> Any:
 
 
 def tetrahedra(gmsh: Any, element_type: int, corners: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Nodes (n, 3) in mm and elements (elements, corners) of the session's mesh, nodes numbered from 0.
-
-    Args:
-        element_type: gmsh's number of the type.
-        corners: nodes of an element.
-
-    Raises:
-        CranktopoError: there is no such element.
-    """
+    """Return nodes (n, 3), mm, and elements (elements, corners) of gmsh's type; nodes are numbered from 0."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, nodes = gmsh.model.mesh.getElementsByType(element_type)
     if len(nodes) == 0:
-        raise CranktopoError(
-            "mesh: no tetrahedra were made.", hint="Choose a smaller element size.", code=ExitCode.SOLVER
-        )
+        raise solver_error("mesh: no tetrahedra were made.", "Choose a smaller element size.")
     return coordinates.reshape(-1, 3), _numbers(tags)[nodes].reshape(-1, corners)
 
 
 def triangles(gmsh: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices (n, 3) in mm and outward faces (m, 3) of the open session's surface mesh."""
+    """Return vertices (n, 3), mm, and outward faces (m, 3) of the open session's surface mesh."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, corners = gmsh.model.mesh.getElementsByType(_TRIANGLE)
     return coordinates.reshape(-1, 3), _numbers(tags)[corners].reshape(-1, 3)
 
 
 def _numbers(tags: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Row of each node by its tag."""
     number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     number[tags] = np.arange(len(tags))
     return number

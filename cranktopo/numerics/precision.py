@@ -23,11 +23,11 @@ _FOLDER_SETTING = "jax_compilation_cache_dir"
 
 @contextmanager
 def double_precision() -> Iterator[None]:
-    """Context in which JAX arrays may be float64 and compiled programs are kept for the next process.
+    """Allow float64 in JAX, and keep compiled programs for the next process, inside a `with` block.
 
-    Reported numbers are computed inside it. Nothing is changed outside the block, so importing
-    cranktopo never alters the settings of a user's own JAX program; a compilation cache that the user
-    has set up is left alone, and JAX_ENABLE_COMPILATION_CACHE=false switches ours off too.
+    Nothing is changed outside it, so importing cranktopo never alters the settings of a user's own JAX
+    program; a compilation cache that the user has set up is left alone, and
+    JAX_ENABLE_COMPILATION_CACHE=false switches ours off too.
     """
     import jax
 

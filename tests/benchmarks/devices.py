@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import math
 
-from cranktopo.numerics.grid.devices import partition_of
+from cranktopo.numerics.grid.conjugate_gradients import partition_of
 from cranktopo.numerics.grid.equilibrium import METHODS
 from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.numerics.grid.multigrid import build_tables, smoothing_steps

@@ -17,7 +17,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.numerics.tetrahedra import linear_solve as linear
+from cranktopo.numerics.tetrahedra import elasticity as linear
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fea.condense import condense, torsional_stiffness_Nm_per_rad
 

@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cranktopo.bodies.cells.resolution import optimiser_memory_MiB
+from cranktopo.bodies.memory import optimiser_memory_MiB
 from cranktopo.design.loading import load_scene
 from tests.benchmarks.solver import COMPILED_ANEW
 

@@ -25,8 +25,8 @@ from cranktopo.numerics.grid.multigrid import (
     level_smoother,
     smoothing_steps,
 )
+from cranktopo.numerics.grid.operator import add_prolonged, restrict
 from cranktopo.numerics.grid.smoothing import SmootherState
-from cranktopo.numerics.grid.transfer import add_prolonged, restrict
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.density.model import ThrowModel

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Page
 from cranktopo.report.plot import picture

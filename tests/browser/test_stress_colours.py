@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from cranktopo.app.main import main
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Page

@@ -13,7 +13,7 @@ import pytest
 
 from cranktopo.base.formats import PARTS, SolidPart
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.bodies.solid.step_surface import step_surface
+from cranktopo.bodies.solid.step import step_surface
 from cranktopo.design.loading import builtin_designs, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.importing.imported_body import half_throw_surface

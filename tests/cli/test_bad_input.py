@@ -161,7 +161,7 @@ def test_misspelt_word_of_an_option(typed: str, message: str, capsys: pytest.Cap
 def test_elements_too_fine_say_what_fits(
     command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cranktopo.bodies.mesh.memory.available_memory_MiB", lambda: 8 * 1024.0)
+    monkeypatch.setattr("cranktopo.bodies.memory.available_memory_MiB", lambda: 8 * 1024.0)
     assert main([command, "mikron-iiic", "--element-size-mm", "0.3", "--quiet"]) == 3
     captured = capsys.readouterr()
     assert captured.out == ""

@@ -82,9 +82,9 @@ def test_missing_packages_and_tools(
 def test_python_and_memory_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     assert checks.python((3, 10, 12)).state == "missing"
     assert checks.python((3, 11, 0)).state == "ok"
-    monkeypatch.setattr("cranktopo.bodies.cells.resolution.available_memory_MiB", lambda: 100.0)
+    monkeypatch.setattr("cranktopo.bodies.memory.available_memory_MiB", lambda: 100.0)
     assert checks.memory().state == "absent"
-    monkeypatch.setattr("cranktopo.bodies.cells.resolution.available_memory_MiB", lambda: 1e6)
+    monkeypatch.setattr("cranktopo.bodies.memory.available_memory_MiB", lambda: 1e6)
     assert checks.memory().state == "ok"
 
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
 
 from cranktopo.numerics.grid.boundary_conditions import CaseSupports
-from cranktopo.numerics.grid.element import CORNERS
-from cranktopo.numerics.grid.lattice import Lattice, layer_stiffness
+from cranktopo.numerics.grid.lattice import CORNERS, Lattice, layer_stiffness
 
 Array = NDArray[np.float64]
 

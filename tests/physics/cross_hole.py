@@ -9,10 +9,13 @@ import numpy as np
 from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
-from cranktopo.numerics.tetrahedra.stressed_surface import outer_surface, surface_stress
+from cranktopo.numerics.tetrahedra.stress import (
+    nodal_stress,
+    outer_surface,
+    principal_stresses,
+    surface_stress,
+)
 from tests.physics.stepped_shaft import AXIAL, BENDING, POISSON, TORSION, YOUNGS_MPA, Shaft, shaft_fields
 
 LOADS = (AXIAL, BENDING, TORSION)

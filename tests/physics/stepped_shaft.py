@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
-from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses
-from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
-from cranktopo.numerics.tetrahedra.stressed_surface import outer_surface, surface_stress
+from cranktopo.numerics.tetrahedra.stress import (
+    nodal_stress,
+    outer_surface,
+    principal_stresses,
+    surface_stress,
+)
 from cranktopo.tasks.fea.condense import section_motions
 from cranktopo.throw.journal import FilletSection
 

@@ -10,9 +10,8 @@ from skfem import Basis, ElementTetP2, MeshTet2
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.mesh import solid_mesh as meshing
 from cranktopo.design.loading import load_scene
-from cranktopo.numerics.tetrahedra.curving import EDGES, straighten_folded
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, straighten_folded
 from tests.physics.evaluation_cases import mikron_with
 
 Array = NDArray[np.float64]

@@ -7,14 +7,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from cranktopo.numerics.grid.element import (
+from cranktopo.numerics.grid.lattice import (
     CORNERS,
+    Lattice,
     elasticity,
     hexahedron_stiffness,
+    layer_blocks,
+    layer_stiffness,
     parity_blocks,
     parity_sum_of,
 )
-from cranktopo.numerics.grid.lattice import Lattice, layer_blocks, layer_stiffness
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal, strain_energy_density
 
 SIZES = [(1.0, 1.0, 1.0), (1.5, 1.2, 0.4), (1.0, 4.0, 1.0)]

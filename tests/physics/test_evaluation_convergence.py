@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 from skfem import Basis, ElementTetP2, MeshTet
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
-from cranktopo.numerics.tetrahedra.linear_solve import largest_eigenvalue, solve_symmetric
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.remesh import quadratic
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, largest_eigenvalue, solve_symmetric
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, quadratic
 from cranktopo.tasks.fea.evaluation import condensed_stiffness
 from tests.physics.evaluation_cases import mikron_with
 

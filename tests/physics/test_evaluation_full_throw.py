@@ -16,8 +16,7 @@ from skfem import Basis, ElementTetP2
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.tasks.fea.condense import (
     RX,

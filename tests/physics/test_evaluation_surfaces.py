@@ -16,7 +16,7 @@ from cranktopo.bodies.solid.files import export_solid
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
-from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
+from cranktopo.numerics.tetrahedra.mesh import tetrahedralise
 from cranktopo.tasks.fea.evaluation import condensed_stiffness
 from cranktopo.tasks.importing.imported_body import mesh_file
 from tests.physics.evaluation_cases import mikron_with

@@ -13,8 +13,8 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
-from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.stress import von_mises
 from cranktopo.tasks.fea.condense import section_motions
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from tests.physics.evaluation_cases import elastic, mikron_with

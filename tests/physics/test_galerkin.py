@@ -14,8 +14,7 @@ from cranktopo.numerics.grid.galerkin import (
     stencil_diagonal,
 )
 from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
-from cranktopo.numerics.grid.operator import apply_stiffness
-from cranktopo.numerics.grid.transfer import prolong, restrict
+from cranktopo.numerics.grid.operator import apply_stiffness, prolong, restrict
 from cranktopo.numerics.precision import double_precision
 
 LATTICE = Lattice((4, 6, 8), 1.0, 1.3, (0.7, 0.7, 1.0, 1.0, 1.0, 1.4, 1.4, 0.9), 0.3)

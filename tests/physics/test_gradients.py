@@ -13,7 +13,7 @@ import pytest
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.projection import Projection
+from cranktopo.numerics.filters.density_filter import Projection
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import (
     MaterialInterpolation,

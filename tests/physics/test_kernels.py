@@ -15,12 +15,16 @@ import pytest
 
 from cranktopo.numerics.grid.conjugate_gradients import product_and_work, stiffness_product
 from cranktopo.numerics.grid.galerkin import apply_stencil
-from cranktopo.numerics.grid.lattice import Lattice, layer_blocks
+from cranktopo.numerics.grid.lattice import WHOLE, Lattice, layer_blocks
 from cranktopo.numerics.grid.multigrid import project
-from cranktopo.numerics.grid.operator import apply_stiffness, strain_energy_densities, strain_energy_density
-from cranktopo.numerics.grid.partition import WHOLE
+from cranktopo.numerics.grid.operator import (
+    add_prolonged,
+    apply_stiffness,
+    restrict,
+    strain_energy_densities,
+    strain_energy_density,
+)
 from cranktopo.numerics.grid.smoothing import JacobiScaling, Smoother, SmootherState
-from cranktopo.numerics.grid.transfer import add_prolonged, restrict
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import Precision
 from tests.studies.parts import lopsided

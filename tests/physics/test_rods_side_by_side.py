@@ -14,8 +14,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
-from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.condense import bending_motion, condense, loaded_mm
 from tests.physics.evaluation_cases import elastic
 

@@ -13,8 +13,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
-from cranktopo.numerics.tetrahedra.stressed_surface import outer_surface, surface_stress
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
 from cranktopo.tasks.fatigue.safety_field import load_kinds, safety_field
 from cranktopo.tasks.fatigue.stress_model import Quality, StressModel, images_of

@@ -12,7 +12,7 @@ from cranktopo.base.progress import Work
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import multipliers
+from cranktopo.numerics.optimisers.gradient_search import multipliers
 from cranktopo.numerics.precision import double_precision
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.fit import usual_limits

@@ -10,9 +10,8 @@ import pytest
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh
 from cranktopo.tasks.fea.condense import (
     Superelement,
     bending_stiffness_N_per_mm,

@@ -7,10 +7,16 @@ import pytest
 from skfem import MeshTet, MeshTet2
 
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.stress import hooke, nodal_stress
-from cranktopo.numerics.tetrahedra.stressed_surface import SurfaceStress, outer_surface, surface_stress
+from cranktopo.numerics.tetrahedra.stress import (
+    SurfaceStress,
+    hooke,
+    nodal_stress,
+    outer_surface,
+    principal_stresses,
+    surface_stress,
+    von_mises,
+)
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 
 YOUNGS, POISSON = 2.1e5, 0.3

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.bodies.volume import half_throw_volume_mm3
-from cranktopo.bodies.web_moments import section_moments, web_moments
+from cranktopo.bodies.volume import half_throw_volume_mm3, web_moments
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.throw.moments import body_section_moments
+from cranktopo.throw.web import web_bodies
 
 BASE = {
     "name": "t",
@@ -25,6 +26,11 @@ def scene(web, **throw):
     return scene_from_dict(
         {**BASE, "throw": {**BASE["throw"], **throw}, "web": {"thickness_mm": 20.0, **web}}
     )
+
+
+def section_moments(scene, z_mm):
+    """Moments of the web's section at a height, per mm of height."""
+    return body_section_moments(web_bodies(scene), z_mm)
 
 
 def test_obround_with_bores_is_exact():

@@ -22,7 +22,7 @@ from cranktopo.engine.vibration.torque_harmonics import (
     varying_part,
     varying_share_percent,
 )
-from cranktopo.numerics.disk_chain import ComplexArray, DiskChain, supplied_J
+from cranktopo.numerics.disk_chain import ComplexArray, DiskChain
 
 SCENE = load_scene("mikron-iiic")
 OWN, HELD, ORDERS = 0.002, 1e7, 40
@@ -124,7 +124,7 @@ def test_power_of_torques_and_varying_inertia_is_what_the_damping_takes() -> Non
     shaft, orders, torque, varying, twist = two_throws(3300.0)
     often = orders * w / (2 * math.pi)
     taken = (often * shaft.chain.dissipated_J(orders * w, twist)).sum()
-    given = (often * supplied_J(torque, twist)).sum()
+    given = (often * np.pi * (torque * twist.conj()).imag.sum(axis=-1)).sum()
     angle = np.arange(1440) / 1440 * 4 * math.pi
     moving = twist[:, shaft.driven]
     turning = np.exp(1j * np.outer(angle, orders))

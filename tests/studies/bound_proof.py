@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.progress import Work
-from cranktopo.bodies.cells.resolution import thinnest_wall_mm
+from cranktopo.bodies.memory import thinnest_wall_mm
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict

@@ -20,8 +20,8 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     assemble,
     basis_above_plane,
     mean_displacement,
+    two_level_cycle,
 )
-from cranktopo.numerics.tetrahedra.linear_solve import two_level_cycle
 from cranktopo.tasks.fea.condense import (
     Superelement,
     bending_stiffness_N_per_mm,

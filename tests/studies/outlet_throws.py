@@ -18,8 +18,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, principal_stresses
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import unit_fields

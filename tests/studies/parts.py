@@ -17,12 +17,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.numerics.grid.boundary_conditions import CaseSupports, SectionMotion, build_supports
-from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, stiffness_product
-from cranktopo.numerics.grid.devices import SharedSolve, partition_of
+from cranktopo.numerics.grid.conjugate_gradients import (
+    CgResult,
+    SharedSolve,
+    System,
+    partition_of,
+    stiffness_product,
+)
 from cranktopo.numerics.grid.equilibrium import METHODS, run_method
-from cranktopo.numerics.grid.lattice import Cells, Lattice
+from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice
 from cranktopo.numerics.grid.multigrid import GridTables, build_tables, project
-from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.precision import double_precision
 from tests.studies.cantilever import halvings
 

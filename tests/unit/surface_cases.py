@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 

@@ -13,7 +13,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
-from cranktopo.bodies.cells.resolution import estimated_cells
+from cranktopo.bodies.memory import estimated_cells
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.accuracy.optimiser_levels import choose_cells

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.clearance import CRANKCASE, PISTON, clearance_limit, clearances_mm

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.cells.web_cells import centres_mm
+from cranktopo.bodies.cells.domain import build_domain, centres_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision

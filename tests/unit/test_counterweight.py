@@ -12,8 +12,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.prisms import kept_solid
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.bodies.web_moments import bolted_mass, web_moments
+from cranktopo.bodies.volume import bolted_mass, web_moments, web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.refit.fit import scene_with_web

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.derivatives import central_difference, complex_step
+from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
 
 AT = np.array([0.4, -1.2, 2.0])
 

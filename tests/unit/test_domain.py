@@ -12,7 +12,7 @@ import trimesh
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
 from cranktopo.bodies.cells.grid import plan_grid
-from cranktopo.bodies.cells.resolution import finest_resolution_mm, thinnest_wall_mm
+from cranktopo.bodies.memory import finest_resolution_mm, thinnest_wall_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.optimise.metrics import is_connected
 

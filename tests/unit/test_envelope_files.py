@@ -13,7 +13,7 @@ import trimesh
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference, symmetrised
-from cranktopo.bodies.solid.step_surface import step_surface
+from cranktopo.bodies.solid.step import step_surface
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session

@@ -15,7 +15,7 @@ from cranktopo.bodies.undercuts import undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
-from cranktopo.numerics.filters.forging import SHARPNESS, ForgingConstraint, without_undercuts
+from cranktopo.numerics.filters.processes import SHARPNESS, ForgingConstraint, without_undercuts
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of

@@ -16,7 +16,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.plan.simulated import simulated_scene
-from cranktopo.numerics.filters.forging import reachable
+from cranktopo.numerics.filters.processes import reachable
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.tasks.density.manufacturing import open_cells, parting_of, unreachable_share

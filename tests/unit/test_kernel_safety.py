@@ -20,9 +20,9 @@ from click.testing import CliRunner
 from cranktopo.base.machine import private_cache
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.numerics.grid import operator, slab_product
-from cranktopo.numerics.grid.transfer import restrict
-from cranktopo.numerics.kernels import frames, trial
-from cranktopo.numerics.kernels import jit_cache as machine_code
+from cranktopo.numerics.grid.operator import restrict
+from cranktopo.numerics.kernels import frames
+from cranktopo.numerics.kernels import registry as machine_code
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.kernels import xla_ffi as foreign
 from cranktopo.numerics.kernels.frames import (
@@ -116,7 +116,7 @@ def restriction(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[in
     monkeypatch.setattr(jax.ffi, "include_dir", lambda: str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     text = str(processor._module(processor._KERNELS["restriction"], "float32", 8, 1))
-    return trial._HANDLER(machine_code.address_of("handler", text))
+    return frames._HANDLER(machine_code.address_of("handler", text))
 
 
 @pytest.fixture
@@ -217,7 +217,7 @@ def test_another_size_disables_the_kernels(
 
 def test_the_trial_is_shared_out() -> None:
     """It calls XLA's threads as products of large grids do."""
-    cases, (nx, ny, nz) = trial.TRIAL
+    cases, (nx, ny, nz) = frames.TRIAL
     assert 3 * cases * (nx + 1) * (ny + 1) * (nz + 1) >= foreign.LEAST_SHARED
     assert nx + 1 >= processor._MOST_THREADS
 
@@ -232,9 +232,9 @@ def test_a_wrong_product_disables_the_kernels(
 
 
 def test_a_product_that_is_not_written() -> None:
-    nothing = trial._HANDLER(_answer_alone)
+    nothing = frames._HANDLER(_answer_alone)
     address = ctypes.cast(nothing, ctypes.c_void_p).value or 0
-    found = trial.find_fault(address, processor._stiffness_product, slab_product.apply_by_slabs)
+    found = frames.find_fault(address, processor._stiffness_product, slab_product.apply_by_slabs)
     assert found.startswith("a product differs")
 
 
@@ -245,7 +245,7 @@ def test_a_first_call_that_fails(
     def fail(*_: object) -> None:
         raise RuntimeError("no such version\nand more")
 
-    monkeypatch.setattr(*((trial, "register") if name == "find_fault" else (processor, name)), fail)
+    monkeypatch.setattr(*((frames, "register") if name == "find_fault" else (processor, name)), fail)
     assert not _calls_kernels()
     (record,) = caplog.records
     assert "no such version" in record.getMessage()
@@ -347,7 +347,7 @@ def test_code_is_loaded_from_the_own_folder_alone(tmp_path: Path, monkeypatch: p
 
 def _calls_kernels() -> bool:
     """Whether a product that is traced now is a kernel's."""
-    operands = trial._operands()
+    operands = frames._operands()
     return "ffi_call" in str(jax.make_jaxpr(lambda *arrays: operator.apply_stiffness(*arrays))(*operands))
 
 

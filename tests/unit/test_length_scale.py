@@ -16,11 +16,11 @@ from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.density_filter import (
     ConeFilter,
+    Projection,
     boundary_correction,
     cone_filter,
     cone_kernel,
 )
-from cranktopo.numerics.filters.projection import Projection
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import (
     check_lengths,

@@ -12,8 +12,7 @@ import scipy.ndimage
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.density_filter import cone_kernel, convolved
-from cranktopo.numerics.filters.projection import projected
+from cranktopo.numerics.filters.density_filter import cone_kernel, convolved, projected
 from cranktopo.numerics.precision import double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
 from cranktopo.tasks.density.material import (

@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import ForgingConstraint
+from cranktopo.numerics.filters.processes import ForgingConstraint
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import parting_of
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.undercuts import Withdrawal, undercuts
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field

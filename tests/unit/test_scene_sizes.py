@@ -13,8 +13,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import self_intersection
 from cranktopo.bodies.cells.domain import throw_ranges_mm
 from cranktopo.bodies.envelope_file import envelope_from_file
-from cranktopo.bodies.solid.step_surface import step_surface
-from cranktopo.bodies.web_moments import web_moments
+from cranktopo.bodies.solid.step import step_surface
+from cranktopo.bodies.volume import web_moments
 from cranktopo.design.loading import designs_folder, parse_scene
 from cranktopo.design.schema import Scene, ThrowTable
 from cranktopo.numerics.surfaces.files import read_stl

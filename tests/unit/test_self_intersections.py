@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cranktopo.numerics.surfaces.mesh import mesh_of
-from cranktopo.numerics.surfaces.self_intersections import self_intersections_mm
+from cranktopo.numerics.surfaces.mesh import mesh_of, self_intersections_mm
 from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, unsmoothed_solid
 
 ISO, TOLERANCE_MM = 0.5586, 0.02

@@ -9,7 +9,7 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.extraction import half_throw
 from cranktopo.tasks.extraction.checked_surface import check_surface

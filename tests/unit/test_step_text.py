@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.formats import PARTS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.files import export_solid
-from cranktopo.bodies.solid.step_text import StepLabel, labelled, step_string
+from cranktopo.bodies.solid.step import StepLabel, labelled, step_string
 from cranktopo.design.schema import Scene
 from tests.unit.remodel_cases import WHOLE, known_scene
 

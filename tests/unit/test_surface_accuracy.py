@@ -16,7 +16,7 @@ import trimesh
 from manifold3d import Manifold
 
 from cranktopo.base.formats import SURFACES
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.numerics.surfaces.files import write_surface
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.extraction.cutter import SIMPLIFY_MM, distances_mm, find_iso

@@ -13,10 +13,17 @@ import trimesh
 from manifold3d import CrossSection, Manifold
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection
 from cranktopo.numerics.surfaces.files import write_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3, shells
+from cranktopo.numerics.surfaces.mesh import (
+    SurfaceMesh,
+    check_manifold,
+    check_self_intersection,
+    mesh_of,
+    shell_volumes_mm3,
+    shells,
+    solid_of,
+    sound_mesh_of,
+)
 from cranktopo.tasks.extraction.checked_surface import check_surface
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
 from tests.unit.surface_cases import grid_of, obround, scene_with

@@ -12,11 +12,10 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.mesh import solid_of
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.numerics.surfaces.mesh import shell_volumes_mm3, solid_of
 from cranktopo.tasks.extraction.checked_surface import check_surface
 from cranktopo.tasks.extraction.cutter import find_iso
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw

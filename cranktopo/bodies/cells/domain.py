@@ -16,7 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Section
-from cranktopo.bodies.cells.drilled_cells import drill_cells
+from cranktopo.bodies.cells.fractions import drill_cells, plane_fractions, slab_fractions
 from cranktopo.bodies.cells.grid import CellGrid, Extent, plan_grid
 from cranktopo.bodies.cells.layers import (
     ORIGINAL_KEY,
@@ -25,7 +25,6 @@ from cranktopo.bodies.cells.layers import (
     design_envelope,
     half_throw_layers,
 )
-from cranktopo.bodies.cells.plane_fractions import plane_fractions, slab_fractions
 from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
 from cranktopo.design.checks.scene import check_envelope_reach
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, require_equal_halves, web_asymmetry
@@ -66,12 +65,9 @@ class Domain:
     @property
     def web_layers(self) -> tuple[int, int]:
         """First and past-the-last z layer of the (first) web; its layers have one height."""
-        filled = np.flatnonzero(self.web[:, :, : self._half_layers].any(axis=(0, 1)))
+        half = self.grid.cells[2] // (2 if self.extent == "full" else 1)
+        filled = np.flatnonzero(self.web[:, :, :half].any(axis=(0, 1)))
         return int(filled[0]), int(filled[-1]) + 1
-
-    @property
-    def _half_layers(self) -> int:
-        return self.grid.cells[2] // (2 if self.extent == "full" else 1)
 
     @property
     def symmetry_fraction(self) -> float:
@@ -85,11 +81,7 @@ class Domain:
 
 
 def laterally_symmetric(scene: Scene, target: GridContent) -> bool:
-    """Tell whether the geometry is its own mirror image in x and the scene allows the mirror.
-
-    Args:
-        target: whose geometry, that of the design envelope or of the scene's own web.
-    """
+    """Tell whether the geometry (envelope or web) mirrors itself in x and the scene allows the mirror."""
     return may_mirror(scene, web_asymmetry(scene) if target == "web" else envelope_asymmetry(scene))
 
 
@@ -100,22 +92,22 @@ def build_domain(
     extent: Extent | None = None,
     grid: CellGrid | None = None,
 ) -> Domain:
-    """Grid and cell fractions of a scene.
+    """Return grid and cell fractions of a scene.
 
     Args:
-        resolution_mm: largest cell edge, mm.
         target: "envelope" makes the design space designable, "web" makes the scene's own web fixed solid.
         extent: part of the throw; by default the quarter when the geometry is symmetric in x, else the half.
         grid: a grid to fill instead of planning one, e.g. the envelope's for the original web.
 
-    Raises:
-        CranktopoError: no envelope, one that does not touch a journal, or halves of the throw that differ.
+    Raises CranktopoError: no envelope, one that touches no journal, or halves of the throw that differ.
     """
     require_equal_halves(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = half_throw_layers(scene, target)
-    grid = grid or _grid(scene, resolution_mm, target, extent)
+    if grid is None:
+        faces = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
+        grid = plan_grid(*throw_ranges_mm(scene, target), faces, resolution_mm, extent)
     planes = drill_cells(scene, grid, layers, _fractions(grid, layers))
     planes = {kind: np.minimum(fraction, 1.0) for kind, fraction in planes.items()}
     planes["design_fraction"] = np.minimum(planes["design_fraction"], 1.0 - planes["passive_fraction"])
@@ -129,11 +121,7 @@ def build_domain(
 
 
 def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Lateral range and range along the throw that hold journals, web and, for a design, the envelope, mm.
-
-    Args:
-        target: "envelope" for a design, "web" for the scene's own web.
-    """
+    """Return the ranges of x and y that hold journals, web and, for a design, the envelope, mm."""
     main, pin, r = scene.throw.main_journal.radius_mm, scene.throw.crankpin.radius_mm, scene.throw.radius_mm
     reach = max(main, pin)
     bounds = [(-reach, reach, -main, r + pin)]
@@ -147,14 +135,7 @@ def throw_ranges_mm(scene: Scene, target: GridContent) -> tuple[tuple[float, flo
     return (min(x_low), max(x_high)), (min(y_low), max(y_high))
 
 
-def _grid(scene: Scene, resolution_mm: float, target: GridContent, extent: Extent) -> CellGrid:
-    x_range, y_range = throw_ranges_mm(scene, target)
-    planes = (0.0, *scene.web_z_mm, scene.pitch_mm / 2)
-    return plan_grid(x_range, y_range, planes, resolution_mm, extent)
-
-
 def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]:
-    """Filled fraction of every cell by each kind of section."""
     result = {kind: np.zeros(grid.cells) for kind in ("passive_fraction", "design_fraction", "pin", "web")}
     for layer in layers:
         filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
@@ -164,7 +145,6 @@ def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]
 
 
 def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
-    """Filled fraction of every cell by a section of a layer."""
     low, high = (np.clip(grid.z_mm[cells], *layer.z_mm) for cells in (slice(-1), slice(1, None)))
     shares = (high - low) / np.diff(grid.z_mm)
     # Rounding must not leave 1e-16 of a layer in its neighbour: that would be a void cell with stiffness.
@@ -180,16 +160,11 @@ def _filled(grid: CellGrid, layer: AxialLayer, section: Section) -> Array:
 
 
 def _check_touches(scene: Scene, domain: Domain) -> None:
-    """Both journals must meet designable cells at the web faces."""
     start, stop = scene.web_z_mm
     z = domain.grid.z_mm
-    faces = (
-        ("throw.main_journal", int(np.argmin(np.abs(z - start))), 0),
-        ("throw.crankpin", int(np.argmin(np.abs(z - stop))), -1),
-    )
-    for key, plane, side in faces:
-        journal = domain.passive_fraction[:, :, plane - 1 if side == 0 else plane]
-        layer = plane if side == 0 else plane - 1
+    for key, face, before in (("throw.main_journal", start, 0), ("throw.crankpin", stop, 1)):
+        layer = int(np.argmin(np.abs(z - face))) - before
+        journal = domain.passive_fraction[:, :, layer + 1 if before else layer - 1]
         web = domain.design_fraction[:, :, layer] + domain.passive_fraction[:, :, layer]
         contact = np.sum(np.minimum(journal, web)) / np.sum(journal)
         if contact < 0.1:
@@ -199,3 +174,26 @@ def _check_touches(scene: Scene, domain: Domain) -> None:
                 f"touches {100 * contact:.0f} % of the end face of {key}, at least 10 % is needed",
                 "Enlarge or move the envelope so that it covers the journal.",
             )
+
+
+def centres_mm(domain: Domain) -> tuple[Array, Array, Array]:
+    """Return the centres of the cells of the web's layers along each axis, mm."""
+    first, last = domain.web_layers
+    x, y, z = (
+        (nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm, domain.grid.z_mm)
+    )
+    return x, y, z[first:last]
+
+
+def on_cells(there: Domain, field: Array, here: Domain) -> Array:
+    """Return a field on some cells (nx, ny, nw, ...) on others of the throw, linear between centres.
+
+    Beyond the outermost centres the nearest value holds.
+    """
+    from scipy.interpolate import RegularGridInterpolator
+
+    known, wanted = centres_mm(there), centres_mm(here)
+    inside = [np.clip(at, own[0], own[-1]) for at, own in zip(wanted, known, strict=True)]
+    points = np.stack(np.meshgrid(*inside, indexing="ij"), axis=-1)
+    found: Array = RegularGridInterpolator(known, field)(points)
+    return found

@@ -1,4 +1,4 @@
-"""The grid of the half throw: planes on the web faces, axes padded for multigrid coarsening."""
+"""The grid of the half throw, its axes padded for multigrid coarsening, and a density on cells of the web."""
 
 from __future__ import annotations
 
@@ -10,6 +10,65 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
+from cranktopo.base.frames import Z
+from cranktopo.design.schema import Scene
+
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class DensityGrid:
+    """Physical density (filtered and projected) per cell, full width in x, between the web faces in z.
+
+    Attributes:
+        origin_mm: lower corner of the first cell, (3,), mm, in the frame of `cranktopo.base.frames`.
+        cell_mm: edge lengths of a cell, (3,), mm.
+        density: (nx, ny, nz), 0 = void, 1 = solid; 0 in cells outside the design envelope.
+    """
+
+    origin_mm: Array
+    cell_mm: Array
+    density: Array
+
+    def __post_init__(self) -> None:
+        if self.origin_mm.shape != (3,) or self.cell_mm.shape != (3,) or self.density.ndim != 3:
+            raise ValueError("DensityGrid needs origin_mm (3,), cell_mm (3,) and density (nx, ny, nz)")
+        if np.any(self.cell_mm <= 0) or self.density.size == 0:
+            raise ValueError("DensityGrid needs cells of positive size")
+        # Written so that NaN fails as well.
+        if not (self.density.min() >= -_ROUNDING and self.density.max() <= 1 + _ROUNDING):
+            raise ValueError("DensityGrid needs densities in [0, 1]")
+
+    @property
+    def upper_mm(self) -> Array:
+        """Upper corner of the last cell, (3,), mm."""
+        upper: Array = self.origin_mm + self.cell_mm * np.array(self.density.shape)
+        return upper
+
+    def centres_mm(self, axis: int) -> Array:
+        """Return the coordinates of the cell centres along one axis, (n,), mm."""
+        number = np.arange(self.density.shape[axis], dtype=np.float64)
+        return float(self.origin_mm[axis]) + (number + 0.5) * float(self.cell_mm[axis])
+
+    def volume_mm3(self, solid_fraction: Array | None = None) -> float:
+        """Return the volume of material, mm3, in the part of each cell that can hold some."""
+        filled = self.density if solid_fraction is None else self.density * solid_fraction
+        return float(filled.sum() * np.prod(self.cell_mm))
+
+    def spans_web(self, scene: Scene) -> bool:
+        """Tell whether the grid reaches exactly from the journal-side to the pin-side face of the web."""
+        ends = (self.origin_mm[Z], self.upper_mm[Z])
+        return bool(np.allclose(ends, scene.web_z_mm, rtol=0, atol=1e-6 * scene.web.thickness_mm))
+
+
+def is_x_symmetric(grid: DensityGrid, *others: Array) -> bool:
+    """Tell whether grid, density and other fields on it are their own mirror image in the plane x = 0."""
+    centred = bool(abs(grid.origin_mm[0] + grid.upper_mm[0]) <= _ROUNDING * grid.cell_mm[0])
+    fields = [grid.density, *others]
+    return centred and all(np.allclose(field, field[::-1], rtol=0, atol=_ROUNDING) for field in fields)
+
+
 # The coarsest grid is solved densely: stop halving once the half throw has at most so many unknowns.
 _COARSEST_UNKNOWNS = 2400
 
@@ -20,12 +79,8 @@ Extent = Literal["quarter", "half", "full"]
 class CellGrid:
     """Node coordinates of a structured grid; uniform along x and y, one cell height per layer along z.
 
-    Attributes:
-        x_mm: nodes along x (nx + 1,), mm.
-        y_mm: nodes along y.
-        z_mm: nodes along z; the web faces are among them.
-        padding: cells added beyond the body along (x, y), void, and cells added along z.
-        levels: how often all axes can be halved.
+    Web faces are among the z nodes. Padding counts cells added beyond the body along (x, y), void, and along
+    z; levels, how often all axes can be halved.
     """
 
     x_mm: NDArray[np.float64]
@@ -65,18 +120,13 @@ def plan_grid(
 ) -> CellGrid:
     """Return a grid whose cells are no larger than the resolution and whose planes meet the given ranges.
 
-    The half throw is planned, whatever the extent, so that quarter, half and full model have the same
-    cells and give the same stiffness.
+    The half throw is planned, whatever the extent, so that quarter, half and full model have the same cells
+    and give the same stiffness. Cell counts are divisible by 2**levels.
 
     Args:
         x_range: lateral range of the body, both sides, mm.
-        y_range: range along the throw, mm.
         z_planes: increasing z of the half throw's planes that must be grid planes (ends, web faces), mm.
-        resolution_mm: largest cell edge, mm.
         extent: "quarter" keeps x >= 0, "full" adds the mirror image beyond the last z plane.
-
-    Returns:
-        Grid with cell counts divisible by 2**levels.
     """
     left, right, step = _lateral_counts(x_range, resolution_mm)
     along = _count(y_range, resolution_mm)
@@ -124,7 +174,6 @@ def _levels(nx: int, ny: int, nz: int) -> int:
 
 
 def _grow_layers(layers: list[int], planes: tuple[float, ...], factor: int) -> list[int]:
-    """Add cells where they are tallest until the total divides by the factor."""
     grown = list(layers)
     while sum(grown) % factor:
         heights = [(b - a) / n for a, b, n in zip(planes, planes[1:], grown, strict=False)]

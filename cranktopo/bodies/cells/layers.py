@@ -35,13 +35,7 @@ GridContent = Literal["envelope", "web"]
 class AxialLayer:
     """What fills the plane between two heights of the half throw; None for nothing.
 
-    Attributes:
-        z_mm: the heights.
-        changes: whether its sections change between them; otherwise it is a prism.
-        passive: undesignable solid.
-        design: what is designable.
-        pin: the crankpin.
-        web: the web when full.
+    Its sections, of which passive is undesignable solid and web the full one, may change between the heights.
     """
 
     z_mm: tuple[float, float]
@@ -64,7 +58,7 @@ class AxialLayer:
 
 
 def half_throw_layers(scene: Scene, target: GridContent) -> list[AxialLayer]:
-    """The half throw as layers along z: main journal, web (cut where its section changes), crankpin."""
+    """Return the layers along z: main journal, web (cut where its section changes), crankpin."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
     layers = [AxialLayer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
@@ -79,7 +73,6 @@ def _annulus(journal: Journal, y_mm: float) -> Section:
 
 
 def _own_web(scene: Scene) -> list[AxialLayer]:
-    """Return the web of the scene, or the body named as the original."""
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
     bodies = web_bodies(scene)
@@ -131,7 +124,6 @@ def _design_space(scene: Scene) -> list[AxialLayer]:
 
 
 def _turning_free(scene: Scene, section: Section) -> Section:
-    """Return the part of a section that piston and crankcase leave free."""
     limit = clearance_limit(scene)
     if limit is None:
         return section
@@ -145,11 +137,7 @@ def _ranges_mm(scene: Scene, cuts: list[float]) -> list[tuple[float, float]]:
 
 
 def design_envelope(scene: Scene) -> Envelope:
-    """Return the envelope of an optimisation.
-
-    Raises:
-        CranktopoError: the scene has none.
-    """
+    """Return the envelope of an optimisation; raises CranktopoError where the scene has none."""
     if scene.envelope is None:
         raise invalid("envelope", None, "an optimisation needs a design envelope", "Add an [envelope] table.")
     return scene.envelope

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,18 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
-from cranktopo.bodies.solid.primitives import DimTags
-from cranktopo.bodies.solid.throw import SolidProperties, add_full_throw, add_half_throw, solid_properties
+from cranktopo.bodies.solid.throw import (
+    DimTags,
+    SolidProperties,
+    add_full_throw,
+    add_half_throw,
+    solid_properties,
+)
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
-from cranktopo.numerics.tetrahedra.curving import straighten_folded
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, straighten_folded
 from cranktopo.throw.drilling.bore import size_mm, size_terms
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import FilletSection
@@ -38,13 +41,9 @@ _ROUND_MM = 8.0
 
 @dataclass(frozen=True)
 class MeshedThrow:
-    """A meshed part and its exact mass properties.
+    """A meshed half throw, or `whole` one; exact properties for both signs of x, volume of the first web.
 
-    Attributes:
-        body: properties of the half throw (both signs of x), or of the whole one.
-        web_volume_mm3: of one web; of a whole throw of the first.
-        note: what was done to a body from CAD before it was meshed.
-        whole: the whole throw is meshed, not half of it.
+    The note says what was done to a body from CAD before it was meshed.
     """
 
     mesh: TetMesh
@@ -76,57 +75,40 @@ def mesh_throw(
     graded: bool = True,
     fillet_fraction: float | None = None,
 ) -> MeshedThrow:
-    """Mesh of the half throw of a scene, of the whole one where its halves differ.
-
-    Where the throw is symmetric in x only its half x >= 0 is meshed.
+    """Return the mesh of the half throw, of the whole one where its halves differ; of x >= 0 where symmetric.
 
     Args:
         element_size_mm: general element size; fillets and sharp rings get a fixed fraction of it.
         full: mesh the whole throw although its halves are alike (to check the condensation).
         fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
-
-    Raises:
-        CranktopoError: impossible dimensions, or no valid mesh.
     """
     whole = full or bool(difference(scene))
-    make = partial(_mesh_throw, scene, element_size_mm, whole, quarter, graded, fillet_fraction)
+    smooth = fillet_fraction is not None
+
+    def make(*, adapt: bool) -> MeshedThrow:
+        with cad_session(f"solid of {scene.name}") as gmsh:
+            occ = gmsh.model.occ
+            solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
+            body = solid_properties(occ, solid)
+            mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
+            if mirrored:
+                positive_x(occ, solid, scene.pitch_mm)
+            _set_sizes(
+                gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction
+            )
+            mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
+        return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
+
     try:
         return make(adapt=False)
     except _NoMeshError:
         return make(adapt=True)  # in a new session, as gmsh stays locked after an error
 
 
-def _mesh_throw(
-    scene: Scene,
-    element_size_mm: float,
-    whole: bool,
-    quarter: bool,
-    graded: bool,
-    fillet_fraction: float | None,
-    adapt: bool,
-) -> MeshedThrow:
-    with cad_session(f"solid of {scene.name}") as gmsh:
-        occ = gmsh.model.occ
-        solid = add_full_throw(occ, scene) if whole else add_half_throw(occ, scene)
-        body = solid_properties(occ, solid)
-        mirrored = quarter and may_mirror(scene, web_asymmetry(scene))
-        if mirrored:
-            solid = positive_x(occ, solid, scene.pitch_mm)
-        _set_sizes(gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction)
-        smooth = fillet_fraction is not None
-        mesh = _generate(gmsh, element_size_mm, mirrored, smooth=smooth, adapt=adapt)
-    return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
-
-
 def mesh_body(
-    gmsh: Any,
-    scene: Scene,
-    element_size_mm: float,
-    *,
-    mirrored: bool,
-    fillet_fraction: float | None = None,
+    gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool, fillet_fraction: float | None = None
 ) -> TetMesh:
-    """Mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
+    """Return the mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False, fillet_fraction=fillet_fraction)
     return _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
 
@@ -168,13 +150,7 @@ def positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
 
 
 def _set_sizes(
-    gmsh: Any,
-    scene: Scene,
-    size: float,
-    *,
-    graded: bool,
-    full: bool,
-    fillet_fraction: float | None = None,
+    gmsh: Any, scene: Scene, size: float, *, graded: bool, full: bool, fillet_fraction: float | None = None
 ) -> None:
     """One analytic size field: distance to each fillet surface (or sharp ring), growing linearly."""
     gmsh.model.occ.synchronize()
@@ -218,7 +194,7 @@ def _ring_size(finest: float, y: float, radius: float, z: float, fillet: FilletS
 
 
 def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Element size at points of the half throw, (n,), mm: finer toward fillets, sharp rings and drillings."""
+    """Return element sizes at points (n,), mm: finer toward fillets, sharp rings and drillings."""
     x, y, z = points_mm.T
     result = np.full(len(points_mm), size)
     for bore in drill_bores(scene):
@@ -230,7 +206,6 @@ def ring_size_mm(scene: Scene, size: float, points_mm: NDArray[np.float64]) -> N
 
 
 def _finest(scene: Scene, size: float, fillet: FilletSection, fraction: float | None = None) -> float:
-    """Element size on a fillet or at a sharp ring, mm."""
     if fraction is not None and fillet.radial_mm:
         return min(size, fraction * fillet.least_radius_mm)
     return size * min(1.0, max(usual_scale(scene) * fillet.shorter_mm / _ROUND_MM, _FINEST))

@@ -1,21 +1,24 @@
-"""STEP and STL files of web, half throw, full throw and crankshaft."""
+"""STEP and STL files of web, half throw, full throw and crankshaft, and their surfaces."""
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.errors import solver_error
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.bodies.solid.orientation import orient_outward
-from cranktopo.bodies.solid.primitives import DimTags
-from cranktopo.bodies.solid.step_text import StepLabel, label_step
+from cranktopo.bodies.solid.step import StepLabel, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
+    DimTags,
     add_crankshaft,
     add_drillings,
     add_full_throw,
@@ -35,6 +38,76 @@ from cranktopo.runs.manifest import versions
 if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
+
+_Tags = NDArray[np.int64]
+_TRIANGLE = 2
+
+
+def _orient_outward(gmsh: Any, faces: list[int]) -> None:
+    """Turn the triangles of whole CAD faces of one closed body so that all normals point out of it.
+
+    gmsh's own rule shoots a ray from each face and errs where that passes near an edge. Neighbours tell: two
+    faces agree where they run along their common edge in opposite directions; the volume tells which side
+    is out.
+    """
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+    found = {face: gmsh.model.mesh.getElementsByType(_TRIANGLE, face)[1] for face in faces}
+    tags = {face: np.asarray(nodes, dtype=np.int64).reshape(-1, 3) for face, nodes in found.items()}
+    turned, points = _turned(tags), _points(gmsh)
+    volumes = {face: SurfaceMesh(points, corners).volume_mm3 for face, corners in tags.items()}
+    volume = sum(-own if turned[face] else own for face, own in volumes.items())
+    wrong = [(2, face) for face in faces if turned[face] != (volume < 0)]
+    if wrong:
+        gmsh.model.mesh.reverse(wrong)
+
+
+def _points(gmsh: Any) -> NDArray[np.float64]:
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    points = np.zeros((int(tags.max()) + 1, 3))
+    points[tags.astype(np.int64)] = coordinates.reshape(-1, 3)
+    return points
+
+
+def _turned(tags: dict[int, _Tags]) -> dict[int, bool]:
+    neighbours = _neighbours(tags)
+    turned: dict[int, bool] = {}
+    for first in tags:
+        waiting = [] if first in turned else [first]
+        turned.setdefault(first, False)
+        while waiting:
+            face = waiting.pop()
+            for other, against in neighbours[face]:
+                if other not in turned:
+                    turned[other] = turned[face] != against
+                    waiting.append(other)
+    return turned
+
+
+def _neighbours(tags: dict[int, _Tags]) -> dict[int, list[tuple[int, bool]]]:
+    """Faces that share an edge with each face, and whether they run along it in the same direction."""
+    sides: dict[tuple[int, int], list[tuple[int, bool]]] = defaultdict(list)
+    for face, corners in tags.items():
+        for start, end in _border(corners):
+            sides[min(start, end), max(start, end)].append((face, start < end))
+    found: dict[int, list[tuple[int, bool]]] = defaultdict(list)
+    for (face, forward), *others in sides.values():
+        for other, along in others:
+            if other != face:
+                found[face].append((other, along == forward))
+                found[other].append((face, along == forward))
+    return found
+
+
+def _border(triangles: _Tags) -> list[tuple[int, int]]:
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    if not len(edges):
+        return []
+    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    alone = edges[count[place.ravel()] == 1]
+    return [(int(start), int(end)) for start, end in alone]
+
+
 _FACET_MM = 1.0
 _FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft")
 _DELAUNAY = 5
@@ -42,25 +115,13 @@ _DELAUNAY = 5
 
 
 def export_solid(
-    scene: Scene,
-    part: SolidPart,
-    path: Path,
-    facet_mm: float | None = None,
-    started: datetime | None = None,
+    scene: Scene, part: SolidPart, path: Path, facet_mm: float | None = None, started: datetime | None = None
 ) -> float:
-    """Write a part of a scene as STEP or STL, by the file's suffix; the file appears only when complete.
+    """Write a part of a scene, mm, as STEP or STL by the file's suffix; return its exact volume, mm3.
 
-    Args:
-        path: target, suffix .step, .stp or .stl; mm, in the frame of `cranktopo.base.frames`.
-        facet_mm: edge length of STL facets; by default 1 mm for a throw of usual size, others in proportion.
-        started: when the work began that the file is a part of, the date of a STEP file; now by default.
-
-    Returns:
-        Volume of the exact body, mm3.
-
-    Raises:
-        CranktopoError: impossible dimensions, unknown suffix, a STEP file that does not read back, or a file
-            that cannot be written.
+    The file appears only when complete. STL facets have 1 mm for a throw of usual size, others in proportion;
+    `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
+    a STEP file that does not read back, or a file that cannot be written.
     """
     suffix = path.suffix.lower()
     check_file(path, "file", SOLIDS)
@@ -81,14 +142,7 @@ def export_solid(
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:
-    """Closed triangle mesh of a part of a scene.
-
-    Args:
-        facet_mm: edge length of the triangles; by default as `export_solid`.
-
-    Raises:
-        CranktopoError: impossible dimensions.
-    """
+    """Return the closed triangle mesh of a part of a scene, facets as `export_solid`."""
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
     with cad_session(f"{part} of {scene.name}") as gmsh:
@@ -121,7 +175,6 @@ def _web(occ: Any, half: Scene) -> DimTags:
 
 
 def _remove_loose(occ: Any) -> int:
-    """Remove the points, curves and faces that bound no body, and count them."""
     before = len(occ.getEntities())
     for dim in (2, 1, 0):  # what bounds something is kept by gmsh
         occ.remove(occ.getEntities(dim))
@@ -145,7 +198,7 @@ def _usual_facet_mm(scene: Scene) -> float:
 
 
 def coarse_facet_mm(scene: Scene) -> float:
-    """Twice the usual facet: for what is looked at, and for the envelope of a loop's next step."""
+    """Return twice the usual facet: for what is looked at, and for the envelope of a loop's next step."""
     return 2 * _usual_facet_mm(scene)
 
 
@@ -159,20 +212,31 @@ def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> 
     gmsh.model.mesh.generate(2)
     for pair in body:
         if pair[0] == 3:
-            orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
+            _orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
 
 
 def _read_back(path: Path, volume: float) -> None:
-    """Check that a STEP file gives the body that was written, and nothing beside it."""
     with cad_session(str(path)) as gmsh:
         occ = gmsh.model.occ
         occ.importShapes(str(path), highestDimOnly=False)
         loose = _remove_loose(occ)
         found = [float(occ.getMass(*pair)) for pair in occ.getEntities(3)]
     if len(found) != 1 or loose or abs(found[0] - volume) > VOLUME_TOLERANCE * volume:
-        raise CranktopoError(
+        raise solver_error(
             f"STEP file: reads back as {len(found)} solids of {sum(found):.3f} mm3 and {loose} loose points, "
             f"curves and faces instead of one solid of {volume:.3f} mm3.",
-            hint="Export STL, or change the dimensions slightly.",
-            code=ExitCode.SOLVER,
+            "Export STL, or change the dimensions slightly.",
         )
+
+
+def half_surfaces(scene: Scene, facet_mm: float | None = None) -> tuple[SurfaceMesh, SurfaceMesh]:
+    """Return closed triangle meshes of both half throws, each in the frame of its half.
+
+    They are cut out of the whole: a drilling may reach across.
+    """
+    from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
+
+    throw, middle = solid_of(surface_of(scene, "throw", facet_mm), "throw"), halves(scene)[0].pitch_mm / 2
+    first = throw.trim_by_plane((0.0, 0.0, -1.0), -middle)
+    second = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
+    return mesh_of(first), mesh_of(second.translate((0.0, 0.0, scene.pitch_mm)))

@@ -1,6 +1,7 @@
-"""OCC solids of half throw, full throw and crankshaft, each checked before anyone may use it.
+"""OCC solids of half throw, full throw and crankshaft, each checked, and of the primitives they are made of.
 
-`occ` is `gmsh.model.occ` of the open session.
+`occ` is `gmsh.model.occ` of the open session. The rounding of an outlet is the kernel's own fillet, made on a
+plain piece of the cylinder: what that piece loses is the tool, whatever else the throw has there.
 """
 
 from __future__ import annotations
@@ -8,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.solid.primitives import DimTags, add_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import drilled_alike, halves, mirror_image, require_equal_halves
@@ -20,7 +23,131 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import Body
 from cranktopo.throw.journal import Journal
+from cranktopo.throw.primitives import (
+    Arc,
+    Bezier,
+    Box,
+    Cylinder,
+    EllipseCurve,
+    Extrusion,
+    Frustum,
+    LineSegment,
+    Point,
+    Rectangle,
+    RoundedOutlet,
+    Solid,
+)
 from cranktopo.throw.web import web_bodies
+
+DimTags = list[tuple[int, int]]
+_PIECE = 2.5
+"""Radius of the piece of a cylinder over that of the outlet with its rounding."""
+_ON_EDGE_MM = 1e-3
+
+
+def add_solid(occ: Any, solid: Solid) -> DimTags:
+    """Add one primitive body; return its gmsh (dimension, tag) pairs."""
+    match solid:
+        case Cylinder(start, axis, radius):
+            return [(3, occ.addCylinder(*start, *axis, radius))]
+        case Box(low, size):
+            return [(3, occ.addBox(*low, *size))]
+        case Frustum(floor, mouth):
+            return [(3, _frustum(occ, floor, mouth))]
+        case Extrusion(contour, path):
+            made = occ.extrude([(2, _Contour(occ).face(contour))], *path)
+            return [(dim, tag) for dim, tag in made if dim == 3]
+        case RoundedOutlet():
+            return _rounding(occ, solid)
+
+
+def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
+    piece = _piece(occ, outlet)
+    bored, _ = occ.cut(occ.copy(piece), add_solid(occ, outlet.hole))
+    occ.synchronize()  # curves can be asked for their points only then
+    edges = _edges(bored, outlet)
+    if not edges:
+        raise solver_error(
+            f"{outlet.key}: the CAD kernel finds no edge at the outlet on {outlet.on}.",
+            "Change diameter_mm slightly.",
+        )
+    rounded = occ.fillet([tag for _, tag in bored], edges, [outlet.rounding_mm])
+    return list(occ.cut(piece, rounded)[0])
+
+
+def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
+    wide = _PIECE * (outlet.hole.radius + outlet.rounding_mm)
+    outward, point = np.array(outlet.outward), np.array(outlet.at)
+    deep = min(2 * wide, outlet.surface_mm)
+    low = point[2] - 4 * wide
+    journal = 3, occ.addCylinder(0, outlet.y_mm, low, 0, 0, 8 * wide, outlet.surface_mm)
+    around = 3, occ.addCylinder(*(point - deep * outward), *((deep + 2 * wide) * outward), wide)
+    return list(occ.intersect([journal], [around])[0])
+
+
+def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
+    import gmsh
+
+    start, along = np.array(outlet.hole.start), np.array(outlet.outward)
+    found = []
+    for _, face in gmsh.model.getBoundary(body, oriented=False):
+        for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False):
+            (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+            at = gmsh.model.getValue(1, curve, np.linspace(low, high, 7)[1:-1]).reshape(-1, 3)
+            away = np.linalg.norm(np.cross(at - start, along), axis=1) - outlet.hole.radius
+            deep = np.hypot(at[:, 0], at[:, 1] - outlet.y_mm) - outlet.surface_mm
+            if max(np.abs(away).max(), np.abs(deep).max()) < _ON_EDGE_MM:
+                found.append(int(curve))
+    return sorted(set(found))
+
+
+def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> int:
+    rings = [[occ.addPoint(*point) for point in ring] for ring in (floor, mouth)]
+    low, high = ([occ.addLine(a, b) for a, b in pairwise([*ring, ring[0]])] for ring in rings)
+    ribs = [occ.addLine(a, b) for a, b in zip(*rings, strict=True)]
+    loops = [low, high, *([low[i], ribs[(i + 1) % 4], high[i], ribs[i]] for i in range(4))]
+    faces = [occ.addPlaneSurface([occ.addCurveLoop(loop)]) for loop in loops]
+    tag: int = occ.addVolume([occ.addSurfaceLoop(faces, sewing=True)])
+    return tag
+
+
+class _Contour:
+    def __init__(self, occ: Any) -> None:
+        self._occ = occ
+        self._points: dict[Point, int] = {}
+
+    def face(self, curves: tuple[Any, ...]) -> int:
+        """Return the plane surface inside the loop."""
+        if isinstance(curves[0], Rectangle):
+            rectangle: Rectangle = curves[0]
+            size = rectangle.size_x, rectangle.size_y
+            tag: int = self._occ.addRectangle(*rectangle.low, *size, -1, rectangle.corner_radius)
+            return tag
+        loop = self._occ.addCurveLoop([self._curve(curve) for curve in curves])
+        tag = self._occ.addPlaneSurface([loop])
+        return tag
+
+    def _curve(self, curve: LineSegment | Arc | Bezier | EllipseCurve) -> int:
+        tag: int
+        match curve:
+            case LineSegment(start, end):
+                tag = self._occ.addLine(self._point(start), self._point(end))
+            case Arc(start, centre, end):
+                tag = self._occ.addCircleArc(self._point(start), self._point(centre), self._point(end))
+            case Bezier(points):
+                tag = self._occ.addBezier([self._point(point) for point in points])
+            case EllipseCurve(centre, half_x, half_y):
+                # gmsh wants the longer axis first; the local x axis follows it.
+                axis = [1.0, 0.0, 0.0] if half_x > half_y else [0.0, 1.0, 0.0]
+                long, short = max(half_x, half_y), min(half_x, half_y)
+                tag = self._occ.addEllipse(*centre, long, short, -1, 0, 2 * math.pi, [0, 0, 1], axis)
+        return tag
+
+    def _point(self, point: Point) -> int:
+        if point not in self._points:
+            self._points[point] = self._occ.addPoint(*point)
+        return self._points[point]
+
 
 VOLUME_TOLERANCE = 2e-5
 """Relative difference between the CAD kernel's volume and the closed form that is let through.
@@ -32,12 +159,7 @@ outline, to about 5e-6 of the half throw; the smallest pocket is 1e-4 of it.
 
 @dataclass(frozen=True)
 class SolidProperties:
-    """Mass properties of a body of unit density.
-
-    Attributes:
-        centre_mm: centre of mass (x, y, z).
-        inertia_z_mm5: integral of x2 + y2 about the crank axis.
-    """
+    """Mass properties of a body of unit density; inertia is the integral of x2 + y2 about the crank axis."""
 
     volume_mm3: float
     centre_mm: tuple[float, float, float]
@@ -48,9 +170,6 @@ def add_half_throw(occ: Any, scene: Scene) -> DimTags:
     """Return the half throw, z from the mid-main-journal plane to the mid-pin plane, as one checked body.
 
     A bore runs through its journal and the web and ends at the web's far face.
-
-    Raises:
-        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
     require_equal_halves(scene)
     return _add_half(occ, scene)
@@ -75,9 +194,6 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
     gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
     drilled with may reach into the other, and comes last.
-
-    Raises:
-        CranktopoError: impossible dimensions, several bodies, or a volume that misses the closed form.
     """
     first, second = halves(scene)
     half, other = _add_half(occ, drilled_alike(first)), _add_half(occ, mirror_image(drilled_alike(second)))
@@ -90,14 +206,7 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
 
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
-    """Return all throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body.
-
-    Args:
-        scene: the throw, and an engine with a firing order.
-
-    Raises:
-        CranktopoError: no engine in the scene, or as `add_half_throw`.
-    """
+    """Return all throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body."""
     angles = scene.shaft_angles_deg
     throw = add_full_throw(occ, scene)
     bodies: DimTags = []
@@ -114,14 +223,7 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
 
 
 def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
-    """Check one body, its volume against the closed form, and a closed boundary.
-
-    Args:
-        expected_mm3: volume by the closed form.
-
-    Raises:
-        CranktopoError: the CAD kernel gave something else.
-    """
+    """Check that the kernel gave one body, its volume by the closed form, else raise CranktopoError."""
     solids = [pair for pair in body if pair[0] == 3]
     if len(solids) != 1:
         raise CranktopoError(
@@ -130,19 +232,14 @@ def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:
         )
     volume = occ.getMass(*solids[0])
     if abs(volume - expected_mm3) > VOLUME_TOLERANCE * expected_mm3:
-        raise CranktopoError(
+        raise solver_error(
             f"{name}: the CAD kernel built {volume:.2f} mm3, the closed form is {expected_mm3:.2f} mm3.",
-            hint="Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
-            code=ExitCode.SOLVER,
+            "Features touch or overlap in a way it cannot resolve: move them apart by 0.1 mm.",
         )
 
 
 def solid_properties(occ: Any, body: DimTags) -> SolidProperties:
-    """Volume, centre and inertia about the crank axis of one body, from the CAD kernel's exact faces.
-
-    Args:
-        body: (dimension, tag) pairs that hold one volume.
-    """
+    """Return volume, centre and inertia about the crank axis of one body, from the kernel's exact faces."""
     (tag,) = [tag for dim, tag in body if dim == 3]
     volume = occ.getMass(3, tag)
     x, y, z = occ.getCenterOfMass(3, tag)
@@ -168,11 +265,7 @@ def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
 
 
 def add_drillings(occ: Any, scene: Scene, *, alone: bool = False) -> DimTags:
-    """Add the tools that drill the half throw; none for most throws.
-
-    Args:
-        alone: only those of drillings that the other half has no mirror image of.
-    """
+    """Add the tools that drill the half throw, or `alone` those without a mirror image in the other half."""
     return _solids(occ, [bore for bore in drill_bores(scene) if bore.alone or not alone])
 
 
@@ -183,13 +276,7 @@ def _solids(occ: Any, bodies: Sequence[Body]) -> DimTags:
 def _add_journal(
     occ: Any, scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int
 ) -> DimTags:
-    """Journal from its mid-plane to the web face with its fillet, by revolution, bore cut out.
-
-    Args:
-        y: its axis along the throw, mm.
-        z_mm: axial range.
-        toward: +1 if the web lies at the upper end, -1 at the lower.
-    """
+    """Return the journal at y from its mid-plane to the web face, its upper end if `toward` is +1."""
     face = z_mm[1] if toward > 0 else z_mm[0]
     far = z_mm[0] if toward > 0 else z_mm[1]
     if journal.fillet_mm:
@@ -208,14 +295,7 @@ def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, towa
     near, reach = face - toward * fillet.axial_mm, radius + fillet.radial_mm
     axis_far, rim, top, foot, axis_face, centre = (
         occ.addPoint(x, y, z)
-        for x, z in (
-            (0.0, far),
-            (radius, far),
-            (radius, near),
-            (reach, face),
-            (0.0, face),
-            (reach, near),
-        )
+        for x, z in ((0.0, far), (radius, far), (radius, near), (reach, face), (0.0, face), (reach, near))
     )
     longer = foot if fillet.axial_mm > fillet.radial_mm else top  # the kernel wants the major axis
     curves = [

@@ -13,7 +13,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.web_moments import bolted_mass, counterweight_mass, web_moments
+from cranktopo.bodies.volume import bolted_mass, counterweight_mass, web_moments
 from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled

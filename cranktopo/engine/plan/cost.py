@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cranktopo.base.result import Result
 from cranktopo.bodies.cells.layers import GridContent
-from cranktopo.bodies.cells.resolution import estimated_cells
+from cranktopo.bodies.memory import estimated_cells
 from cranktopo.design.goal.wanted import judged_by_evaluation
 from cranktopo.design.halves import default_element_size_mm, usual_scale
 from cranktopo.design.schema import Scene

@@ -1,4 +1,4 @@
-"""Density filter: each cell takes the mean of the design variables around it, nearer ones counting more."""
+"""Density filter, the mean of the design variables around a cell, and the projection of what it finds."""
 
 from __future__ import annotations
 
@@ -12,6 +12,33 @@ from scipy.fft import next_fast_len
 
 from cranktopo.base.arrays import Array
 
+THRESHOLD = 0.5
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Thresholds of the three designs that one filtered density stands for.
+
+    The eroded, thinner design has the stiffness, its threshold is above the nominal one where members must
+    not get thin; the volume of the dilated one is limited, below the nominal one where gaps must not get
+    narrow.
+    Source: F. Wang, B. S. Lazarov, O. Sigmund, On projection methods, SMO 43, 2011.
+    """
+
+    nominal: float = THRESHOLD
+    eroded: float = THRESHOLD
+    dilated: float = THRESHOLD
+
+
+def projected(density: jax.Array, beta: float | jax.Array, threshold: float = THRESHOLD) -> jax.Array:
+    """Return the smoothed Heaviside projection, not below 0, steeper with beta (Wang, 2011, equation 9)."""
+    low = jnp.tanh(beta * threshold)
+    high = jnp.tanh(beta * (1.0 - threshold))
+    step = (low + jnp.tanh(beta * (density - threshold))) / (low + high)
+    # Rounding may leave void below 0, of which no fractional power exists; its slope stays.
+    return step + jax.lax.stop_gradient(jnp.maximum(step, 0.0) - step)
+
+
 Shape = tuple[int, ...]
 # Sums by Fourier transform are rounded by 1e-15 of the largest one: less than this is nothing.
 _NOTHING, _DIGITS = 1e-12, 13
@@ -24,9 +51,7 @@ class ConeFilter:
     Attributes:
         design: designable fraction of the cells (nx, ny, nw).
         kernel: cone weights, odd sizes per axis.
-        mirrored_x: whether the filter reflects at the first x plane.
         weight: sum of the weights of each cell's designable neighbours, infinite where it has none.
-        spectrum: of the kernel, for the sums over neighbours.
 
     Source: T. E. Bruns, D. A. Tortorelli, CMAME 190, 2001; B. Bourdin, IJNME 50, 2001.
     """
@@ -75,7 +100,6 @@ def convolved(values: jax.Array, kernel: jax.Array, mirrored_x: bool) -> jax.Arr
 
 @partial(jax.custom_vjp, nondiff_argnums=(2, 3))
 def _sums(values: jax.Array, spectrum: jax.Array, kernel: Shape, mirrored_x: bool) -> jax.Array:
-    """Return the same with the spectrum of a kernel of some shape."""
     lengths, before = _lengths(values.shape, kernel, mirrored_x), _reflected(kernel, mirrored_x)
     inner = tuple(slice(first, first + n) for first, n in zip((before, 0, 0), values.shape, strict=True))
     if mirrored_x:
@@ -101,7 +125,6 @@ _sums.defvjp(_sums_to_differentiate, _sums_back)
 
 
 def _spectrum(kernel: jax.Array, shape: Shape, mirrored_x: bool) -> jax.Array:
-    """Return the transform of a kernel around the first cell, for values of a shape."""
     lengths, reach = _lengths(shape, kernel.shape, mirrored_x), [n // 2 for n in kernel.shape]
     after = [(0, length - n) for length, n in zip(lengths, kernel.shape, strict=True)]
     around = jnp.roll(jnp.pad(kernel, after), [-n for n in reach], (0, 1, 2))
@@ -119,19 +142,15 @@ def _lengths(shape: Shape, kernel: Shape, mirrored_x: bool) -> list[int]:
 
 
 def _reflected(kernel: Shape, mirrored_x: bool) -> int:
-    """Return the planes of reflected values before the first along x."""
     return kernel[0] // 2 if mirrored_x else 0
 
 
 def boundary_correction(cone: ConeFilter, solid: Array) -> jax.Array:
-    """Share of a filter's weight around each cell that is designable and not void, (nx, ny, nw).
+    """Return the share of a filter's weight around each cell that is designable and not void, (nx, ny, nw).
 
-    Times the filtered density it is the mean over void beyond the design space as well.
-
-    Args:
-        solid: fraction of the cells that is solid in any case and does not count, as far as the kernel goes
-            beyond both ends of the last axis (nx, ny, nw + kernel - 1).
-
+    Times the filtered density it is the mean over void beyond the design space as well. `solid`, a fraction
+    that does not count, reaches as far as the kernel beyond both ends of the last axis (nx, ny, nw + kernel -
+    1).
     Source: A. Clausen, E. Andreassen, On filter boundary conditions in topology optimization, SMO 56, 2017.
     """
     reach = cone.kernel.shape[2] // 2

@@ -15,8 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.grid.lattice import Cells, Lattice
-from cranktopo.numerics.grid.partition import WHOLE, Partition
+from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition
 
 # Rigid motions of a section about its centre.
 MOTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")
@@ -24,13 +23,10 @@ MOTIONS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 @dataclass(frozen=True)
 class SectionMotion:
-    """One free motion of a rigid end section.
+    """One free motion of a rigid end section: `plane` 0 is at the first z plane, -1 at the last.
 
-    Attributes:
-        plane: 0 for the section at the first z plane, -1 for the one at the last.
-        motion: translation "tx", "ty", "tz" (mm) or rotation "rx", "ry", "rz" (rad).
-        stiffness: spring to ground on this motion, N/mm or N mm/rad.
-        load: generalised force on this motion, N or N mm.
+    Translations are "tx", "ty", "tz" (mm), rotations "rx", "ry", "rz" (rad); stiffness of a spring to ground
+    in N/mm or N mm/rad, generalised load in N or N mm.
     """
 
     plane: int
@@ -41,12 +37,9 @@ class SectionMotion:
 
 @dataclass(frozen=True)
 class CaseSupports:
-    """Supports of one load case.
+    """Supports of one load case: components fixed by mirrors at x = 0 and at the last z plane, empty without.
 
-    Attributes:
-        fixed_at_x0: components fixed on the plane x = 0 (lateral mirror), empty without the mirror.
-        fixed_at_z_end: components fixed on the last z plane (a mirror), empty with two sections.
-        motions: free motions of the rigid sections; all others are held at zero.
+    Motions of the rigid sections that are not named are held at zero.
     """
 
     fixed_at_x0: tuple[int, ...]
@@ -63,7 +56,6 @@ class BoundaryConditions(NamedTuple):
         basis: (cases, m, 2, 3, nx + 1, ny + 1) orthonormal section motions on the first and last plane.
         coarse_basis: the same motions on the coarsest grid's nodes.
         springs: (cases, m, m) spring stiffness in the coordinates of `basis`.
-        partition: of the nodal arrays that these supports are applied to.
     """
 
     free_x0: jax.Array
@@ -77,14 +69,11 @@ class BoundaryConditions(NamedTuple):
 def build_supports(
     lattice: Lattice, origin_mm: tuple[float, float], levels: int, cases: tuple[CaseSupports, ...]
 ) -> tuple[BoundaryConditions, Array]:
-    """Return the arrays of the supports, and the nodal forces that carry the loads on section motions.
+    """Return the supports as arrays, and nodal forces (cases, 3, nodes...) of the loads on section motions.
 
     Args:
         origin_mm: x and y of the grid's first node relative to the centre of the sections, mm.
         levels: number of halvings between the finest and the coarsest grid.
-
-    Returns:
-        BoundaryConditions, and section forces (cases, 3, nodes...).
     """
     # One size for all supports, so that another support needs no new compilation.
     size = max(len(MOTIONS), *(len(case.motions) for case in cases))
@@ -155,7 +144,6 @@ def _free_at_z_end(case: CaseSupports) -> list[float]:
 def _case_arrays(
     lattice: Lattice, origin_mm: tuple[float, float], levels: int, case: CaseSupports, size: int
 ) -> tuple[Array, Array, Array, Array]:
-    """Return the orthonormal basis, the same on the coarsest grid, springs and loads in its coordinates."""
     fine = _motion_fields(lattice, origin_mm, (1, 1, 1), case)
     coarse = _motion_fields(lattice, origin_mm, lattice.coarsenings(levels)[-1], case)
     count = len(case.motions)

@@ -3,17 +3,25 @@
 Fields have shape (cases, 3, nodes...). The relative residual that all cases must reach is `tolerance`. Only
 the preconditioner may be in float32: directions that are rounded find the same few soft motions of a body
 again and again, which takes many more cycles on fine grids.
+
+On several devices each has the cells of one part of the grid and its nodes. Fields travel to and from the
+devices with every interface twice, once per neighbour, so that all parts are equal. Between solves they are
+whole, on the first device.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import NamedTuple
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from jax.sharding import Mesh, NamedSharding
+from jax.sharding import PartitionSpec as Spec
 
 from cranktopo.numerics.grid.boundary_conditions import (
     BoundaryConditions,
@@ -22,9 +30,12 @@ from cranktopo.numerics.grid.boundary_conditions import (
     interior_factors,
     section_coordinates,
 )
-from cranktopo.numerics.grid.multigrid import Hierarchy, apply_cycle, project
+from cranktopo.numerics.grid.galerkin import CoarseMap
+from cranktopo.numerics.grid.lattice import AXIS, Partition
+from cranktopo.numerics.grid.multigrid import GridTables, Hierarchy, apply_cycle, build_hierarchy, project
 from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
+from cranktopo.numerics.precision import Precision
 
 _Preconditioner = Callable[[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
 """From a residual and its norms to a field and scales per case: the correction is their projected product."""
@@ -36,13 +47,7 @@ _DIVERGED = 1e10
 
 
 class System(NamedTuple):
-    """Equilibrium K(moduli) u = f of every case.
-
-    Attributes:
-        blocks: parity blocks (8, 3, 3, nz) of the layers.
-        moduli: modulus per cell, float64.
-        forces: (cases, 3, nodes...), float64.
-    """
+    """Equilibrium K(moduli) u = f of every case: blocks (8, 3, 3, nz), forces (cases, 3, nodes...)."""
 
     blocks: jax.Array
     supports: BoundaryConditions
@@ -51,13 +56,7 @@ class System(NamedTuple):
 
 
 class CgResult(NamedTuple):
-    """Result of an iteration.
-
-    Attributes:
-        displacements: (cases, 3, nodes...).
-        relative_residual: (cases,) norm of the true residual, computed afresh, over that of the load.
-        iterations: number of iterations, shared by all cases.
-    """
+    """Displacements (cases, 3, nodes...), true residuals over the loads (cases,), common iterations."""
 
     displacements: jax.Array
     relative_residual: jax.Array
@@ -65,13 +64,6 @@ class CgResult(NamedTuple):
 
 
 class _CgState(NamedTuple):
-    """Between two steps.
-
-    Attributes:
-        true_error: relative residual at the last measurement; `error` is that of `r`, which is carried on.
-        measure: whether the next step is a measurement.
-    """
-
     u: jax.Array
     r: jax.Array
     p: jax.Array
@@ -107,7 +99,6 @@ def _by_product(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def _by_kernel(system: System, u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Return the same, with masks and work of the free nodes where the product is made."""
     supports, nodes = system.supports, (u.shape[2], u.shape[3], u.shape[4])
     factors = interior_factors(supports, nodes)
     free, ends, works = coupled("stiffness", "free_forces", [system.blocks, system.moduli, u, *factors])
@@ -125,16 +116,10 @@ def multigrid_cg(
     tolerance: jax.Array,
     max_iterations: jax.Array,
 ) -> CgResult:
-    """Solve by conjugate gradients with the multigrid cycle.
+    """Solve by conjugate gradients with the multigrid cycle; the memory of the guess is taken for the result.
 
-    Args:
-        hierarchy: built from the system's moduli or from similar ones.
-        degree: smoothing steps before and after each coarse correction.
-        guess: start values; their memory is taken for the result, so that the array is gone afterwards.
-
-    Returns:
-        CgResult; the tolerance is missed where the cap is reached, where the preconditioner or the matrix is
-        not positive definite in floating point, and where rounding stops all progress.
+    The tolerance is missed where the cap is reached, where the preconditioner or the matrix is not positive
+    definite in floating point, and where rounding stops all progress. `degree` is that of `apply_cycle`.
     """
     precondition = partial(apply_cycle, hierarchy, system.supports, degree)
     return _iterate(system, precondition, guess, tolerance, max_iterations)
@@ -154,11 +139,7 @@ def jacobi_cg(system: System, guess: jax.Array, tolerance: jax.Array, max_iterat
 
 @dataclass(frozen=True)
 class _Iteration:
-    """One loop of two kinds of steps, so that the product is compiled only once.
-
-    Attributes:
-        load: (cases,) norms of the projected forces, 1 where 0.
-    """
+    """One loop of two kinds of steps, so that the product is compiled only once."""
 
     system: System
     precondition: _Preconditioner
@@ -220,29 +201,16 @@ def _iterate(
     tolerance: jax.Array,
     max_iterations: jax.Array,
 ) -> CgResult:
-    """Iterate from the guess until a measurement tells to stop."""
     free = project(system.supports, system.forces)
     load = jnp.sqrt(system.supports.partition.dot(free, free))
     load = jnp.where(load > 0, load, 1.0)
     iteration = _Iteration(system, precondition, load, tolerance, max_iterations)
-    first = _before_measuring(project(system.supports, guess))
+    u = project(system.supports, guess)
+    none, zero = jnp.zeros(u.shape[0], u.dtype), jnp.zeros_like(u)
+    counters = jnp.zeros((), jnp.int32), jnp.asarray(True), jnp.asarray(False)
+    first = _CgState(u, zero, zero, none, none, none, *counters)
     final = jax.lax.while_loop(lambda s: ~s.stop, iteration.step, first)
     return CgResult(final.u, final.true_error, final.done)
-
-
-def _before_measuring(u: jax.Array) -> _CgState:
-    none, zero = jnp.zeros(u.shape[0], u.dtype), jnp.zeros_like(u)
-    return _CgState(
-        u=u,
-        r=zero,
-        p=zero,
-        rz=none,
-        error=none,
-        true_error=none,
-        done=jnp.zeros((), jnp.int32),
-        measure=jnp.asarray(True),
-        stop=jnp.asarray(False),
-    )
 
 
 def _wide(scalars: jax.Array) -> jax.Array:
@@ -252,3 +220,109 @@ def _wide(scalars: jax.Array) -> jax.Array:
 def _ratio(a: jax.Array, b: jax.Array) -> jax.Array:
     """Return a / b, and 0 where there is nothing to divide by: a zero guess, a case already solved."""
     return jnp.where(b > 0, a / jnp.where(b > 0, b, 1.0), 0.0)
+
+
+# With fewer cells the messages between devices take longer than what they save (tests/benchmarks/devices.py).
+_LEAST_CELLS = 2_000_000
+
+_SAME: Any = Spec()
+_CELLS: Any = Spec(None, None, AXIS)
+_LAYERS: Any = Spec(None, None, None, AXIS)
+_NODES: Any = Spec(None, None, None, None, AXIS)
+
+
+def devices_for(cells: tuple[int, ...]) -> int:
+    """Return the number of devices that a grid is worth: parts are equal, and none too small."""
+    most = min(jax.device_count(), math.prod(cells) // _LEAST_CELLS)
+    return max((count for count in range(1, most + 1) if cells[2] % count == 0), default=1)
+
+
+def partition_of(tables: GridTables, parts: int) -> Partition:
+    """Return the partition: levels are cut while the parts have equal layers, the coarsest is whole."""
+    levels = 1
+    for coarse in tables.coarse[:-1]:
+        if coarse.matrices.shape[2] % parts:
+            break
+        levels += 1
+    return Partition(parts, levels)
+
+
+@dataclass(frozen=True)
+class SharedSolve:
+    """A solve on the first devices that JAX finds; the number of parts divides that of layers."""
+
+    tables: GridTables
+    system: System
+    degree: int
+    guess: jax.Array
+    limits: tuple[jax.Array, jax.Array]
+    precision: Precision
+    parts: int
+
+    def result(self) -> CgResult:
+        """Return what `multigrid_cg` arrives at, on the first device."""
+        found: CgResult = jax.device_put(self.program()(*self.arguments()), jax.devices()[0])
+        return found._replace(displacements=_joined(found.displacements, self.parts))
+
+    def program(self) -> Any:
+        """Return the compiled function of all devices."""
+        return _program(self._partition, len(self.tables.coarse), self.precision)
+
+    def arguments(self) -> tuple[object, ...]:
+        """Return what the program is called with, each on its device."""
+        system, partition = self.system, self._partition
+        supports = system.supports._replace(partition=partition)
+        there = system._replace(supports=supports, forces=_cut(system.forces, self.parts))
+        given = self.tables, there, self.degree, _cut(self.guess, self.parts), *self.limits
+        specs = _specs(partition, len(self.tables.coarse))
+        places = jax.tree.map(partial(NamedSharding, _mesh(self.parts)), specs)
+        placed: tuple[object, ...] = jax.device_put(given, places)
+        return placed
+
+    @property
+    def _partition(self) -> Partition:
+        return partition_of(self.tables, self.parts)
+
+
+@lru_cache(maxsize=8)
+def _program(partition: Partition, coarse: int, precision: Precision) -> Any:
+    def solve(
+        tables: GridTables, system: System, degree: jax.Array, guess: jax.Array, *limits: jax.Array
+    ) -> CgResult:
+        hierarchy = build_hierarchy(tables, system.supports, system.moduli, precision)
+        return multigrid_cg(system, hierarchy, degree, guess, *limits)
+
+    specs = _specs(partition, coarse)
+    results = CgResult(_NODES, _SAME, _SAME)
+    on_parts = jax.shard_map(
+        solve, mesh=_mesh(partition.parts), in_specs=specs, out_specs=results, check_vma=False
+    )
+    return jax.jit(on_parts, donate_argnums=3)
+
+
+def _specs(partition: Partition, coarse: int) -> tuple[object, ...]:
+    maps = tuple(
+        CoarseMap(_SAME, _SAME, _CELLS if level < partition.levels else _SAME, _SAME)
+        for level in range(1, coarse + 1)
+    )
+    supports = BoundaryConditions(_SAME, _SAME, _SAME, _SAME, _SAME, partition)
+    system = System(_LAYERS, supports, _CELLS, _NODES)
+    return GridTables(_LAYERS, _SAME, maps), system, _SAME, _NODES, _SAME, _SAME
+
+
+@lru_cache(maxsize=8)
+def _mesh(parts: int) -> Mesh:
+    return Mesh(np.array(jax.devices()[:parts]), (AXIS,))
+
+
+@partial(jax.jit, static_argnums=1)
+def _cut(field: jax.Array, parts: int) -> jax.Array:
+    layers = (field.shape[-1] - 1) // parts
+    return jnp.concatenate([field[..., k * layers : (k + 1) * layers + 1] for k in range(parts)], axis=-1)
+
+
+@partial(jax.jit, static_argnums=1)
+def _joined(field: jax.Array, parts: int) -> jax.Array:
+    planes = field.shape[-1] // parts
+    pieces = [field[..., k * planes : (k + 1) * planes - 1] for k in range(parts)]
+    return jnp.concatenate([*pieces, field[..., -1:]], axis=-1)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.boundary_conditions import BoundaryConditions
 from cranktopo.numerics.grid.conjugate_gradients import System
+from cranktopo.numerics.grid.lattice import WHOLE
 from cranktopo.numerics.grid.multigrid import project
 from cranktopo.numerics.grid.operator import strain_energy_densities
-from cranktopo.numerics.grid.partition import WHOLE
 
 Mask = NDArray[np.bool_]
 _Across = Literal["corners", "faces"]
@@ -25,13 +25,10 @@ VOID_STIFFNESS_RATIO = 1e-7
 
 
 def void_energy_share(system: System, u: jax.Array) -> Array:
-    """Share of the load's work that is strain energy of void, per case.
+    """Return the share of the load's work that is strain energy of void (cases,), 0 for a case without work.
 
     It is the relative change of the compliance with the stiffness of the void: near 0 where material carries
     the load, near 1 where parts move through void as rigid bodies or mechanisms.
-
-    Returns:
-        Array (cases,), 0 for a case without work.
     """
     energy, work = (np.asarray(values) for values in void_energy_and_work(system, u))
     return np.asarray(np.where(work > 0, energy / np.where(work > 0, work, 1.0), 0.0))
@@ -53,14 +50,11 @@ def void_energy_and_work(system: System, u: jax.Array) -> tuple[jax.Array, jax.A
 
 
 def unsupported_load(system: System, threshold: float, across: _Across = "corners") -> tuple[int, str] | None:
-    """Return the first load case of which some load does not reach a support through the material.
+    """Return the first load case, and what is wrong, of which some load reaches no support through material.
 
     Args:
         threshold: cells count as material above this share of the largest modulus.
         across: what cells must share to be joined; one that shares only an edge or a corner is a hinge.
-
-    Returns:
-        Index of the case and what is wrong, or None when every load reaches a held plane.
     """
     from scipy.ndimage import label
 
@@ -76,7 +70,6 @@ def unsupported_load(system: System, threshold: float, across: _Across = "corner
 
 
 def _unsupported(supports: BoundaryConditions, case: int, forces: Array, labels: NDArray[np.int32]) -> str:
-    """Say what is wrong with one case's load, or nothing."""
     loaded = np.abs(forces).max(axis=0) > 1e-9 * np.abs(forces).max()
     held = _held_planes(supports, case, forces, loaded.shape)
     sections = [_on_plane(loaded.shape, plane) for plane in _moving_planes(supports, case)]
@@ -99,7 +92,6 @@ def _unsupported(supports: BoundaryConditions, case: int, forces: Array, labels:
 
 
 def _touching(cells: Mask) -> Mask:
-    """Return the nodes that have one of the cells at a corner."""
     nodes = np.zeros(tuple(n + 1 for n in cells.shape), bool)
     nx, ny, nz = cells.shape
     for i, j, k in np.ndindex(2, 2, 2):
@@ -108,7 +100,6 @@ def _touching(cells: Mask) -> Mask:
 
 
 def _bodies_at(labels: NDArray[np.int32], nodes: Mask) -> set[int]:
-    """Return the labels of the bodies that have a cell at one of the nodes."""
     nx, ny, nz = labels.shape
     found: set[int] = set()
     for i, j, k in np.ndindex(2, 2, 2):
@@ -123,7 +114,6 @@ def _on_plane(shape: tuple[int, ...], plane: int) -> Mask:
 
 
 def _moving_planes(supports: BoundaryConditions, case: int) -> list[int]:
-    """Return the rigid sections with a free motion: 0 for the first z plane, -1 for the last."""
     basis = np.asarray(supports.basis[case])
     return [plane for plane, side in ((0, 0), (-1, 1)) if np.any(basis[:, side])]
 

@@ -17,9 +17,15 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.numerics.grid.conjugate_gradients import CgResult, System, jacobi_cg, multigrid_cg
-from cranktopo.numerics.grid.devices import SharedSolve, devices_for
+from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.numerics.grid.conjugate_gradients import (
+    CgResult,
+    SharedSolve,
+    System,
+    devices_for,
+    jacobi_cg,
+    multigrid_cg,
+)
 from cranktopo.numerics.grid.diagnosis import (
     VOID_STIFFNESS_RATIO,
     unsupported_load,
@@ -36,13 +42,9 @@ _JOINED_STIFFNESS_RATIO = 1e-3
 
 
 class Solution(NamedTuple):
-    """Displacements and how well they satisfy equilibrium.
+    """Displacements, true residuals over the loads (cases,), iterations of all methods, the one that did it.
 
-    Attributes:
-        relative_residual: (cases,) norm of the true residual over that of the load.
-        iterations: number of iterations, shared by all cases, of all methods together.
-        method: what reached the tolerance.
-        notice: one sentence when the first method was not enough, else empty.
+    The notice is one sentence where the first method was not enough, else empty.
     """
 
     displacements: jax.Array
@@ -81,20 +83,14 @@ def solve_system(
 ) -> Solution:
     """Return the displacements of every case, their true residual at most the tolerance.
 
-    Args:
-        guess: start values (cases, 3, nodes...) in the admissible space, e.g. the last solution or zeros; the
-            array is gone afterwards.
-        precision: of the first method's multigrid cycle.
-
-    Raises:
-        CranktopoError: the field or the load makes no sense, or no method reaches the tolerance (exit
-            code 4).
+    The guess (cases, 3, nodes...) is admissible, e.g. the last solution or zeros, and gone afterwards. Raises
+    CranktopoError where field or load make no sense, or no method reaches the tolerance (exit code 4).
     """
     _check_numbers(system, names)
     iterations, tried = 0, ""
     for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
         result = run_method(method, tables, system, guess, tolerance)
-        used, residual = int(result.iterations), _worst(result)
+        used, residual = int(result.iterations), float(jnp.max(result.relative_residual))
         iterations += used
         _check_meaning(system, result, residual <= tolerance, names)
         if residual <= tolerance:
@@ -122,34 +118,25 @@ def run_method(
     return multigrid_cg(system, hierarchy, jnp.asarray(method.degree), guess, *limits)
 
 
-def _worst(result: CgResult) -> float:
-    return float(jnp.max(result.relative_residual))
-
-
 def _check_numbers(system: System, names: tuple[str, ...]) -> None:
     least, largest, numbers, finite = _extreme_values(system.moduli, system.forces)
     least, largest = float(least), float(largest)
     if not (numbers and least >= 0 and largest > 0):
-        raise CranktopoError(
+        raise solver_error(
             f"solver: relative moduli from {least:.3g} to {largest:.3g}{'' if numbers else ' or no number'}; "
             "all must be finite, none negative and one positive.",
-            hint="Check the densities and the material.",
-            code=ExitCode.SOLVER,
+            "Check the densities and the material.",
         )
     if not bool(jnp.all(finite)):
-        raise CranktopoError(
+        raise solver_error(
             f"solver: load case {names[int(jnp.argmin(finite))]} has forces that are not finite numbers.",
-            hint="Check the loads.",
-            code=ExitCode.SOLVER,
+            "Check the loads.",
         )
 
 
 @jax.jit
 def _extreme_values(moduli: jax.Array, forces: jax.Array) -> tuple[jax.Array, ...]:
-    """Return minimum and largest modulus, whether all are finite, and whether the forces of each case are.
-
-    A compiled minimum may pass over what is not a number; a sum does not.
-    """
+    """Return moduli and what is finite: a compiled minimum may pass over NaN, a sum does not."""
     finite = jnp.isfinite(jnp.sum(moduli)), jnp.isfinite(jnp.sum(forces, axis=(1, 2, 3, 4)))
     return jnp.min(moduli), jnp.max(moduli), *finite
 
@@ -167,16 +154,14 @@ def _check_meaning(system: System, result: CgResult, solved: bool, names: tuple[
         or _hinge(system, VOID_STIFFNESS_RATIO)
         or (int(shares.argmax()), "a part of the structure is loose")
     )
-    raise CranktopoError(
+    raise solver_error(
         f"solver: load case {names[case]} has no answer that means anything: {reason}; {shares.max():.0%} of "
         f"its work is done on void, cells softer than {VOID_STIFFNESS_RATIO:.0e} of the stiffest.",
-        hint="Join the load to the supports with material: move the load or raise the volume fraction.",
-        code=ExitCode.SOLVER,
+        "Join the load to the supports with material: move the load or raise the volume fraction.",
     )
 
 
 def _hinge(system: System, threshold: float) -> tuple[int, str] | None:
-    """Return the first case whose load reaches its supports across edges or corners only."""
     found = unsupported_load(system, threshold, "faces")
     return found and (
         found[0],
@@ -189,10 +174,9 @@ def _check_load_path(system: System, names: tuple[str, ...]) -> None:
     found = unsupported_load(system, 0.0)
     if found is not None:
         case, reason = found
-        raise CranktopoError(
+        raise solver_error(
             f"solver: load case {names[case]} has no answer: {reason}.",
-            hint="Join the load to the supports with material, or give void cells a small modulus.",
-            code=ExitCode.SOLVER,
+            "Join the load to the supports with material, or give void cells a small modulus.",
         )
 
 
@@ -203,11 +187,10 @@ def _failure(
     worst = residual.index(max(residual))
     found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
     reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
-    return CranktopoError(
+    return solver_error(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
         f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
-        hint="Check that a load path joins the journals, or use a smaller stiffness contrast.",
-        code=ExitCode.SOLVER,
+        "Check that a load path joins the journals, or use a smaller stiffness contrast.",
     )
 
 

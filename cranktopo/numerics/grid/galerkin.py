@@ -16,11 +16,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.grid.element import CORNERS
-from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_stiffness
+from cranktopo.numerics.grid.lattice import CORNERS, Cells, Lattice, layer_stiffness
 from cranktopo.numerics.grid.slab_product import add_slabs
+from cranktopo.numerics.kernels.coarse_grids import OFFSETS
 from cranktopo.numerics.kernels.registry import by_kernel, coupled
-from cranktopo.numerics.kernels.stencil import OFFSETS
 from cranktopo.numerics.precision import Precision
 
 # Corners a and b of a cell, and which later neighbour b is of a; the entries of their blocks in its matrix.
@@ -55,11 +54,7 @@ class CoarseMap(NamedTuple):
 
 @lru_cache(maxsize=32)
 def coarse_map(lattice: Lattice, factors: Cells) -> CoarseMap:
-    """Return the constants of one coarse grid.
-
-    Args:
-        factors: fine cells per coarse cell along (x, y, z).
-    """
+    """Return the constants of a coarse grid with so many fine cells per coarse cell along (x, y, z)."""
     stacks = [lattice.dz_mm[k : k + factors[2]] for k in range(0, lattice.cells[2], factors[2])]
     layers = [_layer_map(lattice, factors, heights) for heights in stacks]
     return CoarseMap(
@@ -77,7 +72,6 @@ def coarse_cells(coarse: CoarseMap, moduli: jax.Array) -> jax.Array:
 
 
 def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.Array:
-    """Return some entries of the stiffness matrices of coarse cells (entries, coarse cells...)."""
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, matrices.shape[2]
     weights_x, weights_y = (jnp.asarray(a, moduli.dtype) for a in (coarse.weights_x, coarse.weights_y))
@@ -92,12 +86,9 @@ def _entries(coarse: CoarseMap, matrices: jax.Array, moduli: jax.Array) -> jax.A
 
 
 def assemble_stencil(coarse: CoarseMap, moduli: jax.Array, precision: Precision) -> jax.Array:
-    """Return the Galerkin operator's stencil: blocks that couple a node to itself and later neighbours.
+    """Return the stencil (nodes along x, y, 14, 3, 3, along z): blocks of a node with itself and later ones.
 
     Slab by slab along x: matrices of all coarse cells at once would be the most memory that a solve takes.
-
-    Returns:
-        Array (nodes along x, nodes along y, 14, 3, 3, nodes along z).
     """
     across, along = coarse.weights_x.shape[1], coarse.weights_y.shape[1]
     nx, ny, nz = moduli.shape[0] // across, moduli.shape[1] // along, coarse.matrices.shape[2]
@@ -144,15 +135,10 @@ def assemble_dense(cells: jax.Array) -> jax.Array:
 
 def apply_stencil(stencil: jax.Array, field: jax.Array) -> jax.Array:
     """Return a stencil operator's product with fields: by a kernel on the processor, elsewhere by JAX."""
-    return by_kernel(_apply_by_kernel, _apply_by_sums, stencil, field)
-
-
-def _apply_by_kernel(*arrays: jax.Array) -> jax.Array:
-    return coupled("stencil", "product", arrays)[0]
+    return by_kernel(lambda *a: coupled("stencil", "product", a)[0], _apply_by_sums, stencil, field)
 
 
 def _apply_by_sums(stencil: jax.Array, field: jax.Array) -> jax.Array:
-    """Return the product as JAX code."""
     # A node of zeros around the grid: no neighbour is missing. Without the barrier XLA recomputes what made
     # the field once per neighbour.
     padded = jax.lax.optimization_barrier(jnp.pad(field, ((0, 0), (0, 0), (1, 1), (1, 1), (1, 1))))
@@ -178,14 +164,12 @@ def _block_product(blocks: jax.Array, field: jax.Array) -> jax.Array:
 
 
 def _neighbours(padded: jax.Array, offset: tuple[int, ...]) -> jax.Array:
-    """Return what the neighbours of all nodes have."""
     i, j, k = offset
     nx, ny, nz = padded.shape[2:]
     return padded[:, :, 1 + i : nx - 1 + i, 1 + j : ny - 1 + j, 1 + k : nz - 1 + k]
 
 
 def _add_at(padded: jax.Array, values: jax.Array, offset: tuple[int, ...]) -> jax.Array:
-    """Add to the neighbours of all nodes."""
     at = (0, 0, *(1 + n for n in offset))
     return jax.lax.dynamic_update_slice(padded, _neighbours(padded, offset) + values, at)
 
@@ -196,12 +180,10 @@ def stencil_diagonal(stencil: jax.Array) -> jax.Array:
 
 
 def _samples(n: int) -> list[int]:
-    """Return the positions among n fine cells in a row at which quadratics are sampled."""
     return sorted({0, (n - 1) // 2, n - 1}) if n > 2 else list(range(n))
 
 
 def _moment_weights(n: int) -> Array:
-    """Return the Lagrange polynomials of the sample positions at every fine cell in a row (samples, n)."""
     samples = _samples(n)
     weights = np.ones((len(samples), n))
     for row, here in zip(weights, samples, strict=True):

@@ -1,15 +1,206 @@
-"""The structured grid as the solver sees it: cell counts, cell sizes and the element blocks per layer."""
+"""The structured grid as the solver sees it: cells, the stiffness of its hexahedra, parts for devices.
+
+Corners are numbered a = 4 i + 2 j + k with i, j, k in {0, 1} along x, y, z; degree of freedom 3 a + c.
+
+The grid is cut along z into parts of equal depth, one for each device. Neighbouring parts both keep the plane
+of nodes between them, the interface. Sums over cells, such as nodal forces, are complete there after
+`add_interfaces`; sums over nodes count an interface once. The methods are called inside `jax.shard_map` over
+the axis `AXIS`, on the arrays of one part. With one part they change nothing and work everywhere. Nodal
+arrays have z last.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.grid.element import hexahedron_stiffness, parity_blocks
+
+AXIS = "z"
+
+
+@jax.tree_util.register_static
+@dataclass(frozen=True)
+class Partition:
+    """Partition of a grid among devices; multigrid levels beyond `levels` are whole on every device."""
+
+    parts: int = 1
+    levels: int = 0
+
+    def at_level(self, level: int) -> Partition:
+        """Return the partition of the arrays of a level."""
+        return self if level < self.levels else WHOLE
+
+    def at_first_plane(self) -> bool | jax.Array:
+        """Tell whether this part has the first plane of the grid."""
+        return self.parts == 1 or jax.lax.axis_index(AXIS) == 0
+
+    def at_last_plane(self) -> bool | jax.Array:
+        """Tell whether this part has the last plane of the grid."""
+        return self.parts == 1 or jax.lax.axis_index(AXIS) == self.parts - 1
+
+    def add_interfaces(self, nodal: jax.Array) -> jax.Array:
+        """Return the sums of what both neighbours found on an interface, on both."""
+        if self.parts == 1:
+            return nodal
+        below = jax.lax.ppermute(nodal[..., -1], AXIS, [(part, part + 1) for part in range(self.parts - 1)])
+        return nodal.at[..., 0].add(below).at[..., -1].add(self._from_above(nodal))
+
+    def copy_interfaces(self, nodal: jax.Array) -> jax.Array:
+        """Return the values of an interface as the part above has them, on both: rounding lets them drift."""
+        if self.parts == 1:
+            return nodal
+        return nodal.at[..., -1].set(jnp.where(self.at_last_plane(), nodal[..., -1], self._from_above(nodal)))
+
+    def halve_interfaces(self, nodal: jax.Array) -> jax.Array:
+        """Share complete values out, so that sums of them are complete after `add_interfaces`."""
+        if self.parts == 1:
+            return nodal
+        first, last = self.at_first_plane(), self.at_last_plane()
+        halved = nodal.at[..., 0].multiply(jnp.where(first, 1.0, 0.5))
+        return halved.at[..., -1].multiply(jnp.where(last, 1.0, 0.5))
+
+    def dot(self, a: jax.Array, b: jax.Array) -> jax.Array:
+        """Return the scalar product of two fields (cases, 3, nodes...), per case."""
+        terms = a * b
+        if self.parts > 1:
+            terms = terms.at[..., -1].multiply(self.at_last_plane())
+        return self.sum_parts(jnp.sum(terms, axis=(1, 2, 3, 4)))
+
+    def sum_parts(self, numbers: jax.Array) -> jax.Array:
+        """Sum of the parts' numbers, on all."""
+        return jax.lax.psum(numbers, AXIS) if self.parts > 1 else numbers
+
+    def largest(self, number: jax.Array) -> jax.Array:
+        """Return the largest of the parts' numbers, on all."""
+        return jax.lax.pmax(number, AXIS) if self.parts > 1 else number
+
+    def whole_cells(self, cells: jax.Array) -> jax.Array:
+        """Return the field of all parts' cells, on all."""
+        if self.parts == 1:
+            return cells
+        return jax.lax.all_gather(cells, AXIS, axis=cells.ndim - 1, tiled=True)
+
+    def whole_nodes(self, nodal: jax.Array) -> jax.Array:
+        """Return the field of all parts' nodes, on all."""
+        if self.parts == 1:
+            return nodal
+        end = jax.lax.all_gather(nodal[..., -1], AXIS)[-1]
+        return jnp.concatenate([self.whole_cells(nodal[..., :-1]), end[..., None]], axis=-1)
+
+    def own_nodes(self, whole: jax.Array) -> jax.Array:
+        """Return the this part of a whole field."""
+        if self.parts == 1:
+            return whole
+        layers = (whole.shape[-1] - 1) // self.parts
+        start = jax.lax.axis_index(AXIS) * layers
+        return jax.lax.dynamic_slice_in_dim(whole, start, layers + 1, axis=whole.ndim - 1)
+
+    def node_numbers(self, shape: tuple[int, ...]) -> jax.Array:
+        """Return the number of every entry of a part's nodal array in the whole one, counted along memory."""
+        *outer, planes = shape
+        layers = planes - 1
+        start = 0 if self.parts == 1 else jax.lax.axis_index(AXIS) * layers
+        rows = jnp.arange(math.prod(outer)).reshape(*outer, 1)
+        return rows * (layers * self.parts + 1) + start + jnp.arange(planes)
+
+    def _from_above(self, nodal: jax.Array) -> jax.Array:
+        return jax.lax.ppermute(nodal[..., 0], AXIS, [(part + 1, part) for part in range(self.parts - 1)])
+
+
+WHOLE = Partition()
+
+
+CORNERS = np.array(list(product((0, 1), repeat=3)))
+_GAUSS = (-1 / np.sqrt(3), 1 / np.sqrt(3))
+
+
+def elasticity(poisson: float) -> Array:
+    """Return the isotropic elasticity matrix (6, 6) for unit Young's modulus, order xx yy zz yz zx xy."""
+    scale = 1 / ((1 + poisson) * (1 - 2 * poisson))
+    matrix = np.zeros((6, 6))
+    matrix[:3, :3] = poisson * scale
+    matrix[range(3), range(3)] = (1 - poisson) * scale
+    matrix[range(3, 6), range(3, 6)] = 0.5 / (1 + poisson)
+    return matrix
+
+
+def hexahedron_stiffness(
+    size_mm: tuple[float, float, float], poisson: float, *, incompatible_modes: bool = True
+) -> Array:
+    """Return the stiffness (24, 24) of a box-shaped 8-node hexahedron for E = 1 MPa, N/mm.
+
+    The three quadratic bubble modes per direction remove parasitic shear in bending and are condensed out; on
+    a box they pass the patch test without correction.
+    Source: E. L. Wilson et al., Incompatible displacement models, 1973; R. L. Taylor, P. J. Beresford, E. L.
+    Wilson, A non-conforming element for stress analysis, IJNME 10, 1976.
+    """
+    d = elasticity(poisson)
+    blocks = np.zeros((33, 33))
+    volume = float(np.prod(size_mm)) / 8
+    for point in product(_GAUSS, repeat=3):
+        bubbles = np.diag([-2 * point[a] * 2 / size_mm[a] for a in range(3)])
+        b = np.hstack([_strain(_corner_gradients(point, size_mm)), _strain(bubbles)])
+        blocks += volume * b.T @ d @ b
+    corner, mixed, bubble = blocks[:24, :24], blocks[:24, 24:], blocks[24:, 24:]
+    stiffness = corner - mixed @ np.linalg.solve(bubble, mixed.T) if incompatible_modes else corner
+    return np.asarray((stiffness + stiffness.T) / 2)
+
+
+def parity_blocks(stiffness: Array) -> Array:
+    """Return the blocks B (8, 3, 3) of a hexahedron's stiffness K = H^T B H in corner sums and differences.
+
+    A box of isotropic material commutes with its three reflections, so the unnormalised Walsh-Hadamard
+    transform H over its corners leaves one 3 x 3 block per parity class 4 px + 2 py + pz. Sum w = (wx, wy,
+    wz) in {0, 1}^3 is a difference (1) or sum (0) per axis; component c of class p belongs to sum p xor e_c.
+    """
+    signs = np.prod(np.where(CORNERS[None, :, :] == 1, 2 * CORNERS[:, None, :] - 1, 1), axis=2).astype(float)
+    sums = np.einsum("aw,acbd,bv->wcvd", signs, stiffness.reshape(8, 3, 8, 3), signs) / 64
+    return np.array(
+        [
+            [[sums[parity_sum_of(p, c), c, parity_sum_of(p, d), d] for d in range(3)] for c in range(3)]
+            for p in range(8)
+        ]
+    )
+
+
+def parity_sum_of(parity_class: int, component: int) -> int:
+    """Return the index (4 wx + 2 wy + wz) of the sum that a component of a parity class lives on."""
+    return parity_class ^ (4 >> component)
+
+
+def _corner_gradients(point: tuple[float, ...], size: tuple[float, float, float]) -> Array:
+    sign = 2 * CORNERS - 1
+    factors = 1 + sign * np.array(point)
+    gradients = np.empty((8, 3))
+    for axis in range(3):
+        others = [a for a in range(3) if a != axis]
+        gradients[:, axis] = (
+            sign[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8 * 2 / size[axis]
+        )
+    return gradients
+
+
+def _strain(gradients: Array) -> Array:
+    """Return the strain-displacement matrix (6, 3 n) of shape-function gradients (n, 3)."""
+    b = np.zeros((6, len(gradients), 3))
+    dx, dy, dz = gradients.T
+    b[0, :, 0], b[1, :, 1], b[2, :, 2] = dx, dy, dz
+    b[3, :, 1], b[3, :, 2] = dz, dy
+    b[4, :, 0], b[4, :, 2] = dz, dx
+    b[5, :, 0], b[5, :, 1] = dy, dx
+    return b.reshape(6, -1)
+
+
+# Entries of the parity blocks that do not vanish by symmetry, the same for every box and material.
+COUPLED = np.abs(parity_blocks(hexahedron_stiffness((1.0, 1.1, 0.9), 0.3))) > 1e-12
+
 
 Cells = tuple[int, int, int]
 
@@ -19,12 +210,7 @@ _DENSE_UNKNOWNS = 450
 
 @dataclass(frozen=True)
 class Lattice:
-    """A grid of box cells, uniform in x and y, with one height per layer in z.
-
-    Attributes:
-        dz_mm: cell edge along z for each of the nz layers, mm.
-        incompatible_modes: of the hexahedra; without, they are too stiff in bending.
-    """
+    """A grid of box cells, uniform in x and y, with one height per layer in z."""
 
     cells: Cells
     dx_mm: float
@@ -50,7 +236,9 @@ class Lattice:
         All axes are halved `levels` times; then those that still can, until a dense solve is cheap.
         """
         factors = [(1 << level, 1 << level, 1 << level) for level in range(1, levels + 1)]
-        while self._coarse_unknowns(factors[-1]) > _DENSE_UNKNOWNS:
+        while (
+            3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors[-1], strict=True)) > _DENSE_UNKNOWNS
+        ):
             halved = tuple(
                 2 * f if n % (2 * f) == 0 else f for n, f in zip(self.cells, factors[-1], strict=True)
             )
@@ -58,9 +246,6 @@ class Lattice:
                 break
             factors.append((halved[0], halved[1], halved[2]))
         return tuple(factors)
-
-    def _coarse_unknowns(self, factors: Cells) -> int:
-        return 3 * math.prod(n // f + 1 for n, f in zip(self.cells, factors, strict=True))
 
 
 @lru_cache(maxsize=64)

@@ -28,12 +28,15 @@ from cranktopo.numerics.grid.galerkin import (
     jacobi_bound,
     stencil_diagonal,
 )
-from cranktopo.numerics.grid.lanczos import largest_eigenvalues
-from cranktopo.numerics.grid.lattice import Cells, Lattice, layer_blocks, layer_stiffness
-from cranktopo.numerics.grid.operator import apply_stiffness, stiffness_diagonal
-from cranktopo.numerics.grid.partition import WHOLE, Partition
-from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling
-from cranktopo.numerics.grid.transfer import add_prolonged, prolong, restrict
+from cranktopo.numerics.grid.lattice import WHOLE, Cells, Lattice, Partition, layer_blocks, layer_stiffness
+from cranktopo.numerics.grid.operator import (
+    add_prolonged,
+    apply_stiffness,
+    prolong,
+    restrict,
+    stiffness_diagonal,
+)
+from cranktopo.numerics.grid.smoothing import Smoother, SmootherState, jacobi_scaling, largest_eigenvalues
 from cranktopo.numerics.precision import Precision
 
 _Count = TypeVar("_Count", int, jax.Array)
@@ -48,9 +51,7 @@ _SHIFT = 1e-13
 class GridTables(NamedTuple):
     """Constants of a lattice; arguments of the compiled functions, so that grids of one size share them.
 
-    Attributes:
-        blocks: parity blocks (8, 3, 3, nz) of the layers.
-        bound: bound of the Jacobi-scaled spectrum on the finest level.
+    Parity blocks (8, 3, 3, nz) of the layers, the bound of the Jacobi-scaled spectrum on the finest level.
     """
 
     blocks: Array
@@ -59,13 +60,12 @@ class GridTables(NamedTuple):
 
 
 class Hierarchy(NamedTuple):
-    """Everything the V-cycle needs for one set of moduli.
+    """Everything the V-cycle needs for one set of moduli, in the precision of the cycle.
 
     Attributes:
-        blocks: parity blocks of the finest layers; all arrays have the precision of the cycle.
         moduli: moduli of the finest cells over the largest one.
-        steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the
-            Jacobi-scaled operator, (3, nodes...), 0 in void.
+        steps: per level above the coarsest, inverse diagonal over the largest eigenvalue of the Jacobi-scaled
+            operator, (3, nodes...), 0 in void.
         stencils: Galerkin stencils of the intermediate levels.
         coarse_inverse: (cases, n, n) inverse on the coarsest grid, supports included.
     """
@@ -119,7 +119,6 @@ def build_hierarchy(
 def _coarse_steps(
     stencils: Sequence[jax.Array], levels: Sequence[Partition], bounds: Sequence[Array] | None
 ) -> Iterator[jax.Array]:
-    """Return inverse diagonals over bounds, or estimates, of the spectra of the Jacobi-scaled stencils."""
     inverses = [
         _safe_inverse(at.add_interfaces(stencil_diagonal(stencil)))
         for stencil, at in zip(stencils, levels, strict=False)
@@ -140,15 +139,13 @@ def apply_cycle(
 ) -> tuple[jax.Array, jax.Array]:
     """Apply one V-cycle to a residual: an approximate, symmetric positive definite inverse.
 
+    Returns a field and scale per case: the correction is what is admissible of their product. Rounding in the
+    cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
+
     Args:
         degree: number of smoothing steps before and after the coarse correction on the finest level; twice as
             many on the next, but as many on a large grid; three times as many on the one after, and so on.
-        residual: projected nodal forces (cases, 3, nodes...), any float type.
         norm: norms of the residual (cases,), about: what is computed with are numbers near 1.
-
-    Returns:
-        Field in the precision of the cycle and scale per case: the correction is what is admissible of their
-        product. Rounding in the cycle bends the rigid sections by 1e-7; the energy of that would ruin CG.
     """
     partition = supports.partition
     scale = jnp.where(norm > 0, norm, 1.0)
@@ -165,9 +162,9 @@ def _cycle(
     residual: jax.Array,
     level: int,
 ) -> jax.Array:
-    """Smooth, correct on the coarser grid, smooth."""
     if level == len(hierarchy.steps):
-        return _solve_coarse(hierarchy, residual)
+        flat = residual.reshape(residual.shape[0], -1)
+        return jnp.einsum("bij,bj->bi", hierarchy.coarse_inverse, flat).reshape(residual.shape)
     partition, coarser = supports.partition, supports.partition.at_level(level + 1)
     smoother = level_smoother(hierarchy, supports, level)
 
@@ -214,11 +211,6 @@ def _coarser_nodes(hierarchy: Hierarchy, supports: BoundaryConditions, level: in
     return nx, ny, nz
 
 
-def _solve_coarse(hierarchy: Hierarchy, residual: jax.Array) -> jax.Array:
-    flat = residual.reshape(residual.shape[0], -1)
-    return jnp.einsum("bij,bj->bi", hierarchy.coarse_inverse, flat).reshape(residual.shape)
-
-
 def _coarse_inverse(dense: jax.Array, supports: BoundaryConditions) -> jax.Array:
     """Return dense inverse per case in the space of free nodes and section motions; 0 where it has none."""
     nodes = (supports.coarse_basis.shape[4], supports.coarse_basis.shape[5])
@@ -259,11 +251,8 @@ def project(
 ) -> jax.Array:
     """Return the orthogonal projection onto admissible fields: free nodes and rigid motions of the sections.
 
-    For nodal forces it is the part that admissible displacements feel.
-
-    Args:
-        scale: factors per case (cases,).
-        more: an admissible field to add.
+    For nodal forces it is the part that admissible displacements feel. The field is scaled per case before,
+    the admissible field `more` added.
     """
     factor = jnp.ones(field.shape[0], field.dtype) if scale is None else scale
     mask = interior_mask(supports, _nodes(field), field.dtype)

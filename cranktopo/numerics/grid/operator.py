@@ -1,7 +1,8 @@
-"""Matrix-free product of the assembled stiffness with displacement fields, and its diagonal.
+"""Matrix-free products of the assembled stiffness, its diagonal, and transfers to the next coarser grid.
 
 A field has shape (cases, 3, nx + 1, ny + 1, nz + 1). Sums and differences over the corners of each cell,
-eight 3 x 3 products, sums and differences back: no gather, no scatter, no (cells, 24) array.
+eight 3 x 3 products, sums and differences back: no gather, no scatter, no (cells, 24) array. Kernels compute
+on the processor, JAX code elsewhere.
 """
 
 from __future__ import annotations
@@ -12,35 +13,80 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from cranktopo.numerics.grid.element import COUPLED
+from cranktopo.numerics.grid.lattice import COUPLED, Cells
 from cranktopo.numerics.grid.slab_product import apply_by_slabs, parity_sums
 from cranktopo.numerics.kernels.registry import by_kernel, called, coupled
 
 
+def restrict(field: jax.Array, nodes: Cells) -> jax.Array:
+    """Return the transpose of `prolong`: fine nodal forces on the next coarser grid with so many nodes."""
+    elsewhere = partial(_restricted, nodes=nodes)
+    if not _halved(field.shape[2:], nodes):
+        return elsewhere(field)
+
+    def kernel(field: jax.Array) -> jax.Array:
+        return called("restriction", [field], [(*field.shape[:2], *nodes)], field.dtype)[0]
+
+    return by_kernel(kernel, elsewhere, field)
+
+
+def add_prolonged(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Return the interpolation of a coarse field to the grid of a finer one, and the sum of both."""
+    if not _halved(field.shape[2:], coarse.shape[2:]):
+        return _add_prolonged(coarse, field)
+    return by_kernel(_add_by_kernel, _add_prolonged, coarse, field)
+
+
+def _add_by_kernel(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.Array]:
+    found, total = called("prolongation", [coarse, field], [field.shape] * 2, field.dtype)
+    return found, total
+
+
+def _add_prolonged(coarse: jax.Array, field: jax.Array) -> tuple[jax.Array, jax.Array]:
+    found = prolong(coarse, (field.shape[2], field.shape[3], field.shape[4]))
+    return found, field + found
+
+
+def _halved(fine: tuple[int, ...], coarse: tuple[int, ...]) -> bool:
+    return all(one == 2 * other - 1 for one, other in zip(fine, coarse, strict=True))
+
+
+def _restricted(field: jax.Array, nodes: Cells) -> jax.Array:
+    for axis, count in zip((2, 3, 4), nodes, strict=True):
+        size = field.shape[axis]
+        if size == count:
+            continue
+        even = jax.lax.slice_in_dim(field, 0, size, 2, axis)
+        odd = jax.lax.slice_in_dim(field, 1, size, 2, axis) * 0.5
+        low, high = [(0, 0)] * 5, [(0, 0)] * 5
+        low[axis], high[axis] = (0, 1), (1, 0)
+        field = even + jnp.pad(odd, low) + jnp.pad(odd, high)
+    return field
+
+
+def prolong(field: jax.Array, nodes: Cells) -> jax.Array:
+    """Return the trilinear interpolation to the next finer grid; an axis with as many nodes stays."""
+    for axis, count in zip((4, 3, 2), reversed(nodes), strict=True):
+        size = field.shape[axis]
+        if size == count:
+            continue
+        near = jax.lax.slice_in_dim(field, 0, size - 1, 1, axis)
+        far = jax.lax.slice_in_dim(field, 1, size, 1, axis)
+        pairs = jnp.stack([near, (near + far) * 0.5], axis=axis + 1)
+        shape = list(field.shape)
+        shape[axis] = 2 * (size - 1)
+        last = jax.lax.slice_in_dim(field, size - 1, size, 1, axis)
+        field = jnp.concatenate([pairs.reshape(shape), last], axis=axis)
+    return field
+
+
 def apply_stiffness(blocks: jax.Array, moduli: jax.Array, field: jax.Array) -> jax.Array:
-    """Return the nodal forces K(moduli) u of every case: by a kernel on the processor, elsewhere by JAX.
-
-    Args:
-        blocks: parity blocks (8, 3, 3, nz) of the layers, N/mm per MPa, from `layer_blocks`.
-        moduli: Young's modulus per cell (nx, ny, nz), MPa.
-        field: displacements (cases, 3, nx + 1, ny + 1, nz + 1), mm.
-
-    Returns:
-        Forces of the same shape and precision as `field`, N.
-    """
-    return by_kernel(_by_kernel, apply_by_slabs, blocks, moduli, field)
-
-
-def _by_kernel(*arrays: jax.Array) -> jax.Array:
-    return coupled("stiffness", "product", arrays)[0]
+    """Return the nodal forces K(moduli) u of every case, N, with moduli per cell in MPa and u in mm."""
+    return by_kernel(lambda *a: coupled("stiffness", "product", a)[0], apply_by_slabs, blocks, moduli, field)
 
 
 def strain_energy_density(blocks: jax.Array, left: jax.Array, right: jax.Array) -> jax.Array:
-    """Return v^T K_e u of every cell for unit modulus over all cases: the derivative of v^T K u by moduli.
-
-    Returns:
-        Array (nx, ny, nz), N mm per MPa.
-    """
+    """Return v^T K_e u of every cell for unit modulus, N mm per MPa: the derivative of v^T K u by moduli."""
     return jnp.sum(by_kernel(_energies_by_kernel, _energies_by_layers, blocks, left, right), axis=0)
 
 

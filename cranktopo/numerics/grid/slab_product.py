@@ -71,7 +71,6 @@ def _signs(axis: int, dtype: jnp.dtype[Any]) -> jax.Array:
 
 
 def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, sums: jax.Array) -> jax.Array:
-    """Return the 3 x 3 block product of every parity class."""
     columns = blocks.astype(sums.dtype)[:, :, :, None, None, :]
     return moduli * sum(
         (columns[:, :, d] * sums[:, :, d, None] for d in range(1, 3)),
@@ -80,17 +79,11 @@ def _multiply_blocks(blocks: jax.Array, moduli: jax.Array, sums: jax.Array) -> j
 
 
 def add_slabs(
-    total: jax.Array,
-    layers: int,
-    part: Callable[[int | jax.Array, int], jax.Array],
-    axis: int,
+    total: jax.Array, layers: int, part: Callable[[int | jax.Array, int], jax.Array], axis: int
 ) -> jax.Array:
     """Return a nodal array plus the parts of slabs of equal depth along x; neighbours share a plane of nodes.
 
-    Args:
-        layers: number of layers of cells along x.
-        part: from a slab's first layer and its depth to what it adds to its depth + 1 planes.
-        axis: of `total` along x.
+    A part is a function of a slab's first layer and its depth: what it adds to its depth + 1 planes.
     """
     most = max(1, min(_MOST_SLABS, total.size // _LEAST_NUMBERS))
     slabs = max(count for count in range(1, most + 1) if layers % count == 0)

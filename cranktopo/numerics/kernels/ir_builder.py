@@ -17,17 +17,14 @@ BYTE, INT32, INT64, BIT, POINTER = (
     ir.PointerType(),
 )
 Value: TypeAlias = ir.Value
+_ZERO = INT64(0)
 
 # Products and sums may become one instruction, as in XLA's programs; nothing else is reordered.
 _FUSED = ("contract",)
 
 
 class VectorCode:
-    """Code of one function; the builder stands where the next instruction goes.
-
-    Attributes:
-        width: numbers in a vector.
-    """
+    """Code of one function, with vectors of `width`; the builder stands where the next instruction goes."""
 
     def __init__(self, module: ir.Module, name: str, inputs: Sequence[ir.Type], precision: str, width: int):
         self.number = ir.FloatType() if precision == "float32" else ir.DoubleType()
@@ -38,17 +35,17 @@ class VectorCode:
         self.zero = ir.Constant(self.vector, [0.0] * width)
         suffix = f"v{width}f{8 * self.item_bytes}.p0"
         memory = POINTER, INT32, self.mask
-        self._load = _declare(module, f"llvm.masked.load.{suffix}", self.vector, (*memory, self.vector))
-        self._store = _declare(module, f"llvm.masked.store.{suffix}", ir.VoidType(), (self.vector, *memory))
-        self._fill = _declare(module, "llvm.memset.p0.i64", ir.VoidType(), (POINTER, BYTE, INT64, BIT))
-        self._copy = _declare(module, "llvm.memcpy.p0.p0.i64", ir.VoidType(), (POINTER, POINTER, INT64, BIT))
-        self._total = _declare(
+        self._load = declare(module, f"llvm.masked.load.{suffix}", self.vector, (*memory, self.vector))
+        self._store = declare(module, f"llvm.masked.store.{suffix}", ir.VoidType(), (self.vector, *memory))
+        self._fill = declare(module, "llvm.memset.p0.i64", ir.VoidType(), (POINTER, BYTE, INT64, BIT))
+        self._copy = declare(module, "llvm.memcpy.p0.p0.i64", ir.VoidType(), (POINTER, POINTER, INT64, BIT))
+        self._total = declare(
             module,
             f"llvm.vector.reduce.fadd.v{width}f{8 * self.item_bytes}",
             self.number,
             (self.number, self.vector),
         )
-        self._fetch = _declare(module, "llvm.prefetch.p0", ir.VoidType(), (POINTER, INT32, INT32, INT32))
+        self._fetch = declare(module, "llvm.prefetch.p0", ir.VoidType(), (POINTER, INT32, INT32, INT32))
         self.function = ir.Function(module, ir.FunctionType(ir.VoidType(), inputs), name)
         self.builder = ir.IRBuilder(self.function.append_basic_block())
 
@@ -57,15 +54,15 @@ class VectorCode:
         return self.builder.fadd(a, b, flags=_FUSED)
 
     def subtract(self, a: Value, b: Value) -> Value:
-        """Difference of two vectors."""
+        """Return the difference of two vectors."""
         return self.builder.fsub(a, b, flags=_FUSED)
 
     def multiply(self, a: Value, b: Value) -> Value:
-        """Product of two vectors, number by number."""
+        """Return the product of two vectors, number by number."""
         return self.builder.fmul(a, b, flags=_FUSED)
 
     def times(self, *factors: Value) -> Value:
-        """Product of integers."""
+        """Return the product of integers."""
         first, *others = factors
         for factor in others:
             first = self.builder.mul(first, factor)
@@ -78,12 +75,12 @@ class VectorCode:
         return first
 
     def at(self, start: Value, *numbers: Value | int) -> Value:
-        """Address so many numbers after another."""
+        """Return the address so many numbers after another."""
         offset = self.plus(INT64(0), *numbers)
         return self.builder.gep(start, [offset], source_etype=self.number)
 
     def load(self, address: Value, mask: Value) -> Value:
-        """Vector at an address; 0 outside the mask, where nothing is read."""
+        """Return the vector at an address; 0 outside the mask, where nothing is read."""
         return self.builder.call(self._load, [address, INT32(self.item_bytes), mask, self.zero])
 
     def store(self, vector: Value, address: Value, mask: Value) -> None:
@@ -91,7 +88,7 @@ class VectorCode:
         self.builder.call(self._store, [vector, address, INT32(self.item_bytes), mask])
 
     def spread(self, address: Value) -> Value:
-        """Vector of one number at an address."""
+        """Return the vector of one number at an address."""
         undefined = ir.Constant(self.vector, ir.Undefined)
         one = self.builder.insert_element(undefined, self.builder.load(address, typ=self.number), INT32(0))
         return self.pick(one, one, [0] * self.width)
@@ -127,7 +124,7 @@ class VectorCode:
         self.builder.call(self._copy, [target, source, length, BIT(0)])
 
     def first_lanes(self, count: Value) -> Value:
-        """Mask of so many numbers from the first; of all where there are not as many."""
+        """Return the mask of so many numbers from the first; of all where there are not as many."""
         integers = ir.VectorType(INT64, self.width)
         undefined = ir.Constant(integers, ir.Undefined)
         one = self.builder.insert_element(undefined, count, INT32(0))
@@ -135,22 +132,22 @@ class VectorCode:
         return self.builder.icmp_signed("<", ir.Constant(integers, list(range(self.width))), everywhere)
 
     def later_lanes(self) -> Value:
-        """Mask of all numbers but the first."""
+        """Return the mask of all numbers but the first."""
         return ir.Constant(self.mask, [0] + [1] * (self.width - 1))
 
     def all_lanes(self) -> Value:
-        """Mask of all numbers."""
+        """Return the mask of all numbers."""
         return ir.Constant(self.mask, [1] * self.width)
 
     def pick(self, a: Value, b: Value, lanes: list[int]) -> Value:
-        """Vector of numbers of two others: lanes of `a` count from 0, those of `b` from `width`."""
+        """Return numbers of two vectors: lanes of `a` count from 0, those of `b` from `width`."""
         return self.builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(INT32, len(lanes)), lanes))
 
     @contextmanager
     def loop(
-        self, start: Value, stop: Value, step: Value, carried: Sequence[Value] = ()
+        self, stop: Value, *, start: Value = _ZERO, step: int = 1, carried: Sequence[Value] = ()
     ) -> Iterator[SimpleNamespace]:
-        """Return what is written inside runs for `index` from start to below stop.
+        """Run what is written inside for `index` from start to below stop.
 
         `values` are those carried from turn to turn, and after the loop the last ones; inside it, `following`
         is to be set to what the next turn gets.
@@ -164,7 +161,7 @@ class VectorCode:
         builder.cbranch(builder.icmp_signed("<", turn.index, stop), body, after)
         builder.position_at_end(body)
         yield turn
-        following = [builder.add(turn.index, step), *turn.following]
+        following = [builder.add(turn.index, INT64(step)), *turn.following]
         for phi, first, later in zip(phis, (start, *carried), following, strict=True):
             phi.add_incoming(first, before)
             phi.add_incoming(later, builder.block)
@@ -172,5 +169,6 @@ class VectorCode:
         builder.position_at_end(after)
 
 
-def _declare(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
+def declare(module: ir.Module, name: str, result: ir.Type, inputs: Sequence[ir.Type]) -> ir.Function:
+    """Return a function of LLVM or of the C library."""
     return module.globals.get(name) or ir.Function(module, ir.FunctionType(result, inputs), name)

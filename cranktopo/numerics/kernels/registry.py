@@ -1,37 +1,128 @@
-"""Calling the kernels from JAX."""
+"""Calling the kernels from JAX; their machine code is kept in the user's cache like XLA's programs."""
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 import jax
 import llvmlite.ir as ir
+import numpy as np
 
-from cranktopo.base.machine import usable_cores
-from cranktopo.numerics.kernels.energy import write_energies
-from cranktopo.numerics.kernels.epilogues import FreeForces, Smooth, Store
+from cranktopo.base.machine import private_cache, usable_cores
+from cranktopo.numerics.kernels.coarse_grids import Stencil, write_prolongation, write_restriction
+from cranktopo.numerics.kernels.frames import Product, find_fault, first_line, register
 from cranktopo.numerics.kernels.ir_builder import POINTER, VectorCode
-from cranktopo.numerics.kernels.jit_cache import address_of, vector_width
 from cranktopo.numerics.kernels.plane_sweep import (
     NUMBERS,
     Finish,
+    FreeForces,
     Operator,
+    Smooth,
+    Store,
     spare_planes,
     write_copies,
     write_planes,
 )
-from cranktopo.numerics.kernels.stencil import Stencil
-from cranktopo.numerics.kernels.stiffness import StiffnessOperator
-from cranktopo.numerics.kernels.transfer import write_prolongation, write_restriction
-from cranktopo.numerics.kernels.trial import Product, find_fault, first_line, register
+from cranktopo.numerics.kernels.stiffness import StiffnessOperator, write_energies
 from cranktopo.numerics.kernels.xla_ffi import write_handler
+
+if TYPE_CHECKING:
+    import llvmlite.binding as llvm
+
+
+_FOLDER = "machine-code"  # versions before had one that others could read, "kernels"
+_KEEPING = "jax_enable_compilation_cache"
+_DIGEST_BYTES = 32
+_engines: list[llvm.ExecutionEngine] = []  # machine code lives as long as its engine
+
+
+def address_of(function: str, text: str) -> int:
+    """Return the address of a function of a module, written for LLVM, as machine code for this processor.
+
+    LLVM takes a tenth of a second for a kernel: its object files are kept.
+    """
+    import llvmlite.binding as llvm  # loads all of LLVM: only who solves needs it
+
+    machine = _machine()
+    kept = _kept(f"{llvm.llvm_version_info} {machine.triple} {_processor()} {text}")
+    code = None if kept is None else _read(kept)
+    if code is None:
+        code = _compiled(text)
+        if kept is not None:
+            _keep(code, kept)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    _engines.append(engine)
+    return int(engine.get_function_address(function))
+
+
+def vector_width(precision: str) -> int:
+    """Return the numbers in a vector register of this processor; of 256 bits where it has no longer ones."""
+    import llvmlite.binding as llvm
+
+    wide = llvm.get_host_cpu_features().get("avx512f", False)
+    return (64 if wide else 32) // np.dtype(precision).itemsize
+
+
+def _compiled(text: str) -> bytes:
+    import llvmlite.binding as llvm
+
+    machine, module = _machine(), llvm.parse_assembly(text)
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def _machine() -> llvm.TargetMachine:
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    name, features = _processor()
+    target = llvm.Target.from_default_triple()
+    return target.create_target_machine(cpu=name, features=features, opt=3, jit=True)
+
+
+@cache
+def _processor() -> tuple[str, str]:
+    import llvmlite.binding as llvm
+
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def _kept(made_from: str) -> Path | None:
+    """File for the code made from a text; None where it is not wanted, or has no place that is the user's."""
+    folder = private_cache(_FOLDER) if getattr(jax.config, _KEEPING) else None
+    return None if folder is None else folder / f"{hashlib.sha256(made_from.encode()).hexdigest()[:32]}.o"
+
+
+def _read(file: Path) -> bytes | None:
+    try:
+        found = file.read_bytes()
+    except OSError:
+        return None
+    digest, code = found[:_DIGEST_BYTES], found[_DIGEST_BYTES:]
+    return code if hashlib.sha256(code).digest() == digest else None
+
+
+def _keep(code: bytes, file: Path) -> None:
+    """Keep code where that is possible; a reader finds all of it or what was there before."""
+    temporary = file.with_suffix(f".{os.getpid()}.tmp")
+    with suppress(OSError):
+        temporary.write_bytes(hashlib.sha256(code).digest() + code)
+        temporary.replace(file)
+
 
 _Result = TypeVar("_Result")
 _Writer = Callable[[VectorCode], None]
@@ -106,7 +197,6 @@ def why_no_kernels() -> str:
 
 @cache
 def _fault() -> str:
-    """Return what is wrong with a first small product; told in one line."""
     from cranktopo.numerics.grid.slab_product import apply_by_slabs
 
     try:
@@ -120,8 +210,6 @@ def _fault() -> str:
 
 
 def _stiffness_product(target: str) -> Product:
-    """Product with a stiffness by what is registered under a name."""
-
     def product(*arrays: jax.Array) -> jax.Array:
         return _called(target, "stiffness_product", arrays, _shapes("stiffness", "product", arrays))[0]
 
@@ -139,7 +227,6 @@ def by_kernel(
 
 
 def _on_processor() -> bool:
-    """Tell whether JAX computes on a processor now."""
     chosen = getattr(jax.config, _CHOSEN_DEVICE)
     return (jax.default_backend() if chosen is None else getattr(chosen, "platform", chosen)) == "cpu"
 
@@ -155,17 +242,12 @@ def compile_kernels() -> None:
 
 
 def coupled(operator: str, finish: str, arrays: Sequence[jax.Array]) -> Sequence[jax.Array]:
-    """Return what the kernel of an operator and a finish computes, in the precision of the field.
-
-    Args:
-        arrays: of the operator and of the finish, the field the first of these.
-    """
+    """Return what the kernel of an operator and a finish computes, in the precision of the field."""
     field = arrays[_OPERATORS[operator].arrays]
     return called(f"{operator}_{finish}", arrays, _shapes(operator, finish, arrays), field.dtype)[:-1]
 
 
 def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tuple[int, ...]]:
-    """Shapes of the results; spare memory is the last."""
     field = arrays[_OPERATORS[operator].arrays]
     cases, _, _, *plane = field.shape
     each, besides = spare_planes(_OPERATORS[operator], _FINISHES[finish])
@@ -176,7 +258,7 @@ def _shapes(operator: str, finish: str, arrays: Sequence[jax.Array]) -> list[tup
 def called(
     name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]], precision: jax.typing.DTypeLike
 ) -> Sequence[jax.Array]:
-    """Results of a kernel, of the given shapes; what goes in and out has one precision."""
+    """Return results of a kernel, of the given shapes; what goes in and out has one precision."""
     target = _registered(name, jax.numpy.dtype(precision).name)
     return _called(target, name, [array.astype(precision) for array in arrays], shapes)
 
@@ -184,7 +266,6 @@ def called(
 def _called(
     target: str, name: str, arrays: Sequence[jax.Array], shapes: Sequence[tuple[int, ...]]
 ) -> Sequence[jax.Array]:
-    """Results of a kernel that is registered under a name."""
     results = [jax.ShapeDtypeStruct(shape, arrays[0].dtype) for shape in shapes]
     call = jax.ffi.ffi_call(target, results, input_output_aliases=dict(_KERNELS[name].replaced))
     found: Sequence[jax.Array] = call(*arrays)
@@ -211,12 +292,10 @@ def _register(kernel: str, precision: str, width: int, threads: int) -> str:
 
 @cache
 def _address(kernel: str, precision: str, width: int, threads: int) -> int:
-    """Address of a kernel's handler."""
     return address_of("handler", str(_module(_KERNELS[kernel], precision, width, threads)))
 
 
 def _module(kernel: _Kernel, precision: str, width: int, threads: int) -> ir.Module:
-    """Code of a kernel and of what calls it."""
     module = ir.Module()
     inputs = [POINTER] * sum(kernel.buffers) + NUMBERS
     functions = []

@@ -34,11 +34,7 @@ _DUAL_STEPS, _DUAL_ACCURACY = 80, 1e-9
 
 
 class Asymptotes(NamedTuple):
-    """Memory of a step: asymptotes and the two last designs.
-
-    Attributes:
-        steps: number of steps taken since the start.
-    """
+    """Memory of a step: asymptotes and the two last designs; number of steps taken."""
 
     low: jax.Array
     high: jax.Array
@@ -48,11 +44,7 @@ class Asymptotes(NamedTuple):
 
 
 class MmaStep(NamedTuple):
-    """A new design.
-
-    Attributes:
-        multipliers: (m,) of the limits; 0 where a limit is not active.
-    """
+    """A new design; multipliers (m,) of the limits are 0 where a limit is not active."""
 
     x: jax.Array
     asymptotes: Asymptotes
@@ -94,7 +86,6 @@ def mma_step(
     """Return the solution of the approximation about `x`.
 
     Args:
-        gradient: derivative of the objective.
         values, gradients: the limits f_i (m,) and their derivatives.
         move: largest change of a variable.
         epigraph: (m,) 1 for the functions whose largest is minimised, 0 for limits.
@@ -114,7 +105,6 @@ def mma_step(
 
 
 def _moved(x: jax.Array, width: jax.Array, memory: Asymptotes) -> tuple[jax.Array, jax.Array]:
-    """Return asymptotes about x: further away where a variable goes on, closer where it turns back."""
     trend = (x - memory.last) * (memory.last - memory.before)
     factor = jnp.where(trend > 0, _GROW, jnp.where(trend < 0, _SHRINK, 1.0))
     first = memory.steps[0] < 2
@@ -153,7 +143,6 @@ def _approximation(
 
 
 def _minimiser(problem: _Subproblem, multipliers: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """Return the x that minimises the Lagrangian, and p and q of the Lagrangian."""
     weights = jnp.concatenate([jnp.ones(1, multipliers.dtype), multipliers])
     p, q = weights @ problem.p, weights @ problem.q
     root_p, root_q = jnp.sqrt(p), jnp.sqrt(q)

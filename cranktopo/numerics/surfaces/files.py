@@ -38,14 +38,7 @@ _3MF_TAIL = '</triangles></mesh></object></resources><build><item objectid="1"/>
 
 
 def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
-    """Write a mesh atomically, in the frame of `cranktopo.base.frames`.
-
-    STL (binary, single precision) and 3MF are in mm; GLB, for viewers, is in metres, as its
-    specification demands.
-
-    Raises:
-        CranktopoError: the file cannot be written.
-    """
+    """Write a mesh atomically in mm (STL in single precision, 3MF), or, as GLB demands, in metres."""
     write_bytes(path, {"stl": _stl, "3mf": _3mf, "glb": _glb}[form](mesh))
 
 
@@ -55,14 +48,7 @@ def write_stl(path: Path, mesh: SurfaceMesh) -> None:
 
 
 def read_stl(path: Path, name: str = "") -> SurfaceMesh:
-    """Return the surface in an STL file, mm, vertices joined; nothing about it is checked.
-
-    Args:
-        name: of the file in the message, by default its path.
-
-    Raises:
-        CranktopoError: it cannot be read.
-    """
+    """Return the surface in an STL file, mm, vertices joined; nothing else about it is checked."""
     name = name or f"'{path}'"
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
     try:
@@ -106,20 +92,13 @@ def _glb(mesh: SurfaceMesh) -> bytes:
 
 
 def _3mf(mesh: SurfaceMesh) -> bytes:
-    """3MF core specification 1.3: a package of one model with one object.
-
-    The date of its parts is fixed, so that the same surface gives the same bytes.
-    """
+    """Return a package of one model (3MF core specification 1.3); a fixed date gives the same bytes again."""
     vertices = "".join(
         f'<vertex x="{x!s}" y="{y!s}" z="{z!s}"/>' for x, y, z in mesh.vertices_mm.astype(np.float32)
     )
     faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces)
     model = f"{_3MF_HEAD}{vertices}</vertices><triangles>{faces}{_3MF_TAIL}"
-    parts = {
-        "[Content_Types].xml": _3MF_TYPES,
-        "_rels/.rels": _3MF_RELATIONS,
-        "3D/3dmodel.model": model,
-    }
+    parts = {"[Content_Types].xml": _3MF_TYPES, "_rels/.rels": _3MF_RELATIONS, "3D/3dmodel.model": model}
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as package:
         for name, text in parts.items():

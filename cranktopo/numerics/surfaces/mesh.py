@@ -1,8 +1,13 @@
-"""Triangle mesh of a closed surface, and its passage to and from the boolean engine."""
+"""Triangle mesh of a closed surface, its shells, its checks, its passage to and from the boolean engine.
+
+Before it is written a mesh must be a closed 2-manifold that does not pass through itself.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +18,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 
 Faces = NDArray[np.int64]
-DEGENERATE_MM2 = 1e-12
+_DEGENERATE_MM2 = 1e-12
 _NOTHING_MM = 1e-9
 _REPAIRS = 3
 
@@ -22,9 +27,7 @@ _REPAIRS = 3
 class SurfaceMesh:
     """Closed triangle mesh; equal only to itself, so that what is found out about one can be kept.
 
-    Attributes:
-        vertices_mm: (n, 3), mm, in the frame of `cranktopo.base.frames`.
-        faces: (m, 3) vertex numbers, counter-clockwise seen from outside.
+    Vertices (n, 3), mm, in the frame of `cranktopo.base.frames`; faces (m, 3) counter-clockwise from outside.
     """
 
     vertices_mm: Array
@@ -60,11 +63,7 @@ class SurfaceMesh:
 
 
 def solid_of(mesh: SurfaceMesh, name: str = "surface") -> Manifold:
-    """Return a closed mesh as a solid of the boolean engine; the message of an error calls it `name`.
-
-    Raises:
-        CranktopoError: the mesh is not a closed oriented 2-manifold.
-    """
+    """Return a closed oriented 2-manifold as a solid of the boolean engine; errors call it `name`."""
     # Copies, because the engine takes only arrays that it may write to.
     vertices = np.array(mesh.vertices_mm, np.float64, order="C")
     solid = Manifold(Mesh64(vertices, np.array(mesh.faces, np.uint64, order="C")))
@@ -97,7 +96,123 @@ def sound_mesh_of(solid: Manifold, tolerance_mm: float) -> SurfaceMesh:
     """Return the mesh of a solid without faces that rounding made flat; vertices near them may move."""
     mesh = mesh_of(solid)
     for _ in range(_REPAIRS):
-        if mesh.areas_mm2.min(initial=np.inf) > DEGENERATE_MM2:
+        if mesh.areas_mm2.min(initial=np.inf) > _DEGENERATE_MM2:
             break
         mesh = mesh_of(solid_of(mesh).simplify(tolerance_mm))
     return mesh
+
+
+_Labels = NDArray[np.int32]
+
+
+def shell_volumes_mm3(mesh: SurfaceMesh) -> NDArray[np.float64]:
+    """Return the signed volume enclosed by each connected shell, mm3; negative for a hollow."""
+    a, b, c = np.moveaxis(mesh.corners_mm, 1, 0)
+    return np.bincount(_shell_of_face(mesh), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6).astype(np.float64)
+
+
+def shells(mesh: SurfaceMesh) -> list[SurfaceMesh]:
+    """Return the shells, each with its own vertices: the largest first, then others and hollows."""
+    number = _shell_of_face(mesh)
+    parts = [_part(mesh, number == shell) for shell in range(number.max(initial=-1) + 1)]
+    return sorted(parts, key=lambda part: -part.volume_mm3)
+
+
+def connected(nodes: int, links: NDArray[np.int64]) -> _Labels:
+    """Return the number of the connected component of each node, (nodes,), for links (n, 2) between them."""
+    from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
+
+    graph = sparse.coo_matrix((np.ones(len(links), bool), links.T), shape=(nodes, nodes))
+    labels: _Labels = connected_components(graph, directed=False)[1]
+    return labels
+
+
+def _shell_of_face(mesh: SurfaceMesh) -> _Labels:
+    return connected(len(mesh.faces), mesh.as_trimesh().face_adjacency)
+
+
+def _part(mesh: SurfaceMesh, chosen: NDArray[np.bool_]) -> SurfaceMesh:
+    used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
+    return SurfaceMesh(mesh.vertices_mm[used], faces.reshape(-1, 3).astype(np.int64))
+
+
+@lru_cache(maxsize=1)
+def self_intersections_mm(mesh: SurfaceMesh) -> Array:
+    """Return ends (n, 3), mm, of edges that pierce a face which they do not touch; none for a sound surface.
+
+    Two faces that intersect without sharing a vertex have such an edge. Extraction and its checks ask for the
+    same mesh: the last answer is kept.
+    """
+    return np.array(list(_piercing_edges(mesh)), dtype=np.float64).reshape(-1, 3)
+
+
+def _piercing_edges(mesh: SurfaceMesh) -> Iterator[list[float]]:
+    solid = solid_of(mesh)
+    kept = solid.to_mesh64()
+    points, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts).astype(np.int64)
+    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = pairs[pairs[:, 0] < pairs[:, 1]]  # each edge of a closed oriented mesh once
+    places, corners = points.tolist(), faces.tolist()  # lists: a cast ray costs less than an array's index
+    for start, end in edges.tolist():
+        for hit in solid.ray_cast(tuple(places[start]), tuple(places[end])):
+            if start not in (face := corners[hit.face_id]) and end not in face:
+                yield places[start]
+
+
+_REMEDY = "Extract again at another resolution."
+
+
+def check_manifold(mesh: SurfaceMesh) -> None:
+    """Check that a mesh is a closed, outward 2-manifold without degenerate faces (CRITERION_NOT_MET)."""
+    fault = manifold_fault(mesh)
+    if fault:
+        raise surface_refusal(fault, _REMEDY)
+
+
+@lru_cache(maxsize=1)
+def manifold_fault(mesh: SurfaceMesh) -> str:
+    """Tell why a mesh is no closed outward 2-manifold of faces with an area; empty where it is one.
+
+    Extraction and its checks ask for the same mesh: the last answer is kept.
+    """
+    surface = mesh.as_trimesh()
+    if not surface.is_watertight:
+        return "not watertight, or more than two faces at an edge"
+    if not surface.is_winding_consistent:
+        return "its faces are not oriented alike"
+    if mesh.volume_mm3 <= 0:
+        return f"inside out (volume {mesh.volume_mm3:.3g} mm3)"
+    pinched = _pinched_vertices(surface)
+    if pinched:
+        return f"not a 2-manifold, surfaces touch in {pinched} single vertices"
+    degenerate = int((mesh.areas_mm2 <= _DEGENERATE_MM2).sum())
+    return f"{degenerate} degenerate faces" if degenerate else ""
+
+
+def check_self_intersection(mesh: SurfaceMesh) -> None:
+    """Check that no edge of a closed mesh pierces a face that it does not touch (CRITERION_NOT_MET)."""
+    places = self_intersections_mm(mesh)
+    if len(places):
+        where = ", ".join(f"{value:.2f}" for value in places[0])
+        raise surface_refusal(
+            f"it intersects itself near ({where}) mm", "Extract again at another resolution."
+        )
+
+
+def surface_refusal(what: str, remedy: str) -> CranktopoError:
+    """Return the error of a surface that fails a check."""
+    return CranktopoError(f"surface: {what}.", hint=remedy, code=ExitCode.CRITERION_NOT_MET)
+
+
+def _pinched_vertices(surface: Any) -> int:
+    """Return how many more fans of faces there are than vertices: 0 for a 2-manifold."""
+    faces = np.asarray(surface.faces)
+    links = []
+    for end in (0, 1):
+        shared = surface.face_adjacency_edges[:, end]
+        # corner number = 3 * face + place of the shared vertex in it
+        places = [np.argmax(faces[f] == shared[:, None], axis=1) for f in surface.face_adjacency.T]
+        links.append(3 * surface.face_adjacency + np.stack(places, axis=1))
+    fans = connected(faces.size, np.concatenate(links)).max() + 1
+    return int(fans - len(np.unique(faces)))

@@ -1,11 +1,96 @@
-"""A mesh of ten-node tetrahedra."""
+"""Meshes of ten-node tetrahedra: made in a closed triangle surface, whatever its topology, and kept valid.
+
+MMG remeshes the triangles (slivers of a boolean or an iso-surface go, sharp edges stay, the shape is kept
+within a tolerance), gmsh fills them, and MMG grades the tetrahedra. Where bending an element to the surface
+folds it, it is unbent.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shells
+
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+"""Corners of the edges of a ten-node tetrahedron, VTK order."""
+_LEAST_RATIO = 0.1
+"""Least Jacobian of a curved element over that of its straight counterpart."""
+_ROUNDS = 20
+
+
+def straighten_folded(points_mm: Array, cells: NDArray[np.int64]) -> tuple[Array, int]:
+    """Put edge nodes of nearly folded elements back on their straight edges; count these elements.
+
+    Moving an edge node touches the neighbours too, so this repeats until every element is sound. Raises
+    CranktopoError where an element is inverted even with straight edges. Nodes (3, nodes), cells (10,
+    elements).
+    """
+    points = points_mm.copy()
+    volume = _jacobians(_straight(points, cells)).min(axis=0)
+    if volume.min() <= 0:
+        raise solver_error("mesh: an element is flat or inverted.", "Choose another element size.")
+    straightened = np.zeros(cells.shape[1], dtype=bool)
+    for _ in range(_ROUNDS):
+        bad = _jacobians(points[:, cells]).min(axis=0) < _LEAST_RATIO * volume
+        if not bad.any():
+            break
+        straightened |= bad
+        chosen = cells[:, bad]
+        points[:, chosen[4:]] = _straight(points, chosen)[:, 4:]
+    return points, int(straightened.sum())
+
+
+def least_jacobian_ratio(points_mm: Array, before_mm: Array, cells: NDArray[np.int64]) -> float:
+    """Return the minimum Jacobian of moved elements over that of the same one before, the worst of all."""
+    now, was = (_jacobians(points[:, cells]).min(axis=0) for points in (points_mm, before_mm))
+    return float((now / was).min())
+
+
+def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
+    nodes = points[:, cells]
+    for k, (a, b) in enumerate(EDGES):
+        nodes[:, 4 + k] = (nodes[:, a] + nodes[:, b]) / 2
+    return nodes
+
+
+def _jacobians(nodes: Array) -> Array:
+    """Jacobian determinant at 15 points of each element, shape (15, elements); nodes as `_straight`."""
+    gradients = shape_gradients(_check_points())
+    matrix = np.einsum("ine,pnj->ijpe", nodes, gradients)
+    return np.asarray(np.einsum("ipe,ipe->pe", matrix[:, 0], np.cross(matrix[:, 1], matrix[:, 2], axis=0)))
+
+
+def _check_points() -> Array:
+    """Barycentric points: corners, edge middles, four quadrature points, centre; shape (15, 4)."""
+    a, b = 0.5854101966249685, 0.1381966011250105
+    inner = b + (a - b) * np.eye(4)
+    return np.vstack([node_points(), inner, np.full((1, 4), 0.25)])
+
+
+def node_points() -> Array:
+    """Return barycentric coordinates of the ten nodes, shape (10, 4)."""
+    corners = np.eye(4)
+    return np.vstack([corners, [(corners[a] + corners[b]) / 2 for a, b in EDGES]])
+
+
+def shape_gradients(barycentric: Array, edges: tuple[tuple[int, int], ...] = EDGES) -> Array:
+    """Return the gradients of the quadratic shape functions in (xi, eta, zeta), shape (points, nodes, 3).
+
+    Of tetrahedra (points, 10, 3), or, with the edges of one, of a triangle (points, 6, 2).
+    """
+    axes = barycentric.shape[1] - 1
+    slope = np.vstack([-np.ones(axes), np.eye(axes)])
+    corner = (4 * barycentric - 1)[:, :, None] * slope
+    edge = [4 * (barycentric[:, a, None] * slope[b] + barycentric[:, b, None] * slope[a]) for a, b in edges]
+    return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)
 
 
 @dataclass(frozen=True)
@@ -24,3 +109,111 @@ class TetMesh:
     cells: NDArray[np.int64]
     mirrored: bool
     off_surface_mm: NDArray[np.float64] | None = None
+
+
+Tetrahedra = NDArray[np.int64]
+_SizeField = Callable[[Array], Array]
+
+_TET4 = 4
+_DISTANCES = (1 / 40, 1 / 20, 1 / 80)
+"""Largest distance between the new surface and the old one over the element size; the second and third
+where the first gives a surface that meets itself."""
+_GRADATION = 1.7
+_SHARP_DEG = 40.0
+_VOLUME_TOLERANCE = 5e-3
+
+
+def tetrahedralise(
+    surface: SurfaceMesh, element_size_mm: float, size_at: _SizeField, name: str
+) -> tuple[Array, Tetrahedra]:
+    """Return nodes (3, nodes), mm, and straight ten-node cells of a closed surface, with hollows or not.
+
+    The surface is oriented outwards, hollows inwards; `size_at` gives the element size at points (n, 3).
+    Raises CranktopoError: the surface cannot be filled, or its volume is not kept.
+    """
+    points, tets = _fill(surface, element_size_mm, size_at, name)
+    a, b, c, d = (points[tets[:, corner]] for corner in range(4))
+    volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    error = volume.sum() / surface.volume_mm3 - 1
+    if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
+        raise solver_error(
+            f"{name}: the remeshed body is {100 * error:+.2g} % off in volume.",
+            "Choose a smaller element size.",
+        )
+    return quadratic(points, tets)
+
+
+def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
+    failure = ""
+    for distance in _DISTANCES:
+        try:
+            clean = _resurfaced(surface, size, size * distance)
+            return _improved(*_inside(clean, size, name), size, size * distance, size_at)
+        except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
+            failure = failure or str(error)
+    raise solver_error(
+        f"{name}: the surface cannot be meshed: {failure}",
+        "Choose another element size, or repair thin spots of the surface.",
+    )
+
+
+def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMesh:
+    from mmgpy import MmgMeshS
+
+    mesh = MmgMeshS(surface.vertices_mm, surface.faces.astype(np.int32))
+    mesh.remesh(**_options(size, distance))
+    return SurfaceMesh(np.asarray(mesh.get_vertices()), np.asarray(mesh.get_triangles(), np.int64))
+
+
+def _inside(surface: SurfaceMesh, size: float, name: str) -> tuple[Array, Tetrahedra]:
+    with cad_session(f"surface of {name}") as gmsh:
+        loops = [gmsh.model.geo.addSurfaceLoop([_add_shell(gmsh, shell)]) for shell in shells(surface)]
+        gmsh.model.geo.addVolume(loops)
+        gmsh.model.geo.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 2 * size)
+        gmsh.option.setNumber("Mesh.Optimize", 0)
+        for option in ("MeshSizeFromPoints", "MeshSizeExtendFromBoundary"):
+            gmsh.option.setNumber(f"Mesh.{option}", 0)
+        gmsh.model.mesh.generate(3)
+        return tetrahedra(gmsh, _TET4, 4)
+
+
+def _add_shell(gmsh: Any, shell: SurfaceMesh) -> int:
+    tag: int = gmsh.model.addDiscreteEntity(2)
+    first = gmsh.model.mesh.getMaxNodeTag() + 1
+    gmsh.model.mesh.addNodes(
+        2, tag, np.arange(first, first + len(shell.vertices_mm)), shell.vertices_mm.ravel()
+    )
+    gmsh.model.mesh.addElementsByType(tag, 2, [], (shell.faces + first).ravel())
+    return tag
+
+
+def _improved(
+    points: Array, tets: Tetrahedra, size: float, distance: float, size_at: _SizeField
+) -> tuple[Array, Tetrahedra]:
+    from mmgpy import MmgMesh3D
+
+    mesh = MmgMesh3D(points, tets.astype(np.int32))
+    mesh["metric"] = size_at(points)[:, None]
+    mesh.remesh(**_options(size, distance))
+    return np.asarray(mesh.get_vertices()), np.asarray(mesh.get_tetrahedra(), dtype=np.int64)
+
+
+def _options(size: float, distance: float) -> dict[str, float | int]:
+    return {
+        "hmax": size,
+        "hmin": size / 20,
+        "hausd": distance,
+        "hgrad": _GRADATION,
+        "ar": _SHARP_DEG,
+        "verbose": -1,
+    }
+
+
+def quadratic(points: Array, tets: Tetrahedra) -> tuple[Array, Tetrahedra]:
+    """Return nodes (3, nodes), corners first, and cells (10, elements) with nodes midway on edges."""
+    ends = np.sort(np.concatenate([tets[:, list(edge)] for edge in EDGES]), axis=1)
+    edges, inverse = np.unique(ends, axis=0, return_inverse=True)
+    middles = len(points) + inverse.reshape(len(EDGES), -1)
+    nodes = np.concatenate([points, points[edges].mean(axis=1)])
+    return np.ascontiguousarray(nodes.T), np.ascontiguousarray(np.concatenate([tets.T, middles]))

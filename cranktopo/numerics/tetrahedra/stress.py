@@ -1,4 +1,4 @@
-"""Stresses of displacement fields on ten-node tetrahedra, from quadrature points to the nodes."""
+"""Stresses of displacement fields on ten-node tetrahedra: at nodes, and on the surface with gradients."""
 
 from __future__ import annotations
 
@@ -10,10 +10,28 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.mesh import EDGES, node_points, shape_gradients
 
-COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+DEVIATOR = np.zeros((6, 6))
+DEVIATOR[:3, :3] = 1.5 * np.eye(3) - 0.5
+DEVIATOR[3:, 3:] = 3 * np.eye(3)
+"""Quadratic form of the squared von Mises stress in the six components."""
+
+
+def von_mises(stress: Array) -> Array:
+    """Return the von Mises stress; last axis holds the six components."""
+    squared: Array = np.einsum("...i,ij,...j->...", stress, DEVIATOR, stress)
+    return np.sqrt(np.maximum(squared, 0.0))
+
+
+def principal_stresses(stress: Array) -> Array:
+    """Return principal stresses, falling, in the last axis; that of the argument holds the six components."""
+    tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
+    return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1], dtype=np.float64)
+
+
+_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 _ORDER = 2
 """Four points, where stresses of quadratic tetrahedra are most accurate."""
 
@@ -34,14 +52,11 @@ class NodalStress:
 
 
 def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, poisson: float) -> NodalStress:
-    """Stresses of displacement fields at all nodes.
+    """Return the stresses of displacement fields (fields, unknowns) at all nodes.
 
     Quadrature points are where stresses of quadratic elements converge fastest; a linear field through the
     four of them gives the corners, and the means of corners the edge nodes (Barlow, Int. J. Num. Meth. Eng.,
     1976).
-
-    Args:
-        displacement_mm: shape (fields, unknowns).
     """
     from skfem import Basis, ElementTetP2
 
@@ -61,7 +76,7 @@ def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> Noda
 
 
 def nodes_from_points(points: Array) -> Array:
-    """Values at the ten nodes from those at four points of the reference element, shape (10, 4)."""
+    """Return values at the ten nodes from those at four points of the reference element, shape (10, 4)."""
     barycentric = np.vstack([1 - points.sum(axis=0), points])
     corners = np.linalg.inv(barycentric.T)
     middles = [(corners[a] + corners[b]) / 2 for a, b in EDGES]
@@ -76,19 +91,141 @@ def _strain(basis: Any, displacement: Array) -> Array:
 
 
 def tensor_strain(slopes: Array) -> Array:
-    """Tensor strains (..., 6), last axis as `COMPONENTS`, of displacement gradients (..., 3, 3)."""
+    """Return tensor strains (..., 6), last axis as `_COMPONENTS`, of displacement gradients (..., 3, 3)."""
     strain = (slopes + slopes.swapaxes(-1, -2)) / 2
     return np.asarray(strain[..., (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0)])
 
 
 def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
-    """Stresses of strains, MPa, of the same shape.
-
-    Args:
-        strain: tensor strains (..., 6), last axis as `COMPONENTS`.
-    """
+    """Return the stresses of tensor strains (..., 6), MPa, of the same shape."""
     shear = youngs_MPa / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
     stress = 2 * shear * strain
     stress[..., :3] += lame * strain[..., :3].sum(axis=-1, keepdims=True)
     return np.asarray(stress)
+
+
+Index = NDArray[np.intp]
+
+_CORNERS = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
+_PLANE_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Outer surface of the model, without its planes of symmetry and its end section.
+
+    Attributes:
+        nodes: their numbers in the mesh, shape (n,).
+        points_mm: shape (3, n).
+        normals: outward unit normals, shape (n, 3).
+        faces: six nodes of each face (corners, edge nodes 01 12 20) as positions in `nodes`, shape (6, f).
+        owners: element of each face, shape (f,).
+        local: the face's six nodes as numbers 0 to 9 inside that element, shape (6, f).
+    """
+
+    nodes: Index
+    points_mm: Array
+    normals: Array
+    faces: Index
+    owners: Index
+    local: Index
+
+
+@dataclass(frozen=True)
+class SurfaceStress:
+    """Stresses (fields, n, 6), and derivatives into the depth, at the nodes of a surface.
+
+    The jump (fields, n) is the largest departure of an element's von Mises stress from that of the nodal
+    mean.
+    """
+
+    stress_MPa: Array
+    depth_MPa_per_mm: Array
+    jump_MPa: Array
+
+
+def outer_surface(model: Elasticity, elements: Index, planes: tuple[tuple[int, float], ...]) -> Surface:
+    """Return faces of one element only that lie in none of the planes (axis, mm) of symmetry or ends."""
+    local, owners = boundary_faces(elements)
+    numbers = elements[local, owners]
+    points = model.nodes_mm[:, numbers]  # (3, 6, faces)
+    inner = np.ones(len(owners), dtype=bool)
+    for axis, position in planes:
+        inner &= ~(np.abs(points[axis, :3] - position) < _PLANE_MM).all(axis=0)
+    local, owners, numbers = local[:, inner], owners[inner], numbers[:, inner]
+    nodes, faces = np.unique(numbers, return_inverse=True)
+    faces = faces.reshape(numbers.shape)
+    normals = _normals(model, elements, numbers, owners, faces, len(nodes))
+    return Surface(nodes, model.nodes_mm[:, nodes], normals, faces, owners, local)
+
+
+def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> SurfaceStress:
+    """Return nodal stresses on the surface, their derivative into the depth, and the jumps between elements.
+
+    The derivative is that of the nodal stresses interpolated by the element's shape functions, averaged over
+    the faces that meet at a node.
+    """
+    stress = found.nodal_MPa[:, surface.nodes]
+    return SurfaceStress(stress, _depth(model, surface, found), _jumps(surface, found))
+
+
+def boundary_faces(elements: Index) -> tuple[Index, Index]:
+    """Return local node numbers (6, f) and owners (f,) of the faces that occur once in elements (10, n)."""
+    count = elements.shape[1]
+    corners = np.sort(np.stack([elements[list(face)] for face in _CORNERS]), axis=1)  # (4, 3, elements)
+    keys = corners.transpose(0, 2, 1).reshape(-1, 3)
+    _, first, times = np.unique(keys, axis=0, return_index=True, return_counts=True)
+    alone = first[times == 1]
+    side, owners = alone // count, alone % count
+    edge = {tuple(sorted(pair)): 4 + i for i, pair in enumerate(EDGES)}
+    full = np.array([[a, b, c, edge[a, b], edge[b, c], edge[a, c]] for a, b, c in _CORNERS], dtype=np.intp)
+    return full[side].T, owners
+
+
+def _normals(
+    model: Elasticity, elements: Index, numbers: Index, owners: Index, faces: Index, count: int
+) -> Array:
+    at = model.nodes_mm[:, numbers]
+    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
+    normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)  # (3, 6, faces)
+    inside = model.nodes_mm[:, elements[:4, owners]].mean(axis=1) - at[:, :3].mean(axis=1)
+    normal *= -np.sign((normal.mean(axis=1) * inside).sum(axis=0))
+    total = np.zeros((count, 3))
+    np.add.at(total, faces, normal.transpose(1, 2, 0))
+    return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
+
+
+def triangle_gradients() -> Array:
+    """Return gradients of the six-node triangle's shape functions at its nodes, shape (6 points, 6, 2)."""
+    points = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
+    return shape_gradients(points, edges=((0, 1), (1, 2), (0, 2)))
+
+
+def _depth(model: Elasticity, surface: Surface, found: NodalStress) -> Array:
+    """Derivative of the nodal stresses along the inward normal, shape (fields, n, 6)."""
+    cells = found.elements[:, surface.owners]
+    nodes = model.nodes_mm[:, cells]  # (3, 10, f)
+    reference = shape_gradients(node_points())[surface.local]  # (6, f, 10, 3)
+    jacobian = np.einsum("inf,pfnj->pfij", nodes, reference, optimize=True)
+    inward = -surface.normals[surface.faces]  # (6, f, 3)
+    direction = np.linalg.solve(jacobian, inward[..., None])[..., 0]
+    weights = np.einsum("pfnj,pfj->pfn", reference, direction, optimize=True)
+    total = np.zeros((len(found.nodal_MPa), len(surface.nodes), 6))
+    number = np.bincount(surface.faces.ravel(), minlength=len(surface.nodes))
+    for field, stress in zip(total, found.nodal_MPa, strict=True):
+        slope = np.einsum("pfn,nfc->pfc", weights, stress[cells], optimize=True)
+        np.add.at(field, surface.faces, slope)
+    return total / number[:, None]
+
+
+def _jumps(surface: Surface, found: NodalStress) -> Array:
+    position = np.full(found.nodal_MPa.shape[1], -1)
+    position[surface.nodes] = np.arange(len(surface.nodes))
+    where = position[found.elements.T]  # (elements, 10)
+    touching = where >= 0
+    jump = np.zeros((len(found.nodal_MPa), len(surface.nodes)))
+    for field, element, nodal in zip(jump, found.element_MPa, found.nodal_MPa, strict=True):
+        mean = von_mises(nodal)[found.elements.T[touching]]
+        np.maximum.at(field, where[touching], np.abs(von_mises(element[touching]) - mean))
+    return jump

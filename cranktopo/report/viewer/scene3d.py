@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.report.plot import GREY, Picture
 from cranktopo.report.shading import (

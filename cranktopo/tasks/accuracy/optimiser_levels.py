@@ -18,7 +18,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
 from cranktopo.bodies.cells.domain import laterally_symmetric
-from cranktopo.bodies.cells.resolution import (
+from cranktopo.bodies.memory import (
     WALL_CELLS,
     available_memory_MiB,
     check_resolution,

@@ -12,7 +12,7 @@ from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
-from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
+from cranktopo.numerics.tetrahedra.stress import von_mises
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.levels import evaluation_levels

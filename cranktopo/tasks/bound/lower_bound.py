@@ -18,8 +18,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.cells.web_cells import on_cells
+from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene

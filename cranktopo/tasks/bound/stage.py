@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import laterally_symmetric
-from cranktopo.bodies.cells.resolution import available_memory_MiB, check_resolution
+from cranktopo.bodies.memory import available_memory_MiB, check_resolution
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit

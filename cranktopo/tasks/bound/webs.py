@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import Parting
+from cranktopo.numerics.filters.processes import Parting
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
 from cranktopo.tasks.density.model import ThrowModel
 from cranktopo.tasks.density.responses import Design, Response, quantities

@@ -18,8 +18,7 @@ from cranktopo.engine.analysis import analyse
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.report.viewer.scene3d import PARTNERS, ShownBody
 from cranktopo.runs.directories import RunStore, open_run, runs_named

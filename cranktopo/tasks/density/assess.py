@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.material import MaterialInterpolation, relative_moduli, solid_fraction
 from cranktopo.tasks.density.model import ThrowModel, case_forces

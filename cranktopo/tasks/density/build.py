@@ -10,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.goal.constraint import minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named

@@ -22,13 +22,19 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.frames import X, Z
 from cranktopo.base.spans import holds, polygon_section
-from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.cells.web_cells import centres_mm
-from cranktopo.bodies.through_holes import through_holes
+from cranktopo.bodies.cells.domain import Domain, centres_mm
+from cranktopo.bodies.envelope_file import through_holes
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.filters.forging import ForgingConstraint, Parting, reachable
-from cranktopo.numerics.filters.projection import THRESHOLD, Projection
-from cranktopo.numerics.filters.tool_access import ONE_CELL, Direction, Offsets, ToolAccess
+from cranktopo.numerics.filters.density_filter import THRESHOLD, Projection
+from cranktopo.numerics.filters.processes import (
+    ONE_CELL,
+    Direction,
+    ForgingConstraint,
+    Offsets,
+    Parting,
+    ToolAccess,
+    reachable,
+)
 from cranktopo.tasks.density.material import web_cell_mm
 
 LEAST_CELLS = 2.0

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.numerics.filters.density_filter import cone_filter, cone_kernel
-from cranktopo.numerics.filters.projection import Projection, projected
+from cranktopo.numerics.filters.density_filter import Projection, cone_filter, cone_kernel, projected
 
 Block = Callable[[jax.Array], jax.Array]
 """A differentiable map of fields (nx, ny, nw), registered as a JAX pytree: a dataclass with `__call__`."""

@@ -19,10 +19,9 @@ from cranktopo.base.units import KG_PER_TONNE, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.grid.conjugate_gradients import System
 from cranktopo.numerics.grid.equilibrium import Solution, solve_system
-from cranktopo.numerics.grid.lattice import layer_blocks
+from cranktopo.numerics.grid.lattice import WHOLE, layer_blocks
 from cranktopo.numerics.grid.multigrid import build_tables
 from cranktopo.numerics.grid.operator import strain_energy_densities, strain_energy_density
-from cranktopo.numerics.grid.partition import WHOLE
 from cranktopo.numerics.precision import Precision
 from cranktopo.tasks.density.model import ThrowModel, case_forces, cell_volumes_mm3
 

@@ -14,15 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric
-from cranktopo.bodies.cells.resolution import (
-    WALL_CELLS,
-    available_memory_MiB,
-    check_resolution,
-    thinnest_wall_mm,
-)
-from cranktopo.bodies.cells.web_cells import on_cells
+from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric, on_cells
 from cranktopo.bodies.envelope_file import symmetrised
+from cranktopo.bodies.memory import WALL_CELLS, available_memory_MiB, check_resolution, thinnest_wall_mm
 from cranktopo.design.goal.wanted import check_known, wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase

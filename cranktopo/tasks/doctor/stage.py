@@ -110,7 +110,7 @@ def _cores() -> Check:
 
 def memory() -> Check:
     """Check the memory that a run may take now."""
-    from cranktopo.bodies.cells.resolution import available_memory_MiB, optimiser_memory_MiB
+    from cranktopo.bodies.memory import available_memory_MiB, optimiser_memory_MiB
     from cranktopo.design.loading import load_scene
 
     scene, available = load_scene(_EXAMPLE), available_memory_MiB()

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
-from cranktopo.bodies.solid.files import surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
+from cranktopo.bodies.solid.files import half_surfaces, surface_of
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance

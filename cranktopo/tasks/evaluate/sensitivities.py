@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json
-from cranktopo.bodies.mesh.memory import check_element_size
+from cranktopo.bodies.memory import check_element_size
 from cranktopo.design.free_dimensions import own_dimension_mm
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import WebName

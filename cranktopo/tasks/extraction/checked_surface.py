@@ -8,12 +8,16 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.undercuts import Undercuts, undercuts
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.checks import check_manifold, check_self_intersection, surface_refusal
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
+from cranktopo.numerics.surfaces.mesh import (
+    check_manifold,
+    check_self_intersection,
+    shell_volumes_mm3,
+    surface_refusal,
+)
 from cranktopo.tasks.density.loop import WebDensities
 from cranktopo.tasks.extraction.half_throw import WebSurface, extract_half_throw
 from cranktopo.tasks.extraction.walls import measure

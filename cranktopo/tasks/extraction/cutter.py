@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import X, Y, Z
-from cranktopo.bodies.density_grid import DensityGrid, is_x_symmetric
+from cranktopo.bodies.cells.grid import DensityGrid, is_x_symmetric
 from cranktopo.bodies.prisms import (
     ON_MIRROR_MM,
     envelope_solid,

@@ -17,12 +17,17 @@ from manifold3d import Manifold
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.frames import Z
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import ON_MIRROR_MM, journal_halves, web_region
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.surfaces.checks import manifold_fault
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of, sound_mesh_of
-from cranktopo.numerics.surfaces.self_intersections import self_intersections_mm
+from cranktopo.numerics.surfaces.mesh import (
+    SurfaceMesh,
+    manifold_fault,
+    mesh_of,
+    self_intersections_mm,
+    solid_of,
+    sound_mesh_of,
+)
 from cranktopo.tasks.extraction.cutter import (
     Cutter,
     build_cutter,

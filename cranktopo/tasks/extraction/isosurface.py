@@ -18,7 +18,7 @@ from manifold3d import Manifold
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
 _PAD_CELLS = 3

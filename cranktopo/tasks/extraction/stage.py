@@ -11,8 +11,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.density_grid import DensityGrid
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.cells.grid import DensityGrid
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.planning import planned_scene

@@ -12,7 +12,7 @@ from cranktopo.design.halves import drilled_alike, halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, load_history
 from cranktopo.engine.throw_compliance import web_lever_mm
-from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises
+from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     Dimensions,

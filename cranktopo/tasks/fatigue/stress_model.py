@@ -17,13 +17,14 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.equivalent_stress import principal_stresses, von_mises
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
-from cranktopo.numerics.tetrahedra.stressed_surface import (
+from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
+    nodal_stress,
     outer_surface,
+    principal_stresses,
     surface_stress,
+    von_mises,
 )
 from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg

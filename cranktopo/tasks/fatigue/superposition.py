@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.equivalent_stress import DEVIATOR, von_mises
-from cranktopo.numerics.tetrahedra.stressed_surface import SurfaceStress
+from cranktopo.numerics.tetrahedra.stress import DEVIATOR, SurfaceStress, von_mises
 from cranktopo.tasks.fatigue.local_stress import LocalStress
 
 Index = NDArray[np.intp]

@@ -22,8 +22,12 @@ from cranktopo.base.frames import Span
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
-from cranktopo.numerics.tetrahedra.linear_solve import RESIDUAL_LIMIT, symmetric_solver
+from cranktopo.numerics.tetrahedra.elasticity import (
+    RESIDUAL_LIMIT,
+    Elasticity,
+    mean_displacement,
+    symmetric_solver,
+)
 
 Lateral = Literal["even", "odd", "none"]
 

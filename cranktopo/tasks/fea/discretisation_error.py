@@ -24,14 +24,13 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.curving import EDGES
 from cranktopo.numerics.tetrahedra.elasticity import (
     STIFFNESS_ORDER,
     Elasticity,
     basis_above_plane,
     lame_constants_MPa,
 )
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import chunks, shape_slopes, work_slopes
 from cranktopo.tasks.fea.condense import Superelement, loaded_mm, section_slopes
 

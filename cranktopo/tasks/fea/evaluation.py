@@ -11,10 +11,9 @@ from typing import TypeVar
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
-from cranktopo.bodies.mesh.memory import check_element_size
+from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
-from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass, web_volume_mm3
 from cranktopo.design.assumed import EVALUATED, Assumption, filter_by_table
 from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene

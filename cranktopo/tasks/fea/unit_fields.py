@@ -22,8 +22,7 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     centrifugal_force,
     mean_displacement,
 )
-from cranktopo.numerics.tetrahedra.equivalent_stress import von_mises
-from cranktopo.numerics.tetrahedra.stress import nodal_stress
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.condense import (
     RX,
     Lateral,

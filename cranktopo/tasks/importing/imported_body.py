@@ -14,19 +14,15 @@ from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
-from cranktopo.bodies.solid.files import surface_of
-from cranktopo.bodies.solid.half_surfaces import half_surfaces
-from cranktopo.bodies.solid.primitives import DimTags
-from cranktopo.bodies.solid.step_surface import STEP_SUFFIXES, kernel_surface, step_solid
-from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
+from cranktopo.bodies.solid.files import half_surfaces, surface_of
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, kernel_surface, step_solid
+from cranktopo.bodies.solid.throw import DimTags, SolidProperties, solid_properties
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
-from cranktopo.numerics.surfaces.shells import shell_volumes_mm3
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.remesh import tetrahedralise
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
+from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 

@@ -22,9 +22,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.numerics.surfaces.checks import manifold_fault
 from cranktopo.numerics.surfaces.files import as_stored, read_stl, write_stl
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_of, solid_of
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.tasks.density import stage

@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, write_npz
 from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.density_grid import DensityGrid
+from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.analysis import LoadAnalysis, analyse

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.tasks.refit.family import Layout, flank_of, own_values, scene_at
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.counterweight.tangent_circle import (

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference, complex_step
+from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
 from cranktopo.tasks.refit.family import Layout, all_bounds, flank_of, named_parts, scene_at, size_rules
 from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, MovedFillet, added_mm, moved_fillet
 from cranktopo.throw.drilling.table import drilling_rules

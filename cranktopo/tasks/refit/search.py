@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.slsqp import minimise
+from cranktopo.numerics.optimisers.gradient_search import minimise
 from cranktopo.tasks.refit.family import Layout, flank_of, station_shares
 from cranktopo.tasks.refit.model_fill import added_mm, smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb, reaches_mm

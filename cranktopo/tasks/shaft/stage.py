@@ -10,7 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.result import Result
 from cranktopo.base.units import MPA_PER_GPA
-from cranktopo.bodies.mesh.memory import check_element_size
+from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
 from cranktopo.design.halves import default_element_size_mm

@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import Multipliers
+from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import with_part
 from cranktopo.tasks.shape.search import SearchResult
 from cranktopo.tasks.shape.search_goal import SearchGoal

@@ -19,9 +19,9 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
-from cranktopo.numerics.derivatives import central_difference
-from cranktopo.numerics.tetrahedra.curving import shape_gradients
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, centrifugal_force
+from cranktopo.numerics.tetrahedra.mesh import node_points, shape_gradients
 from cranktopo.numerics.tetrahedra.node_gradients import (
     centrifugal_slopes,
     displacement_slopes,
@@ -31,11 +31,13 @@ from cranktopo.numerics.tetrahedra.node_gradients import (
     shape_slopes,
     work_slopes,
 )
-from cranktopo.numerics.tetrahedra.stress import NodalStress, hooke, nodal_stress, nodes_from_points
-from cranktopo.numerics.tetrahedra.stressed_surface import (
+from cranktopo.numerics.tetrahedra.stress import (
+    NodalStress,
     Surface,
     SurfaceStress,
-    node_points,
+    hooke,
+    nodal_stress,
+    nodes_from_points,
     outer_surface,
     surface_stress,
     triangle_gradients,

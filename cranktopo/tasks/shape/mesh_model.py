@@ -21,7 +21,7 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene

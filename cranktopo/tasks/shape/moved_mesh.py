@@ -18,10 +18,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.free_dimensions import move_journals
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.curving import EDGES, least_jacobian_ratio
-from cranktopo.numerics.tetrahedra.linear_solve import solve_symmetric
-from cranktopo.numerics.tetrahedra.mesh import TetMesh
-from cranktopo.numerics.tetrahedra.stressed_surface import boundary_faces
+from cranktopo.numerics.tetrahedra.elasticity import solve_symmetric
+from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, least_jacobian_ratio
+from cranktopo.numerics.tetrahedra.stress import boundary_faces
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.throw_faces import Contact, FilletFace, WebFace
 from cranktopo.tasks.shape.web_faces import web_faces

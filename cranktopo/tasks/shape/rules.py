@@ -13,7 +13,7 @@ from cranktopo.bodies.envelope_file import envelope_bounds_mm, envelope_section,
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.free_dimensions import is_of_counterweight
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.tasks.refit.family import Layout, scene_at
 from cranktopo.tasks.refit.parametric_web import NO_LENGTHS, ParametricWeb
 from cranktopo.throw.envelope import Envelope

@@ -12,8 +12,12 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import Multipliers, multipliers
-from cranktopo.numerics.optimisers.slsqp import minimise, restore_feasibility
+from cranktopo.numerics.optimisers.gradient_search import (
+    Multipliers,
+    minimise,
+    multipliers,
+    restore_feasibility,
+)
 from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb

@@ -18,7 +18,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.multipliers import Multipliers
+from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead

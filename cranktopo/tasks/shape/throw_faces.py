@@ -15,7 +15,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference
+from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.tasks.refit.family import Layout, scene_at
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.drilling.table import drill_bores

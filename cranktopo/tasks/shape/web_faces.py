@@ -13,7 +13,7 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.design.free_dimensions import DimensionName, move_journals
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.derivatives import central_difference, complex_step
+from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
 from cranktopo.tasks.refit.family import Layout, flank_of, scene_at
 from cranktopo.tasks.refit.model_fill import MovedFillet, moved_fillet
 from cranktopo.tasks.shape.throw_faces import (

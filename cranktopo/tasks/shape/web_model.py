@@ -14,9 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.cells.domain import Domain, build_domain
-from cranktopo.bodies.cells.web_cells import centres_mm
-from cranktopo.bodies.web_moments import bolted_mass
+from cranktopo.bodies.cells.domain import Domain, build_domain, centres_mm
+from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.free_dimensions import (
     DimensionName,
     free_range_mm,

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
-from cranktopo.bodies.cells.resolution import available_memory_MiB, optimiser_memory_MiB
-from cranktopo.bodies.mesh.memory import evaluation_memory_MiB
+from cranktopo.bodies.memory import available_memory_MiB, evaluation_memory_MiB, optimiser_memory_MiB
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.evaluation import Info

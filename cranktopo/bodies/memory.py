@@ -1,0 +1,118 @@
+"""Is a resolution or an element size usable? Asked before anything is made: memory, and walls of journals."""
+
+from __future__ import annotations
+
+import math
+
+from cranktopo.base.errors import invalid
+from cranktopo.bodies.cells.domain import throw_ranges_mm
+from cranktopo.bodies.cells.layers import GridContent
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.halves import halves, may_mirror, web_asymmetry
+from cranktopo.design.schema import Scene
+
+WALL_CELLS = 2
+# Peak memory of a process: BASE + PER_CELL x cells x load cases lies above everything measured, 3 to 0.8 mm
+# with two and with four load cases, nothing compiled before (`python -m tests.benchmarks.memory`).
+_BASE_MIB = 1250.0
+_PER_CELL_KIB = 0.5
+_MIB = 1024.0**2
+
+
+def check_resolution(
+    scene: Scene, resolution_mm: float, quarter: bool, cases: int, available_MiB: float
+) -> None:
+    """Check a cell size against the thinnest wall and the memory; the error names what would do."""
+    key = "optimise.resolution_mm"
+    wall = thinnest_wall_mm(scene)
+    if resolution_mm > wall / WALL_CELLS:
+        raise invalid(
+            key,
+            resolution_mm,
+            f"too coarse: the thinnest journal wall is {wall:g} mm and needs {WALL_CELLS} cells",
+            f"Use at most {wall / WALL_CELLS:g} mm.",
+        )
+    needed = optimiser_memory_MiB(scene, resolution_mm, quarter, cases)
+    if needed > available_MiB:
+        finest = finest_resolution_mm(scene, quarter, cases, available_MiB)
+        raise invalid(
+            key,
+            resolution_mm,
+            f"too fine: about {needed / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available",
+            f"The finest that fits is about {finest:g} mm.",
+        )
+
+
+def thinnest_wall_mm(scene: Scene) -> float:
+    """Return the thinnest radial wall of the two journals (radius of a solid one), mm."""
+    journals = scene.throw.main_journal, scene.throw.crankpin
+    return min(journal.radius_mm - journal.bore_radius_mm for journal in journals)
+
+
+def optimiser_memory_MiB(scene: Scene, resolution_mm: float, quarter: bool, cases: int) -> float:
+    """Estimate the peak memory of an optimisation, of half a model if `quarter`, at a cell size, MiB."""
+    return _BASE_MIB + _PER_CELL_KIB * estimated_cells(scene, resolution_mm, quarter) * cases / 1024
+
+
+def estimated_cells(
+    scene: Scene, resolution_mm: float, quarter: bool, target: GridContent = "envelope"
+) -> float:
+    """Return the number of cells of a grid, of half a model if `quarter`, at a cell size, without padding."""
+    (x0, x1), (y0, y1) = throw_ranges_mm(scene, target)
+    width = x1 if quarter else x1 - x0
+    return width * (y1 - y0) * scene.pitch_mm / 2 / resolution_mm**3
+
+
+def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB: float) -> float:
+    """Return the finest cell size, rounded up to 0.01 mm, whose estimate fits into the memory."""
+    at_one = optimiser_memory_MiB(scene, 1.0, quarter, cases) - _BASE_MIB
+    room = max(available_MiB - _BASE_MIB, 1e-3)
+    return math.ceil(math.cbrt(at_one / room) * 100) / 100
+
+
+def available_memory_MiB() -> float:
+    """Return the memory that a process may take now without swapping, MiB."""
+    import psutil
+
+    return float(psutil.virtual_memory().available) / _MIB
+
+
+# Measured from 4.2 to 1.9 mm: 16.0 to 14.9 KiB per node over 120 MiB; 25 to 12 nodes per cubed element size.
+_MESH_BASE_MIB = 120.0
+_PER_NODE_KIB = 15.0
+_LEAST_NODES = 10.0
+"""Nodes per cubed element size of a quadratic mesh without any refinement."""
+
+
+def check_element_size(scene: Scene, element_size_mm: float) -> None:
+    """Check that the mesh of a throw can fit into the memory; the error names the finest size that may.
+
+    The estimate leaves out what is refined at fillets, so that nothing is refused which would fit.
+    """
+    available = available_memory_MiB()
+    needed = evaluation_memory_MiB(scene, element_size_mm)
+    if needed <= available:
+        return
+    finest = element_size_mm * math.cbrt((needed - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0))
+    raise invalid(
+        "element size",
+        element_size_mm,
+        f"too fine: at least {needed / 1024:,.1f} GiB needed, {available / 1024:,.1f} GiB available",
+        f"The finest that may fit is about {finest:.2g} mm (--element-size-mm).",
+    )
+
+
+def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
+    """Estimate the minimum peak memory of an evaluation, MiB; halved where symmetric in x."""
+    near, far = halves(scene)
+    volume = _half_volume_mm3(near) + (0.0 if far is near else _half_volume_mm3(far))
+    share = 0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0
+    nodes = _LEAST_NODES * share * volume / element_size_mm**3
+    return _MESH_BASE_MIB + _PER_NODE_KIB * nodes / 1024
+
+
+def _half_volume_mm3(scene: Scene) -> float:
+    return web_volume_mm3(scene) + sum(
+        math.pi * (journal.radius_mm**2 - journal.bore_radius_mm**2) * journal.length_mm / 2
+        for journal, _ in scene.throw.journals
+    )

@@ -1,0 +1,152 @@
+"""STEP files: the surface of the body in one as triangles, and what one says about itself.
+
+The surface is the CAD kernel's own triangulation. Labels replace what OCC writes (ISO 10303-21, clear text
+encoding); the schema stays as OCC writes it, AP214 (automotive_design).
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
+from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
+
+if TYPE_CHECKING:
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+
+_TEXT = r"'(?:[^']|'')*'"
+_HEADER = re.compile(r"(?s)\AISO-10303-21;\s*HEADER;.*?(FILE_SCHEMA\s*\(.*?\);)\s*ENDSEC;")
+_SYSTEM = re.compile(rf"FILE_NAME\s*\((?:[^;']|{_TEXT})*?({_TEXT})\s*,\s*{_TEXT}\s*,\s*{_TEXT}\s*\);")
+_PRODUCT = re.compile(rf"(=\s*PRODUCT\s*\(\s*){_TEXT}(\s*,\s*){_TEXT}(\s*,\s*){_TEXT}")
+_SOLID = re.compile(rf"(=\s*MANIFOLD_SOLID_BREP\s*\(\s*){_TEXT}")
+
+
+@dataclass(frozen=True)
+class StepLabel:
+    """What a reader shows of a STEP file: its product and one solid, described in a line; written in UTC."""
+
+    product: str
+    description: str
+    program: str
+    version: str
+    written: datetime
+
+
+def label_step(path: Path, label: StepLabel) -> None:
+    """Write the label into a STEP file of one solid that OCC wrote."""
+    path.write_text(labelled(path.read_text(encoding="ascii"), label), encoding="ascii")
+
+
+def labelled(text: str, label: StepLabel) -> str:
+    """Return the text of a STEP file with the label; it must hold one product with one solid."""
+    product, description = step_string(label.product), step_string(label.description)
+    system = _SYSTEM.search(text)
+    header = (
+        "ISO-10303-21;\nHEADER;\n"
+        f"FILE_DESCRIPTION(({description}),'2;1');\n"
+        f"FILE_NAME({product},'{label.written.isoformat(timespec='seconds')}',\n"
+        f"  ({step_string(f'{label.program} {label.version}')}),({step_string(label.program)}),\n"
+        f"  {system[1] if system else repr('')},{step_string(f'{label.program} {label.version}')},'');\n"
+    )
+    text, headers = _HEADER.subn(lambda found: f"{header}{found[1]}\nENDSEC;", text)
+    text, products = _PRODUCT.subn(lambda m: f"{m[1]}{product}{m[2]}{product}{m[3]}{description}", text)
+    text, solids = _SOLID.subn(lambda m: f"{m[1]}{product}", text)
+    if (headers, products, solids) != (1, 1, 1):
+        raise solver_error(
+            f"STEP file: holds {products} products with {solids} solids instead of one each.",
+            "Export STL, or change the dimensions slightly.",
+        )
+    return text
+
+
+def step_string(text: str) -> str:
+    """Return a string of ISO 10303-21, 6.4.3, quotes included: other alphabets as UTF-16."""
+
+    def coded(match: re.Match[str]) -> str:
+        return f"\\X2\\{match[0].encode('utf-16-be').hex().upper()}\\X0\\"
+
+    plain = text.replace("\\", "\\\\").replace("'", "''")
+    return "'" + re.sub(r"[^\x20-\x7e]+", coded, plain) + "'"
+
+
+STEP_SUFFIXES = (".step", ".stp")
+_CHORD_MM = 0.01
+"""Largest distance of a triangle from the body; 1e-4 of the volume of a web."""
+_TRIANGULATION = {
+    "StlLinearDeflection": _CHORD_MM,
+    "StlLinearDeflectionRelative": 0,
+    "StlAngularDeflection": 0.1,
+}
+_WELD_DIGITS = 6
+_VOLUME_TOLERANCE = 2e-3
+
+
+def step_surface(path: Path, name: str) -> SurfaceMesh:
+    """Return outward triangles of the one solid in a STEP file of any unit, mm, joined along its edges.
+
+    Raises CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
+    """
+    with cad_session(f"surface of {path}") as gmsh:
+        body = step_solid(gmsh, path, name)
+        volume = float(gmsh.model.occ.getMass(*body))
+        mesh = kernel_surface(gmsh)
+    if not (mesh.as_trimesh().is_watertight and abs(mesh.volume_mm3 / volume - 1) < _VOLUME_TOLERANCE):
+        raise CranktopoError(
+            f"{name}: the faces of its solid do not close ({mesh.volume_mm3:.1f} of {volume:.1f} mm3).",
+            hint="Repair the solid in CAD, or export it as STL.",
+        )
+    return mesh
+
+
+def kernel_surface(gmsh: Any) -> SurfaceMesh:
+    """Return the kernel's own triangles of the open session's body, joined; it stays unmeshed."""
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+    for option, value in _TRIANGULATION.items():
+        gmsh.option.setNumber(f"Mesh.{option}", value)
+    gmsh.model.mesh.importStl()
+    points, faces = triangles(gmsh)
+    gmsh.model.mesh.clear()
+    vertices, number = np.unique(np.round(points, _WELD_DIGITS), axis=0, return_inverse=True)
+    faces = number.reshape(-1)[faces]
+    return SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
+
+
+def _check_step(path: Path, name: str) -> None:
+    """Check that a file can be one of STEP, before the reader is asked, which may not survive others."""
+    check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
+    with path.open("rb") as file:
+        head = file.read(1000)
+    if b"ISO-10303-21" not in head:
+        raise CranktopoError(f"{name}: is no STEP file.", hint="Export one solid again as STEP, mm.")
+
+
+def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
+    """Return the one solid of a STEP file in the open session; raises CranktopoError without one."""
+    _check_step(path, name)
+    occ = gmsh.model.occ
+    try:
+        with quiet_stdout():
+            found = occ.importShapes(str(path))
+    except Exception as error:
+        if type(error) is not Exception:  # gmsh raises the bare class
+            raise
+        raise CranktopoError(
+            f"{name}: cannot be read as STEP.", hint="Export one solid again as STEP (AP203, AP214 or AP242)."
+        ) from None
+    solids = [pair for pair in found if pair[0] == 3]
+    if len(solids) != 1:
+        raise CranktopoError(
+            f"{name}: holds {len(solids)} solids, not one.",
+            hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
+        )
+    occ.synchronize()
+    return solids[0]

@@ -1,0 +1,150 @@
+"""Search with gradients: derivatives by steps, sequential quadratic programming, multipliers of the optimum.
+
+At an optimum the goal's gradient is balanced by those of the active constraints with multipliers >= 0
+(W. Karush, 1939; H. W. Kuhn, A. W. Tucker, 1951); non-negative least squares finds them. The programming is
+that of D. Kraft, 1988, as NLopt has it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+
+_IMAGINARY = 1e-30
+"""Imaginary step: nothing cancels, so it may be as small as it likes."""
+
+
+def central_difference(
+    function: Callable[[Array], Array], at: Array, step: float, places: Iterable[int] | None = None
+) -> Array:
+    """Return derivatives by the argument's first axis, as last axis; 0 by places that are left out."""
+    steps = step * np.eye(len(at)).reshape(len(at), len(at), *(1,) * (at.ndim - 1))
+    chosen = range(len(at)) if places is None else places
+    found = {i: (function(at + steps[i]) - function(at - steps[i])) / (2 * step) for i in chosen}
+    shape = np.shape(next(iter(found.values())) if found else function(at))
+    return np.stack([found.get(i, np.zeros(shape)) for i in range(len(at))], axis=-1)
+
+
+def complex_step(function: Callable[[Any], Any], at: Array) -> Array:
+    """Return the derivatives of an analytic function by its variables, exact to rounding, as the last axis.
+
+    Source: J. R. R. A. Martins et al., The complex-step derivative approximation, ACM TOMS 29, 2003.
+    """
+    sides = [function(at + 1j * _IMAGINARY * unit).imag / _IMAGINARY for unit in np.eye(len(at))]
+    return np.stack(sides, axis=-1)
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Multipliers of an optimum.
+
+    Attributes:
+        limits: (limits,) change of the goal per relative change of each limit.
+        rules: (rules,) change of the goal per mm of each manufacturing rule.
+        bounds: (parameters,) of the bounds, change of the goal per mm or degree.
+        remainder: part of the goal's gradient that they do not balance, over its length.
+    """
+
+    limits: Array
+    rules: Array
+    bounds: Array
+    remainder: float
+
+
+def multipliers(
+    gradient: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
+) -> Multipliers:
+    """Return multipliers of the active constraints for the gradient (n,) of a goal that is to be small.
+
+    Limits (relative) and rules (mm) are values, kept where <= 0, and gradients (m, n); bounds the room to the
+    lower and to the upper ones, (n,) each, mm or degrees.
+    """
+    from scipy.optimize import nnls
+
+    count = len(gradient)
+    near = [limits[0] > -_NEAR_LIMIT, rules[0] > -_NEAR_MM, bounds[0] < _NEAR_MM, bounds[1] < _NEAR_MM]
+    rows = np.vstack([limits[1], rules[1], -np.eye(count), np.eye(count)])
+    active = np.concatenate(near)
+    weights = np.zeros(len(rows))
+    scale = np.linalg.norm(rows[active], axis=1)
+    kept = np.flatnonzero(active)[scale > 0]
+    if kept.size:
+        columns = (rows[kept] / scale[scale > 0, None]).T
+        found, _ = nnls(columns, -gradient)
+        weights[kept] = found / scale[scale > 0]
+    rest = float(np.linalg.norm(gradient + weights @ rows)) / max(float(np.linalg.norm(gradient)), 1e-30)
+    first, second, third = np.cumsum([len(limits[0]), len(rules[0]), count])
+    return Multipliers(weights[:first], weights[first:second], weights[second:third] - weights[third:], rest)
+
+
+_NEAR_LIMIT, _NEAR_MM = 2e-3, 0.05
+"""Distance from a limit (relative) and from a rule or bound (mm, degrees) that counts as active."""
+
+
+Objective = Callable[[Array], tuple[float, Array]]
+"""Value and gradient (parameters,) at parameters."""
+Constraints = Callable[[Array], tuple[Array, Array]]
+"""Values, kept where <= 0, and gradients (constraints, parameters) at parameters."""
+_FEASIBLE = 1e-6
+_FAR = 5.0
+"""Violation of a rule that a search may be too short for, mm or what the rule is told in."""
+_RESTORED, _RESTORE_EVALUATIONS = 1e-3, 100
+
+
+def minimise(
+    objective: Objective,
+    constraints: Constraints,
+    bounds: tuple[Array, Array],
+    start: Array,
+    step: float,
+    evaluations: int,
+    flat: float = 0.0,
+) -> Array:
+    """Minimise an objective under constraints; what rounding stops ends at the start, clipped to the bounds.
+
+    A change of a parameter by `step`, or of the objective by its share `flat`, ends the search.
+    """
+    import nlopt
+
+    def value(values: Array, gradient: Array) -> float:
+        result, by_values = objective(values)
+        if gradient.size:
+            gradient[:] = by_values
+        return result
+
+    def constrain(result: Array, values: Array, gradient: Array) -> None:
+        result[:], by_values = constraints(values)
+        if gradient.size:
+            gradient[:] = by_values
+
+    first = np.clip(start, *bounds)
+    optimiser = nlopt.opt(nlopt.LD_SLSQP, len(first))
+    optimiser.set_min_objective(value)
+    optimiser.add_inequality_mconstraint(constrain, np.full(len(constraints(first)[0]), _FEASIBLE))
+    optimiser.set_lower_bounds(bounds[0])
+    optimiser.set_upper_bounds(bounds[1])
+    optimiser.set_xtol_abs(step)
+    optimiser.set_ftol_rel(flat)
+    optimiser.set_maxeval(max(evaluations, 1))
+    with suppress(nlopt.RoundoffLimited):
+        return np.asarray(optimiser.optimize(first))
+    return first
+
+
+def restore_feasibility(rules: Constraints, bounds: tuple[Array, Array], start: Array) -> Array:
+    """Return the parameters nearest to a start that keep the rules; itself where a search can mend it."""
+    first = np.clip(start, *bounds)
+    if rules(first)[0].max(initial=0.0) < _FAR:
+        return start
+
+    def distance(values: Array) -> tuple[float, Array]:
+        return float(((values - first) ** 2).sum()) / 2, values - first
+
+    best = minimise(distance, rules, bounds, first, _RESTORED, _RESTORE_EVALUATIONS)
+    return best if rules(best)[0].max() < rules(first)[0].max() else start
