@@ -58,7 +58,7 @@ def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None
 
     from cranktopo.report.shading import draw, view_axes
 
-    least, point = field.critical.safety, np.array(field.critical.place.point_mm)
+    least, point = field.critical.safety, np.array(field.critical.point_mm)
     far = bool(point[2] > _middle_mm(field))
     norm, colours = LogNorm(least, _TOP * least, clip=True), colormaps["turbo_r"]
     body = _half(field, far, lambda safety: colours(norm(safety))[:, :3])
