@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from cranktopo.design.schema import Scene
 
 DEFAULT_DESIGN = "mikron-iiic"
-FATIGUE_METHODS = ("lsa", "fkm", "m53")
 _TIME_UNITS = {"min": 60.0, "h": 3600.0, "s": 1.0}
 
 

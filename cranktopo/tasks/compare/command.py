@@ -14,10 +14,11 @@ import click
 
 from cranktopo.base.formats import PLOTS
 from cranktopo.cli.completion import designs
-from cranktopo.cli.options import FATIGUE_METHODS, bound_option, mesh_options
+from cranktopo.cli.options import bound_option, mesh_options
 from cranktopo.cli.parameters import Choice
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
+from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
     from cranktopo.tasks.compare.result import Comparison
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
 @click.option(
     "--fatigue",
     "method",
-    type=Choice(FATIGUE_METHODS),
+    type=Choice(tuple(METHODS)),
     help="Also assess the fatigue safety by this method; see 'cranktopo fatigue --help'.",
 )
 @bound_option

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan
-from cranktopo.tasks.fatigue.criteria import CRITERIA
+from cranktopo.tasks.fatigue.criteria import criterion, safety_method
+from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fillets import place
-from cranktopo.tasks.fatigue.local_stress import LocalStress
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_range
@@ -64,25 +64,16 @@ def check_method(scene: Scene, method: str) -> None:
         CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
             strength.
     """
-    criterion = None if method == "m53" else CRITERIA[method]
-    if criterion is not None:
-        criterion.load_packages()
-    for key in ("ultimate_MPa",) if criterion is None else criterion.needs:
+    found = safety_method(method)
+    found.load_packages()
+    for key in found.needs:
         if getattr(scene.material, key) is None:
             raise CranktopoError(
                 f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
                 f"(material '{scene.material.name}').",
                 hint=f"Give material.{key}, or name a material of the library.",
             )
-    for key in ("main_journal", "crankpin") if method == "m53" else ():
-        fillet = getattr(scene.throw, key).fillet
-        if not fillet.round:
-            raise invalid(
-                f"{scene.name}: throw.{key}.fillet_axial_mm",
-                fillet.axial_mm,
-                "method 'm53' takes factors and strength from the radius of a round fillet",
-                "Take --method lsa or fkm, or leave the key out.",
-            )
+    found.check(scene)
 
 
 def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
@@ -138,7 +129,7 @@ def safety_field(model: StressModel, method: str, history: LoadHistory) -> Fatig
     """Safety at every surface node of every image of the model."""
     loads = unit_loads(history, model.kinds)
     found = [signed_von_mises_range(model.stress, loads * image.signs) for image in model.images]
-    safety = np.stack([CRITERIA[method].point_safety(model.scene, e.local).safety for e in found])
+    safety = np.stack([criterion(method).point_safety(model.scene, e.local).safety for e in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
@@ -177,7 +168,7 @@ def _critical(
     e = found[image]
     local = e.local
     one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-    made = CRITERIA[method].point_safety(model.scene, one)
+    made = criterion(method).point_safety(model.scene, one)
     point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
     at, share = place(model.scene, point), float(made.amplitude_share[0])
     return CriticalPoint(

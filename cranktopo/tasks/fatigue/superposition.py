@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.equivalent_stress import DEVIATOR, von_mises
 from cranktopo.numerics.tetrahedra.stressed_surface import SurfaceStress
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.criterion import LocalStress
 
 Index = NDArray[np.intp]
 
