@@ -131,7 +131,6 @@ def with_goal_options(
 
 
 DEFAULT_DESIGN = "mikron-iiic"
-FATIGUE_METHODS = ("lsa", "fkm", "m53")
 
 
 bearings_option = click.option(

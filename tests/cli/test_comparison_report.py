@@ -15,13 +15,16 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal
-from cranktopo.tasks.fatigue.rule_check import AlternatingLoads, RuleCheck, dimensions
-from cranktopo.tasks.fatigue.stress_model import Quality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
+from cranktopo.tasks.fatigue.rule_check import RuleCheck, dimensions
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.quantities import SAFETY, TORSION
 from cranktopo.tasks.fea.targets import Target, resolve_target
 
+NO_FATIGUE = FatigueResult(
+    method="lsa", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
+)
 NAMES = ["opposed-piston", "opposed-piston-casting"]
 
 
@@ -324,5 +327,5 @@ def test_safeties_within_two_percent_are_level(other: float, best: int | None) -
     entries = [
         Entry(invented(target), None, safety) for target, safety in zip(targets, (1.3, other), strict=True)
     ]
-    fatigue = FatigueComparison((1.3, other), (), {"fatigue": []})
+    fatigue = FatigueComparison((1.3, other), (), NO_FATIGUE)
     assert compare(entries, NAMES[0], fatigue).best(SAFETY) == best

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from cranktopo.base.arrays import Array
-from cranktopo.cli.options import FATIGUE_METHODS
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criteria import CRITERIA
-from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.criteria import METHODS, safety_method
+from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
 from cranktopo.tasks.fatigue.stage import assess_fatigue
 
 
@@ -30,14 +28,16 @@ def level_line(scene: Scene, strength_MPa: float, gradient_per_mm: float, mean_M
     return np.full(mean_MPa.shape, strength_MPa)
 
 
-def test_the_command_offers_every_criterion_and_the_rule() -> None:
-    assert (*CRITERIA, "m53") == FATIGUE_METHODS
+AMPLITUDE = FatigueCriterion("amplitude", ("ultimate_MPa",), without_mean, level_line)
+
+
+def test_the_registry_names_every_method_as_it_names_itself() -> None:
+    assert list(METHODS) == ["lsa", "fkm", "m53"]
+    assert [safety_method(name).name for name in METHODS] == list(METHODS)
 
 
 def test_a_registered_criterion_is_assessed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setitem(
-        CRITERIA, "amplitude", FatigueCriterion("amplitude", ("ultimate_MPa",), without_mean, level_line)
-    )
+    monkeypatch.setitem(METHODS, "amplitude", f"{__name__}:AMPLITUDE")
     found = assess_fatigue(["mikron-iiic"], "amplitude", fillet_fraction=0.8, out=tmp_path)
     (field,) = found.fields
     limit = limit_MPa(field.model.scene)

@@ -94,5 +94,5 @@ def test_a_second_web_a_hair_thicker_has_the_safety_of_equal_webs() -> None:
     assert list(found.web_safety.values()) == pytest.approx([plain.critical.safety] * 2, rel=0.02)
     weak = scene_with(second_web={**WEB, "thickness_mm": 15.0})
     worse = fatigue_field(Target("weak", weak), "lsa", fillet_fraction=0.5)
-    assert worse.critical.place.web == "second"
+    assert worse.critical.web == "second"
     assert worse.web_safety["second"] == worse.critical.safety < worse.web_safety["first"]

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.formats import PLOTS
-from cranktopo.cli.options import FATIGUE_METHODS, Choice, bound_option, designs, mesh_options
+from cranktopo.cli.options import Choice, bound_option, designs, mesh_options
 from cranktopo.cli.verbosity import info, verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
+from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
     from cranktopo.tasks.compare.result import Comparison
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 @click.option(
     "--fatigue",
     "method",
-    type=Choice(FATIGUE_METHODS),
+    type=Choice(tuple(METHODS)),
     help="Also assess the fatigue safety by this method; see 'cranktopo fatigue --help'.",
 )
 @bound_option

@@ -22,6 +22,7 @@ from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import comparison_tables
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
+from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     BENDING_PER_MASS,
@@ -193,9 +194,9 @@ def _safety(comparison: Comparison) -> str:
     if comparison.fatigue is None:
         return ""
     places = [
-        f"{entry['target']}: {entry['critical']['place']}"
-        for entry in comparison.fatigue.json["fatigue"]
-        if "critical" in entry
+        f"{entry.target}: {entry.critical.place}"
+        for entry in comparison.fatigue.result.fatigue
+        if isinstance(entry, FieldFatigue)
     ]
     worst = f" Least safety: {'; '.join(places)}." if places else ""
     return f" {' '.join(comparison.fatigue.verdicts)}{worst}"
@@ -227,7 +228,7 @@ def _accuracy(comparison: Comparison) -> Section:
 
 def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
     """Return what a target does not say, one table for all; fatigue names what it uses as well."""
-    known = comparison.fatigue.json["fatigue"] if comparison.fatigue else []
+    known = comparison.fatigue.result.as_json()["fatigue"] if comparison.fatigue else []
     entries = [entry.evaluation.result.as_json() for entry in comparison.entries]
     found = [
         {**item, "key": f"{entry['target']}: {item['key']}"}

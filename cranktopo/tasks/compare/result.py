@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.schema import Published
 from cranktopo.report.result_table import Cell
+from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
@@ -39,7 +39,7 @@ class ComparisonResult(Result):
     best: dict[str, str | None]
     """Name of the best target by column; None where another is within the error estimate."""
     published: list[dict[str, Cell]] | None
-    fatigue: dict[str, Any] | None
+    fatigue: FatigueResult | None
     """As `fatigue --json`, where it was assessed."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
 

@@ -119,7 +119,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         ],
         best={column: None if row is None else comparison.entries[row].name for column, row in best.items()},
         published=None if published is None else records(published),
-        fatigue=None if comparison.fatigue is None else comparison.fatigue.json,
+        fatigue=None if comparison.fatigue is None else comparison.fatigue.result,
         goals=dict(comparison.goals) or None,
     )
 

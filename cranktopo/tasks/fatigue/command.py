@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cranktopo.cli.options import DEFAULT_DESIGN, FATIGUE_METHODS, Choice, Number, body_options, designs
+from cranktopo.cli.options import DEFAULT_DESIGN, Choice, Number, body_options, designs
 from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
     from cranktopo.engine.histories import HistoryKind
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 @click.argument("targets", metavar="TARGET...", nargs=-1, shell_complete=designs)
 @click.option(
     "--method",
-    type=Choice(FATIGUE_METHODS),
+    type=Choice(tuple(METHODS)),
     default="lsa",
     show_default=True,
     help="Local stress analysis, FKM guideline, or the rule IACS UR M53.",

@@ -1,13 +1,27 @@
-"""A fatigue criterion of local stresses: its needs, the safety of points, its line in the Haigh diagram."""
+"""A fatigue method: its needs; of a criterion of local stresses, the safety of points and its Haigh line."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+
+
+@dataclass(frozen=True)
+class LocalStress:
+    """Cyclic stress at points of a surface.
+
+    Attributes:
+        amplitude_MPa: half the range of the signed equivalent stress, shape (n,).
+        mean_MPa: its mean, shape (n,).
+        gradient_per_mm: related stress gradient into the depth, shape (n,).
+    """
+
+    amplitude_MPa: Array
+    mean_MPa: Array
+    gradient_per_mm: Array
 
 
 @dataclass(frozen=True)
@@ -27,20 +41,31 @@ class PointSafety:
 
 
 @dataclass(frozen=True)
-class FatigueCriterion:
-    """A criterion of local stresses.
+class SafetyMethod:
+    """A method of `fatigue --method`.
 
     Attributes:
         name: in `fatigue --method`, in JSON and in names of files.
         needs: keys of the material that must have a value.
-        point_safety: safety of points of a scene whose material is checked.
-        haigh_limit_MPa: amplitude that a point endures at given mean stresses (n,), from its fully reversed
-            strength in MPa and its related stress gradient in 1/mm.
         load_packages: loads the optional packages that it takes; fails before any solve where one is missing.
+        check: checks what else it needs of a scene.
     """
 
     name: str
     needs: tuple[str, ...]
+    load_packages: Callable[[], object] = field(default=lambda: None, kw_only=True)
+    check: Callable[[Scene], None] = field(default=lambda _: None, kw_only=True)
+
+
+@dataclass(frozen=True)
+class FatigueCriterion(SafetyMethod):
+    """A method that judges every point of the surface by its local stress.
+
+    Attributes:
+        point_safety: safety of points of a scene whose material is checked.
+        haigh_limit_MPa: amplitude that a point endures at given mean stresses (n,), from its fully reversed
+            strength in MPa and its related stress gradient in 1/mm.
+    """
+
     point_safety: Callable[[Scene, LocalStress], PointSafety]
     haigh_limit_MPa: Callable[[Scene, float, float, Array], Array]
-    load_packages: Callable[[], object] = lambda: None

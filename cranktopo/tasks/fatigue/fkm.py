@@ -15,8 +15,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import packages_of
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
 
 _HALVINGS = 60
 
@@ -130,4 +129,4 @@ def _haigh_limit_MPa(scene: Scene, strength_MPa: float, gradient_per_mm: float, 
     return amplitude
 
 
-FKM = FatigueCriterion("fkm", ("ultimate_MPa",), _point_safety, _haigh_limit_MPa, load_rules)
+FKM = FatigueCriterion("fkm", ("ultimate_MPa",), _point_safety, _haigh_limit_MPa, load_packages=load_rules)

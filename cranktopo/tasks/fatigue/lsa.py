@@ -14,8 +14,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.criterion import FatigueCriterion, PointSafety
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cranktopo.base.errors import invalid
 from cranktopo.design.free_dimensions import M53_FILLET
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue.criterion import SafetyMethod
 
 LEAST_FACTOR = 1.15
 """Least acceptability factor."""
@@ -236,3 +239,18 @@ def _beta_shear(s: float, w: float, b: float, r: float, pin_bore: float) -> floa
     overlap = _poly(1 - s, 0.4368, 2.1630, -1.5212)
     hollow = _poly(pin_bore, 0.9937, -1.1949, 1.7373)
     return 3.0128 * overlap * w / (0.0637 + 0.9369 * w) * (b - 0.5) * 0.5331 * r**-0.2038 * hollow
+
+
+def _check_round_fillets(scene: Scene) -> None:
+    for key in ("main_journal", "crankpin"):
+        fillet = getattr(scene.throw, key).fillet
+        if not fillet.round:
+            raise invalid(
+                f"{scene.name}: throw.{key}.fillet_axial_mm",
+                fillet.axial_mm,
+                "method 'm53' takes factors and strength from the radius of a round fillet",
+                "Take --method lsa or fkm, or leave the key out.",
+            )
+
+
+M53 = SafetyMethod("m53", ("ultimate_MPa",), check=_check_round_fillets)

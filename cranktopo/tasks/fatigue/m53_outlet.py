@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -52,12 +51,6 @@ class OutletCheck:
     def place(self) -> str:
         """What it is called in a table."""
         return f"outlet at {self.angle_deg:.0f} deg ({self.key})"
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the check with units in the names."""
-        own = {name: value for name, value in vars(self).items() if name not in ("check", "outside")}
-        found = {**vars(self.check), "acceptability": self.check.acceptability}
-        return {**own, **found, "outside_validity": list(self.outside)}
 
 
 def outlet_factors(bore_mm: float, pin_mm: float) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.files import write_bytes
 from cranktopo.design.halves import halves
 from cranktopo.report.plot import png
-from cranktopo.tasks.fatigue.criteria import CRITERIA
+from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.vtu import throw_surface
 
@@ -58,7 +58,7 @@ def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None
 
     from cranktopo.report.shading import draw, view_axes
 
-    least, point = field.critical.safety, np.array(field.critical.place.point_mm)
+    least, point = field.critical.safety, np.array(field.critical.point_mm)
     far = bool(point[2] > _middle_mm(field))
     norm, colours = LogNorm(least, _TOP * least, clip=True), colormaps["turbo_r"]
     body = _half(field, far, lambda safety: colours(norm(safety))[:, :3])
@@ -106,7 +106,7 @@ def _draw_haigh(axes: Any, field: FatigueField) -> None:
     means = np.linspace(
         min(0.0, float(field.mean_MPa[:, on].min())), scene.material.ultimate_MPa or np.nan, 200
     )
-    limit = CRITERIA[field.method].haigh_limit_MPa(scene, c.strength_MPa, c.gradient_per_mm, means)
+    limit = criterion(field.method).haigh_limit_MPa(scene, c.strength_MPa, c.gradient_per_mm, means)
     axes.plot(means, limit, color="#1f6fb4", label="safety 1 at the critical point")
     scale = c.safety
     axes.plot([0, c.mean_MPa * scale], [0, c.amplitude_MPa * scale], "--", color="0.4", lw=1)

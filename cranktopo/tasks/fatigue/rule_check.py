@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -27,25 +26,11 @@ from cranktopo.tasks.fatigue.m53 import (
     pin_equivalent_MPa,
 )
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets
+from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, Quality, StressModel, solve_stresses
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
-
-
-@dataclass(frozen=True)
-class AlternatingLoads:
-    """Half the range of the loads over the working cycle.
-
-    Attributes:
-        radial_N: on the pin, toward the crank axis.
-        moment_Nm: bending moment at the web's mid-plane.
-        torque_Nm: that the throw passes on.
-    """
-
-    radial_N: float
-    moment_Nm: float
-    torque_Nm: float
 
 
 @dataclass(frozen=True)
@@ -88,30 +73,6 @@ class RuleCheck:
     def accepted(self) -> bool:
         """True if the rule accepts both fillets and every outlet of an oil bore."""
         return self.safety >= LEAST_FACTOR
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the check as `fatigue --method m53 --json` prints it."""
-
-        def checks(found: dict[str, FilletCheck]) -> dict[str, Any]:
-            return {name: {**vars(c), "acceptability": c.acceptability} for name, c in found.items()}
-
-        return {
-            "target": self.name,
-            "throw_kg": self.throw_kg,
-            "safety": self.safety,
-            "accepted": self.accepted,
-            "least_acceptability": LEAST_FACTOR,
-            "alternating": vars(self.loads),
-            "outside_validity": list(self.outside),
-            "factors": {"closed_form": vars(self.scf_rule), "finite_elements": vars(self.scf_fem)},
-            "nominal": vars(self.nominal),
-            "fillets": {
-                "closed_form": checks(self.rule_checks),
-                "finite_elements": checks(self.fem_checks),
-            },
-            "outlets": [outlet.as_json() for outlet in self.outlets],
-            "quality": vars(self.quality),
-        }
 
 
 def check_rule(

@@ -113,7 +113,7 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
         )
         for place, found in check.places.items()
     ]
-    outside, within = len(check.outside), check.quality.within_rule
+    outside, within = len(check.outside), check.quality.within_limits
     facts.append(
         Fact(
             f"Ratios in the range of the polynomials{of_web}",

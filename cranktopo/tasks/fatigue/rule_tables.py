@@ -6,8 +6,8 @@ import math
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import Dimensions, Ratio, ratios
+from cranktopo.tasks.fatigue.result import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
-from cranktopo.tasks.fatigue.stress_model import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
 
 _SYMBOLS = (
     ("D", "crankpin diameter", "pin"),

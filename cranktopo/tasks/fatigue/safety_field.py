@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan
-from cranktopo.tasks.fatigue.criteria import CRITERIA
-from cranktopo.tasks.fatigue.fillets import Place, place
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.criteria import criterion, safety_method
+from cranktopo.tasks.fatigue.criterion import LocalStress
+from cranktopo.tasks.fatigue.fillets import place
+from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_range
 from cranktopo.tasks.fea.evaluation import Info
@@ -32,53 +32,6 @@ _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
     "centrifugal": lambda h: h.angular_speed_rad_s**2,
 }
 """Factor of each unit field; a force along +x on the pin turns the shaft about -z, and so does its torque."""
-
-
-@dataclass(frozen=True)
-class Critical:
-    """The point of least safety.
-
-    Attributes:
-        strength_MPa: fully reversed strength of the point.
-        amplitude_share: fraction of the used strength that the amplitude uses, 0 to 1.
-        states: the two extreme load states.
-    """
-
-    place: Place
-    safety: float
-    amplitude_MPa: float
-    mean_MPa: float
-    gradient_per_mm: float
-    strength_MPa: float
-    amplitude_share: float
-    factors: dict[str, float]
-    states: tuple[str, str]
-
-    @property
-    def decided_by(self) -> str:
-        """Which stress uses up more of the strength."""
-        return "amplitude" if self.amplitude_share >= 0.5 else "mean stress"
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the point as `fatigue --json` prints it."""
-        at = self.place
-        return {
-            "place": str(at),
-            "fillet": at.fillet or None,
-            "around_deg": at.around_deg if at.fillet else None,
-            "along_deg": at.along_deg if at.fillet else None,
-            "web": at.web or None,
-            "point_mm": list(at.point_mm),
-            "safety": self.safety,
-            "amplitude_MPa": self.amplitude_MPa,
-            "mean_MPa": self.mean_MPa,
-            "gradient_per_mm": self.gradient_per_mm,
-            "strength_MPa": self.strength_MPa,
-            "amplitude_share": self.amplitude_share,
-            "decided_by": self.decided_by,
-            "factors": self.factors,
-            "states": list(self.states),
-        }
 
 
 @dataclass(frozen=True)
@@ -98,8 +51,8 @@ class FatigueField:
     safety: Array
     amplitude_MPa: Array
     mean_MPa: Array
-    critical: Critical
-    elsewhere: Critical
+    critical: CriticalPoint
+    elsewhere: CriticalPoint
     fillet_safety: dict[str, float]
     web_safety: dict[str, float]
 
@@ -111,25 +64,16 @@ def check_method(scene: Scene, method: str) -> None:
         CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
             strength.
     """
-    criterion = None if method == "m53" else CRITERIA[method]
-    if criterion is not None:
-        criterion.load_packages()
-    for key in ("ultimate_MPa",) if criterion is None else criterion.needs:
+    found = safety_method(method)
+    found.load_packages()
+    for key in found.needs:
         if getattr(scene.material, key) is None:
             raise CranktopoError(
                 f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
                 f"(material '{scene.material.name}').",
                 hint=f"Give material.{key}, or name a material of the library.",
             )
-    for key in ("main_journal", "crankpin") if method == "m53" else ():
-        fillet = getattr(scene.throw, key).fillet
-        if not fillet.round:
-            raise invalid(
-                f"{scene.name}: throw.{key}.fillet_axial_mm",
-                fillet.axial_mm,
-                "method 'm53' takes factors and strength from the radius of a round fillet",
-                "Take --method lsa or fkm, or leave the key out.",
-            )
+    found.check(scene)
 
 
 def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
@@ -185,7 +129,7 @@ def safety_field(model: StressModel, method: str, history: LoadHistory) -> Fatig
     """Safety at every surface node of every image of the model."""
     loads = unit_loads(history, model.kinds)
     found = [signed_von_mises_range(model.stress, loads * image.signs) for image in model.images]
-    safety = np.stack([CRITERIA[method].point_safety(model.scene, e.local).safety for e in found])
+    safety = np.stack([criterion(method).point_safety(model.scene, e.local).safety for e in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
@@ -218,22 +162,29 @@ def _critical(
     found: list[SignedVonMisesRange],
     safety: Array,
     among: NDArray[np.bool_],
-) -> Critical:
+) -> CriticalPoint:
     """Return the point of least safety among some nodes."""
     image, node = np.unravel_index(int(np.where(among, safety, np.inf).argmin()), safety.shape)
     e = found[image]
     local = e.local
     one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-    made = CRITERIA[method].point_safety(model.scene, one)
+    made = criterion(method).point_safety(model.scene, one)
     point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
-    return Critical(
-        place(model.scene, point),
-        float(safety[image, node]),
-        float(one.amplitude_MPa[0]),
-        float(one.mean_MPa[0]),
-        float(one.gradient_per_mm[0]),
-        float(made.strength_MPa[0]),
-        float(made.amplitude_share[0]),
-        {name: float(value[0]) for name, value in made.factors.items()},
-        (history.labels[e.highest[node]], history.labels[e.lowest[node]]),
+    at, share = place(model.scene, point), float(made.amplitude_share[0])
+    return CriticalPoint(
+        place=str(at),
+        fillet=at.fillet or None,
+        around_deg=at.around_deg if at.fillet else None,
+        along_deg=at.along_deg if at.fillet else None,
+        web=at.web or None,
+        point_mm=at.point_mm,
+        safety=float(safety[image, node]),
+        amplitude_MPa=float(one.amplitude_MPa[0]),
+        mean_MPa=float(one.mean_MPa[0]),
+        gradient_per_mm=float(one.gradient_per_mm[0]),
+        strength_MPa=float(made.strength_MPa[0]),
+        amplitude_share=share,
+        decided_by="amplitude" if share >= 0.5 else "mean stress",
+        factors={name: float(value[0]) for name, value in made.factors.items()},
+        states=(history.labels[e.highest[node]], history.labels[e.lowest[node]]),
     )

@@ -9,14 +9,27 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json
-from cranktopo.design.assumed import Assumption, assumed_json, filter_by_table
+from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
+from cranktopo.tasks.fatigue.result import (
+    FatigueResult,
+    FieldFatigue,
+    FilletAcceptance,
+    JudgedQuality,
+    OutletAcceptance,
+    RuleFactors,
+    RuleFatigue,
+    RuleFillets,
+    SurfaceTreatment,
+)
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_field
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
-from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, fatigue_json
+from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.stage import print_assumed
@@ -55,24 +68,31 @@ class FatigueAssessment:
 
     def as_json(self) -> dict[str, Any]:
         """Return the object that `fatigue --json` prints."""
-        data = fatigue_json(self.results, self.loads, self.baseline)
-        for entry, assumed, target in zip(data["fatigue"], self.assumed, self.targets, strict=True):
-            entry["assumed"] = assumed_json(assumed)
-            settings = target.scene.fatigue
-            entry["surface_treatment"] = {
-                "factor": settings.surface_treatment_factor,
-                "source": settings.surface_treatment_source or None,
-            }
-        return data
+        return self.result().as_json()
+
+    def result(self) -> FatigueResult:
+        """Return the assessment as `fatigue --json` prints it."""
+        results, baseline = self.results, self.baseline
+        entries: list[FieldFatigue | RuleFatigue] = [
+            _field_fatigue(one, told, by) if isinstance(one, FatigueField) else _rule_fatigue(one, told, by)
+            for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
+        ]
+        return FatigueResult(
+            method=self.method,
+            loads=self.loads,
+            baseline=None if baseline is None else entries[baseline].target,
+            fatigue=tuple(entries),
+            percent_of_baseline=None if baseline is None else percent_of_baseline(results, baseline),
+        )
 
     def compared(self) -> FatigueComparison:
         """What a comparison shows of it, of two different webs the worse one; there must be a baseline."""
         assert self.baseline is not None
         if self.fields:
-            return compare_fatigue(self.fields, self.baseline, self.as_json())
+            return compare_fatigue(self.fields, self.baseline, self.result())
         worse, base = self._worse_webs, self.checks[self.baseline]
         index = next(number for number, check in enumerate(worse) if check is base)
-        return compare_fatigue(worse, index, self.as_json())
+        return compare_fatigue(worse, index, self.result())
 
     @property
     def _worse_webs(self) -> tuple[RuleCheck, ...]:
@@ -166,6 +186,73 @@ def _by_rule(
     )
 
 
+def _treatment(target: Target) -> SurfaceTreatment:
+    settings = target.scene.fatigue
+    return SurfaceTreatment(
+        factor=settings.surface_treatment_factor, source=settings.surface_treatment_source or None
+    )
+
+
+def _field_fatigue(
+    field: FatigueField, assumed: tuple[Assumption, ...], treatment: SurfaceTreatment
+) -> FieldFatigue:
+    model = field.model
+    return FieldFatigue(
+        target=model.name,
+        throw_kg=model.throw_kg,
+        safety=field.critical.safety,
+        fillet_safety=field.fillet_safety,
+        web_safety=field.web_safety or None,
+        critical=field.critical,
+        off_the_fillets=field.elsewhere,
+        load_states=len(field.history.labels),
+        unit_loads=model.kinds,
+        quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),
+        assumed=assumed,
+        surface_treatment=treatment,
+    )
+
+
+def _rule_fatigue(
+    check: RuleCheck, assumed: tuple[Assumption, ...], treatment: SurfaceTreatment
+) -> RuleFatigue:
+    return RuleFatigue(
+        target=check.name,
+        throw_kg=check.throw_kg,
+        safety=check.safety,
+        accepted=check.accepted,
+        least_acceptability=LEAST_FACTOR,
+        alternating=check.loads,
+        outside_validity=check.outside,
+        factors=RuleFactors(closed_form=check.scf_rule, finite_elements=check.scf_fem),
+        nominal=check.nominal,
+        fillets=RuleFillets(
+            closed_form=_acceptances(check.rule_checks), finite_elements=_acceptances(check.fem_checks)
+        ),
+        outlets=tuple(map(_outlet_acceptance, check.outlets)),
+        quality=check.quality,
+        assumed=assumed,
+        surface_treatment=treatment,
+    )
+
+
+def _acceptances(checks: dict[str, FilletCheck]) -> dict[str, FilletAcceptance]:
+    return {
+        name: FilletAcceptance(**vars(check), acceptability=check.acceptability)
+        for name, check in checks.items()
+    }
+
+
+def _outlet_acceptance(outlet: OutletCheck) -> OutletAcceptance:
+    own = {name: value for name, value in vars(outlet).items() if name not in ("check", "outside")}
+    return OutletAcceptance(
+        **own,
+        **vars(outlet.check),
+        acceptability=outlet.check.acceptability,
+        outside_validity=outlet.outside,
+    )
+
+
 def _check_files(method: FatigueMethod, out: Path) -> None:
     if method == "m53":
         raise CranktopoError(
@@ -178,7 +265,7 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
 
 def _note_quality(field: FatigueField, info: Info) -> None:
     quality = field.model.quality
-    if not quality.within_rule:
+    if not quality.within_limits:
         info(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
     if field.elsewhere.safety < field.critical.safety:
         info(

@@ -27,6 +27,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     von_mises,
 )
 from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
+from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, unit_fields
@@ -37,43 +38,6 @@ _ACROSS_WEB = 6
 """Elements through the web: the same rule."""
 _NEAR_PEAK = 0.98
 """Fraction of the largest stress from which a node counts as the place where the rule checks the mesh."""
-NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
-"""Quality limits of the same rule for surface-normal stress and jump between elements."""
-
-
-@dataclass(frozen=True)
-class Quality:
-    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
-
-    Attributes:
-        fillet_size_mm: element size asked for in the finer fillet.
-        longest_edge: longest element edge in the fillets over the fillet's (least) radius.
-        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
-        jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
-            worst.
-    """
-
-    fillet_size_mm: float
-    longest_edge: float
-    nodes: int
-    normal_percent: float
-    jump_percent: float
-    mesh_seconds: float
-    solve_seconds: float
-
-    @property
-    def within_rule(self) -> bool:
-        """True if both checks are within their limits."""
-        return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
-
-    @property
-    def shortfall(self) -> str:
-        """Both checks beside their limits in words, for a mesh that misses one."""
-        return (
-            "the mesh misses the rule's checks: surface-normal stress "
-            f"{self.normal_percent:.1f} % (at most {NORMAL_LIMIT_PERCENT:g} %), "
-            f"jump between elements {self.jump_percent:.1f} % (at most {JUMP_LIMIT_PERCENT:g} %)"
-        )
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.tetrahedra.stress import DEVIATOR, SurfaceStress, von_mises
-from cranktopo.tasks.fatigue.local_stress import LocalStress
+from cranktopo.tasks.fatigue.criterion import LocalStress
 
 Index = NDArray[np.intp]
 

@@ -1,18 +1,17 @@
-"""Tables, verdicts and JSON of the fatigue command.
+"""Tables and verdicts of the fatigue command.
 
-`loads` is "extremes" or "cycle"; `baseline` the position of the target that counts as 100 %, if any.
+`baseline` is the position of the target that counts as 100 %, if any.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
+from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
-from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 SAME = 0.02
@@ -29,7 +28,7 @@ _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
     Column("pin_safety", SAFETY.digits, lambda f: f.fillet_safety["pin"]),
     Column("journal_safety", SAFETY.digits, lambda f: f.fillet_safety["journal"]),
     Column("decided_by", 0, lambda f: f.critical.decided_by),
-    Column("critical_place", 0, lambda f: str(f.critical.place)),
+    Column("critical_place", 0, lambda f: f.critical.place),
 )
 _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("target", 0, lambda c: c.name),
@@ -52,20 +51,20 @@ class FatigueComparison:
 
     Attributes:
         verdicts: one line for each target but the baseline.
-        json: the object that `fatigue --json` prints.
+        result: what `fatigue --json` prints.
     """
 
     safeties: tuple[float, ...]
     verdicts: tuple[str, ...]
-    json: dict[str, Any]
+    result: FatigueResult
 
 
 def compare_fatigue(
-    results: Sequence[_FatigueResult], baseline: int, data: dict[str, Any]
+    results: Sequence[_FatigueResult], baseline: int, found: FatigueResult
 ) -> FatigueComparison:
-    """Return what a comparison shows of the fatigue of its targets; `data` from `fatigue_json`."""
+    """Return what a comparison shows of the fatigue of its targets."""
     safeties = tuple(_summary(result).safety for result in results)
-    return FatigueComparison(safeties, tuple(verdicts(results, baseline)), data)
+    return FatigueComparison(safeties, tuple(verdicts(results, baseline)), found)
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
@@ -136,29 +135,18 @@ def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
     return lines
 
 
-def fatigue_json(results: Sequence[_FatigueResult], loads: str, baseline: int | None) -> dict[str, Any]:
-    """Return the object that `fatigue --json` prints; at least one result, all by one method."""
+def percent_of_baseline(results: Sequence[_FatigueResult], baseline: int) -> tuple[FatigueShare, ...]:
+    """Return safety and mass of each target in percent of the baseline."""
     found = [_summary(result) for result in results]
-    comparison = None
-    if baseline is not None:
-        base = found[baseline]
-        comparison = [
-            {
-                "target": one.name,
-                "safety_percent": 100 * one.safety / base.safety,
-                "mass_percent": 100 * one.mass_kg / base.mass_kg,
-            }
-            for one in found
-        ]
-    first = results[0]
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "method": first.method if isinstance(first, FatigueField) else "m53",
-        "loads": loads,
-        "baseline": None if baseline is None else found[baseline].name,
-        "fatigue": [r.as_json() if isinstance(r, RuleCheck) else _field_json(r) for r in results],
-        "percent_of_baseline": comparison,
-    }
+    base = found[baseline]
+    return tuple(
+        FatigueShare(
+            target=one.name,
+            safety_percent=100 * one.safety / base.safety,
+            mass_percent=100 * one.mass_kg / base.mass_kg,
+        )
+        for one in found
+    )
 
 
 @dataclass(frozen=True)
@@ -172,21 +160,6 @@ def _summary(result: _FatigueResult) -> _Summary:
     if isinstance(result, FatigueField):
         return _Summary(result.model.name, result.model.throw_kg, result.critical.safety)
     return _Summary(result.name, result.throw_kg, result.safety)
-
-
-def _field_json(field: FatigueField) -> dict[str, Any]:
-    return {
-        "target": field.model.name,
-        "throw_kg": field.model.throw_kg,
-        "safety": field.critical.safety,
-        "fillet_safety": field.fillet_safety,
-        **({"web_safety": field.web_safety} if field.web_safety else {}),
-        "critical": field.critical.as_json(),
-        "off_the_fillets": field.elsewhere.as_json(),
-        "load_states": len(field.history.labels),
-        "unit_loads": list(field.model.kinds),
-        "quality": {**vars(field.model.quality), "within_rule": field.model.quality.within_rule},
-    }
 
 
 def _by_rule(check: RuleCheck, fillet: str) -> float | None:

@@ -1,0 +1,261 @@
+"""The fatigue of targets: the JSON object of `fatigue --json`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.assumed import Assumption
+from cranktopo.tasks.fatigue.m53 import Factors, Nominal
+
+NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
+"""Quality limits of IACS UR M53 for surface-normal stress and jump between elements."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
+
+    Attributes:
+        fillet_size_mm: element size asked for in the finer fillet.
+        longest_edge: longest element edge in the fillets over the fillet's (least) radius.
+        nodes: nodes of the mesh.
+        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
+        jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
+            worst.
+        mesh_seconds: time for the mesh.
+        solve_seconds: time for the unit loads.
+    """
+
+    fillet_size_mm: float
+    longest_edge: float
+    nodes: int
+    normal_percent: float
+    jump_percent: float
+    mesh_seconds: float
+    solve_seconds: float
+
+    @property
+    def within_limits(self) -> bool:
+        """True if both checks are within their limits."""
+        return self.normal_percent <= NORMAL_LIMIT_PERCENT and self.jump_percent <= JUMP_LIMIT_PERCENT
+
+    @property
+    def shortfall(self) -> str:
+        """Both checks beside their limits in words, for a mesh that misses one."""
+        return (
+            "the mesh misses the rule's checks: surface-normal stress "
+            f"{self.normal_percent:.1f} % (at most {NORMAL_LIMIT_PERCENT:g} %), "
+            f"jump between elements {self.jump_percent:.1f} % (at most {JUMP_LIMIT_PERCENT:g} %)"
+        )
+
+
+@dataclass(frozen=True)
+class JudgedQuality(Quality):
+    """Mesh and the rule's quality checks, and whether they are kept.
+
+    Attributes:
+        within_rule: both checks are within the limits of the rule.
+    """
+
+    within_rule: bool
+
+
+class CriticalPoint(Result):
+    """The point of least safety, of the fillets or of the surface off them."""
+
+    place: str
+    """Where it lies, in words."""
+    fillet: str | None
+    """The fillet, "journal" or "pin"; null off the fillets."""
+    around_deg: float | None
+    """Angle about the journal's or the pin's axis from the throw direction +y toward +x."""
+    along_deg: float | None
+    """Angle along the fillet's arc, 0 at the cylinder, 90 at the web's face."""
+    web: str | None
+    """The web, "first" or "second", of a throw with two different halves."""
+    point_mm: tuple[float, float, float]
+    """Coordinates x, y, z."""
+    safety: float
+    """Least safety."""
+    amplitude_MPa: float
+    """Half the range of the signed von Mises stress."""
+    mean_MPa: float
+    """Mean of the signed von Mises stress."""
+    gradient_per_mm: float
+    """Related stress gradient into the depth."""
+    strength_MPa: float
+    """Fully reversed strength of the point."""
+    amplitude_share: float
+    """Fraction of the used strength that the amplitude uses, 0 to 1."""
+    decided_by: str
+    """The stress that uses up more of the strength."""
+    factors: dict[str, float]
+    """Factors of the method, by their symbols."""
+    states: tuple[str, str]
+    """The two extreme load states."""
+
+
+class SurfaceTreatment(Result):
+    """Treatment of the fillets' surface."""
+
+    factor: float
+    """Factor on the strength; 1 without a treatment."""
+    source: str | None
+    """Where the factor comes from."""
+
+
+class _TargetFatigue(Result):
+    target: str
+    """Name of the target."""
+    throw_kg: float
+    """Mass of one throw."""
+    safety: float
+    """Least safety of the fillets; by the rule, least acceptability factor of all places."""
+
+
+class FieldFatigue(_TargetFatigue):
+    """Safety of a target by a criterion of local stresses."""
+
+    fillet_safety: dict[str, float]
+    """Least safety of the journals' and of the pin's fillets."""
+    web_safety: dict[str, float] | None = UNLESS_NONE
+    """Least safety of the fillets of the first and of the second web, where they differ."""
+    critical: CriticalPoint
+    """The point of least safety of the fillets."""
+    off_the_fillets: CriticalPoint
+    """The point of least safety off the fillets, where the mesh does not resolve edges and pockets."""
+    load_states: int
+    """Number of load states."""
+    unit_loads: tuple[str, ...]
+    """Unit loads that were solved."""
+    quality: JudgedQuality
+    """The mesh and its checks."""
+    assumed: tuple[Assumption, ...]
+    """Keys that the target does not give and its safety depends on."""
+    surface_treatment: SurfaceTreatment
+    """Treatment of the fillets' surface."""
+
+
+@dataclass(frozen=True)
+class AlternatingLoads:
+    """Half the range of the loads over the working cycle.
+
+    Attributes:
+        radial_N: on the pin, toward the crank axis.
+        moment_Nm: bending moment at the web's mid-plane.
+        torque_Nm: that the throw passes on.
+    """
+
+    radial_N: float
+    moment_Nm: float
+    torque_Nm: float
+
+
+class RuleFactors(Result):
+    """Concentration factors by the rule's polynomials and by finite elements."""
+
+    closed_form: Factors
+    """By the polynomials of the rule."""
+    finite_elements: Factors
+    """By finite elements, as Appendix III of the rule defines them."""
+
+
+class FilletAcceptance(Result):
+    """A fillet against the rule."""
+
+    equivalent_MPa: float
+    """Equivalent alternating stress."""
+    strength_MPa: float
+    """Fatigue strength."""
+    acceptability: float
+    """Strength over equivalent stress."""
+
+
+class RuleFillets(Result):
+    """Pin and journal fillet against the rule with either set of factors."""
+
+    closed_form: dict[str, FilletAcceptance]
+    """With the factors of the polynomials."""
+    finite_elements: dict[str, FilletAcceptance]
+    """With the factors of finite elements."""
+
+
+class OutletAcceptance(Result):
+    """An outlet of an oil bore in the crankpin against the rule."""
+
+    key: str
+    """The drilling in the scene."""
+    angle_deg: float
+    """Angle about the pin's axis from the throw direction."""
+    gamma_bending: float
+    """Concentration factor in bending."""
+    gamma_torsion: float
+    """Concentration factor in torsion."""
+    bending_MPa: float
+    """Nominal alternating bending stress."""
+    torsion_MPa: float
+    """Nominal alternating torsional stress."""
+    equivalent_MPa: float
+    """Equivalent alternating stress."""
+    strength_MPa: float
+    """Fatigue strength."""
+    acceptability: float
+    """Strength over equivalent stress."""
+    outside_validity: tuple[str, ...]
+    """What lies outside the validity of the factors."""
+
+
+class RuleFatigue(_TargetFatigue):
+    """A target, or one of its two different webs, against IACS UR M53."""
+
+    accepted: bool
+    """The rule accepts both fillets and every outlet of an oil bore."""
+    least_acceptability: float
+    """Acceptability factor that the rule asks for."""
+    alternating: AlternatingLoads
+    """Alternating loads."""
+    outside_validity: tuple[str, ...]
+    """Ratios outside the validity of the rule's polynomials."""
+    factors: RuleFactors
+    """Concentration factors."""
+    nominal: Nominal
+    """Nominal alternating stresses."""
+    fillets: RuleFillets
+    """Both fillets against the rule."""
+    outlets: tuple[OutletAcceptance, ...]
+    """Outlets of oil bores in the crankpin."""
+    quality: Quality
+    """The mesh and its checks."""
+    assumed: tuple[Assumption, ...]
+    """Keys that the target does not give and its safety depends on."""
+    surface_treatment: SurfaceTreatment
+    """Treatment of the fillets' surface."""
+
+
+class FatigueShare(Result):
+    """A target in percent of the baseline."""
+
+    target: str
+    """Name of the target."""
+    safety_percent: float
+    """Its safety."""
+    mass_percent: float
+    """Mass of its throw."""
+
+
+class FatigueResult(Result):
+    """Fatigue of targets by one method."""
+
+    schema_version: int = 1
+    """Version of these keys."""
+    method: str
+    """Method as in `--method`."""
+    loads: str
+    """Extremes of the loads joined ("extremes"), or every angle of the cycle ("cycle")."""
+    baseline: str | None
+    """Target that counts as 100 %."""
+    fatigue: tuple[FieldFatigue | RuleFatigue, ...]
+    """One entry per target; by the rule, one per web where the two differ."""
+    percent_of_baseline: tuple[FatigueShare, ...] | None
+    """Targets in percent of the baseline, where there is one."""
