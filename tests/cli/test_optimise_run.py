@@ -68,7 +68,7 @@ def test_files(run: Path, metrics: dict[str, Any]) -> None:
 
 def test_metrics_follow_the_contract(metrics: dict[str, Any]) -> None:
     assert metrics["schema_version"] == 1
-    assert metrics["design"] == "mikron-iiic"
+    assert metrics["design"] == "mikron-iiic-plain"
     assert metrics["status"] == "converged"
     assert metrics["connected"] is True
     assert metrics["volume_fraction"]["reached"] == pytest.approx(0.3, abs=1e-3)

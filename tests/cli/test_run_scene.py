@@ -32,7 +32,7 @@ def with_files(folder: Path) -> Path:
     folder.mkdir()
     write_indicator(folder / "p.csv")
     trimesh.creation.box(bounds=[[-48, -34, 10], [48, 82, 45]]).export(folder / "space.stl")
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     assert PEAK in text
     text = text.replace(PEAK, "indicator_csv = 'p.csv'").split("[envelope]")[0]
     path = folder / "engine.toml"

@@ -144,13 +144,13 @@ def test_a_sweep_of_evaluations(scheduler: str, tmp_path: Path, capfd: pytest.Ca
     data = json.loads(capfd.readouterr().out)
     (point,) = data["points"]
     web = small_web(json.loads((out / point["run"] / "point.json").read_text())["view"])
-    density = load_scene("mikron-iiic").material.density_kg_m3
+    density = load_scene("mikron-iiic-plain").material.density_kg_m3
     assert 2 * web.volume_mm3 * density * 1e-9 == pytest.approx(point["mass_kg"], rel=0.02)
     assert "view" not in point, "only the page shows it"
     assert 'id="viewer"' in (out / "report.html").read_text()
     assert data["picks"]["lightest that is no softer"] == point["id"]
     file = out / point["run"] / point["target"]
-    assert with_picks(["mikron-iiic", str(out)]) == ["mikron-iiic", str(file)]
+    assert with_picks(["mikron-iiic-plain", str(out)]) == ["mikron-iiic-plain", str(file)]
     assert main(["evaluate", str(file), *coarse, "--json"]) == 0
     (entry,) = json.loads(capfd.readouterr().out)["evaluations"]
     assert entry["target"] == f"mikron-iiic-{point['id']}"

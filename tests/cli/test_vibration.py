@@ -13,7 +13,7 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
 from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 2000.0\n"
 MEAN_INERTIA = MIKRON.replace("[effects]\n", "[effects]\nthreshold = 0.5\n")
 """A threshold that leaves the varying inertia out: solving with it takes most of the time of a response."""
@@ -106,7 +106,7 @@ def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.
     path = design(tmp_path, GIVEN + "propeller = {inertia_kg_m2 = 0.6}", MEAN_INERTIA)
     assert main(["vibration", path]) == 0
     found = capsys.readouterr()
-    assert "warning: mikron-iiic: shaft.flywheel is missing: the propeller alone" in found.err
+    assert "warning: mikron-iiic-plain: shaft.flywheel is missing: the propeller alone" in found.err
     assert "throw 4 - propeller" in found.out
     assert "Barred" not in found.out
 
@@ -122,7 +122,7 @@ def test_elements_of_a_design_without_a_shaft(
         return found[0]
 
     monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", kept)
-    data = printed(["mikron-iiic", "--element-size-mm", "30"], capsys)
+    data = printed(["mikron-iiic-plain", "--element-size-mm", "30"], capsys)
     assert data["stiffness_source"].startswith("finite elements, rigid bearings")
     assert data["warnings"] == [
         "[shaft] is missing: the crankshaft swings with both ends free, without its flywheel."

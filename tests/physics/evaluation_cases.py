@@ -17,7 +17,7 @@ LOPSIDED = {"shape": "cylinder", "x_mm": 15.0, "y_mm": 20.0, "diameter_mm": 14.0
 
 def mikron_with(fillet_mm: float = 2.5, bore_mm: float = 24.0, **web: Any) -> Scene:
     """The Mikron throw with other fillets, bores and entries of its web table."""
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     for journal in ("main_journal", "crankpin"):
         data["throw"][journal] |= {"fillet_mm": fillet_mm, "bore_diameter_mm": bore_mm}
     data["web"] |= web

@@ -27,7 +27,7 @@ def full_web() -> tuple[Scene, Layout, Array]:
     pockets = FittedSlot(through=True), FittedBox("pin"), FittedCylinder("journal", pair=True)
     groove, box, cylinders = [5.0, 27.5, 0.3, 10.0], [18.0, 8.0, 4.0, 3.0], [20.0, 26.0, 5.0, 4.0]
     values = np.array([*_OUTLINE, *_BEVELS, *groove, *box, *cylinders])
-    return load_scene("mikron-iiic"), Layout(7, (*bevels, *pockets)), values
+    return load_scene("mikron-iiic-plain"), Layout(7, (*bevels, *pockets)), values
 
 
 def solid_web() -> tuple[Scene, Layout, Array]:

@@ -49,7 +49,7 @@ def test_the_evaluations_bounds_on_a_coarse_mesh() -> None:
 @pytest.mark.parametrize("cell_mm", [4.0, 2.0])
 def test_the_optimisers_bound_on_the_mikron(float64: None, cell_mm: float) -> None:
     """Against the reference of another program; the bound is no more than three times the error."""
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     own = own_model(scene, cell_mm)
     bounds = model_error_percent(scene, own.cell_mm)
     for name, reference in REFERENCE.items():

@@ -13,7 +13,7 @@ from cranktopo.engine.combustion import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.kinematics import exact_motion
 from cranktopo.engine.torque import shaft_torque
 
-MIKRON = load_scene("mikron-iiic")
+MIKRON = load_scene("mikron-iiic-plain")
 
 
 def with_engine(**update):

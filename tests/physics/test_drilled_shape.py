@@ -22,7 +22,7 @@ DRILLING = {
 
 
 def drilled() -> Scene:
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude={"published"}, exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude={"published"}, exclude_none=True)
     journals = {
         name: data["throw"][name] | {"bore_diameter_mm": 0.0} for name in ("main_journal", "crankpin")
     }

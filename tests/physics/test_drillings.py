@@ -42,7 +42,7 @@ RADIAL = drilling(("crankpin", 60.0, 0.0), ("crankpin_bore", 60.0, 0.0), roundin
 
 
 def mikron(*drillings, **journals) -> Scene:
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     data["throw"]["drilling"] = list(drillings)
     for name in ("main_journal", "crankpin"):
         data["throw"][name] |= journals

@@ -32,7 +32,7 @@ def holzer(model: DiskChain, frequency_Hz: float) -> float:
 def test_shaft_of_equal_throws() -> None:
     """Half an inertia at either end of n springs: f = sqrt(k / J) sin(i pi / 2n) / pi."""
     throws, stiffness, inertia_kg_mm2 = 5, 152.5e3, 4200.0
-    scene = load_scene("mikron-iiic").model_copy(update={"engine": None})
+    scene = load_scene("mikron-iiic-plain").model_copy(update={"engine": None})
     model = disk_model(scene, inertia_kg_mm2, (stiffness,) * throws)
     root = math.sqrt(stiffness / (inertia_kg_mm2 * 1e-6))
     expected = [root * math.sin(i * math.pi / (2 * throws)) / math.pi for i in range(1, throws + 1)]
@@ -56,7 +56,7 @@ def test_holzer_table_changes_sign_at_each_frequency() -> None:
 
 def test_moving_masses_of_the_mikron() -> None:
     """Rotating rod mass and half of what reciprocates, at the throw radius of 48 mm."""
-    throws = disk_model(load_scene("mikron-iiic"), 4000.0, (1.0,) * 4)
+    throws = disk_model(load_scene("mikron-iiic-plain"), 4000.0, (1.0,) * 4)
     moving = (0.3254 + (0.491 + 0.1436) / 2) * 48.0**2
     assert sum(throws.inertia_kg_m2) == pytest.approx(4 * (4000.0 + moving) * 1e-6, rel=1e-12)
     assert throws.inertia_kg_m2[0] == pytest.approx(throws.inertia_kg_m2[1] / 2)

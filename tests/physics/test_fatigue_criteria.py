@@ -38,7 +38,7 @@ def test_a_registered_criterion_is_assessed(monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.setitem(
         CRITERIA, "amplitude", FatigueCriterion("amplitude", ("ultimate_MPa",), without_mean, level_line)
     )
-    found = assess_fatigue(["mikron-iiic"], "amplitude", fillet_fraction=0.8, out=tmp_path)
+    found = assess_fatigue(["mikron-iiic-plain"], "amplitude", fillet_fraction=0.8, out=tmp_path)
     (field,) = found.fields
     limit = limit_MPa(field.model.scene)
     assert field.critical.strength_MPa == limit
@@ -46,4 +46,4 @@ def test_a_registered_criterion_is_assessed(monkeypatch: pytest.MonkeyPatch, tmp
     data = found.as_json()
     assert data["method"] == "amplitude"
     assert data["fatigue"][0]["critical"]["factors"] == {"share": 0.4}
-    assert (tmp_path / "fatigue-amplitude-mikron-iiic.png").exists()
+    assert (tmp_path / "fatigue-amplitude-mikron-iiic-plain.png").exists()

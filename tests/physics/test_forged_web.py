@@ -44,7 +44,7 @@ def optimised(scene: Scene, process: str, **lengths: float) -> Web:
 
 @pytest.fixture(scope="module")
 def webs() -> dict[str, Web]:
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     assert scene.optimise.process == "forged"
     return {process: optimised(scene, process) for process in ("free", "forged")}
 

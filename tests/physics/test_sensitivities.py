@@ -83,7 +83,7 @@ def test_the_worst_case_is_the_sum_of_all(found: tuple[DimensionSensitivity, ...
 
 def plain(changes: dict[str, float]) -> tuple[Scene, MeshedWebs, Layout, Array]:
     """A web with a bevel and a groove that no rule holds, with changes."""
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     layout = Layout(7, (FittedBevel("journal"), FittedSlot(through=True)))
     values = np.array([-27.0, 76.0, 17.0, 29.0, 31.0, 28.0, 18.0, 50.0, 9.0, 1.0, 5.0, 27.5, 0.3, 10.0])
     for name, value in changes.items():

@@ -50,7 +50,7 @@ class Brittle:
 
 
 def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> None:
-    webs, told = Brittle(load_scene("mikron-iiic"), 31.0), list[str]()
+    webs, told = Brittle(load_scene("mikron-iiic-plain"), 31.0), list[str]()
     goal = SearchGoal("torsion", -1.0, 30.0, ())
     effort = SearchBudget(40, 8.0)
     found, _ = best_values(lambda: webs, LAYOUT, START, goal, "a", Work(told.append), effort)
@@ -61,7 +61,7 @@ def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> Non
 
 
 def test_a_first_web_that_cannot_be_solved_is_an_error() -> None:
-    webs, goal = Brittle(load_scene("mikron-iiic"), 10.0), SearchGoal("mass", 1.0, 1.0, ())
+    webs, goal = Brittle(load_scene("mikron-iiic-plain"), 10.0), SearchGoal("mass", 1.0, 1.0, ())
     with pytest.raises(CranktopoError, match="folds"):
         best_values(lambda: webs, LAYOUT, START, goal, "a", Work(), SearchBudget(40, 8.0))
 
@@ -69,7 +69,7 @@ def test_a_first_web_that_cannot_be_solved_is_an_error() -> None:
 def test_a_web_on_which_the_usual_meshes_fold_is_meshed() -> None:
     """A deep crowned bevel over a narrow end: gmsh's Delaunay algorithms fold triangles on its long face."""
     found = np.array([-23.72, 71.82, 16.06, 26.05, 32.39, 28.58, 16.3, 25.91, 16.0, 3.27])
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     shaped = scene_with_web(scene, web_of(Layout(7, (FittedBevel("journal"),)), found, scene))
     meshed = mesh_throw(shaped, 8.0)
     volume = assemble(meshed.mesh, 1.0, 0.3).volume_mm3

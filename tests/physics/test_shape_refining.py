@@ -64,7 +64,7 @@ class Bowls:
 
 def bowls(widest_mm: float = np.inf) -> tuple[Bowls, Bowls]:
     """A rough model with another bowl that knows no torsion, and the true one."""
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     rough = Bowls(scene, ROUGH, np.array([1.5, 0.7, 1.2]), knows_torsion=False)
     return rough, Bowls(scene, TRUE, np.array([1.0, 1.0, 1.4]), widest_mm=widest_mm)
 

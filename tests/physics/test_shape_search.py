@@ -36,7 +36,7 @@ PARTS = (
 
 @pytest.fixture(scope="module")
 def mikron() -> Scene:
-    return load_scene("mikron-iiic")
+    return load_scene("mikron-iiic-plain")
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ def test_a_late_step_of_a_loop_has_a_sound_surface(name: str, tmp_path: Path) ->
     stored = np.load(DATA / f"{name}.npz")
     envelope = tmp_path / "envelope.stl"
     write_stl(envelope, SurfaceMesh(stored["vertices_mm"].astype(float), stored["faces"].astype(np.int64)))
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     data["optimise"] |= {"process": "forged", "draft_deg": 0.0}
     data["envelope"] = {"shape": "stl", "file": str(envelope), "symmetric": True}
     scene = planned_scene(scene_from_dict(data))

@@ -28,7 +28,7 @@ def scene(web, **throw):
 
 
 def test_obround_with_bores_is_exact():
-    got = section_moments(load_scene("mikron-iiic"), 30.0)
+    got = section_moments(load_scene("mikron-iiic-plain"), 30.0)
     area = 50 * 48 + math.pi * 25**2 - 2 * math.pi * 12**2
     end = math.pi * 25**4 / 2 + math.pi * 25**2 * 48**2 / 2 + 2 * 48 * 2 / 3 * 25**3  # two half discs
     bores = 2 * math.pi / 2 * 12**4 + math.pi * 12**2 * 48**2
@@ -168,7 +168,7 @@ def test_elliptical_fillets_have_their_closed_form():
 def test_printed_parts_of_the_mikron():
     """Dolezal 2024 prints the crankpin (0.267 kg, 693.8 kg mm2, with its oil bores and radii) and 0.296 kg
     for the journal, which its own dimensions at 7850 kg/m3 make 0.293 kg."""
-    s = load_scene("mikron-iiic")
+    s = load_scene("mikron-iiic-plain")
     balance = throw_balance(s)
     assert balance.journal_kg == pytest.approx(0.29298, abs=1e-5)
     assert balance.crankpin_kg == pytest.approx(0.267, rel=0.02)

@@ -32,7 +32,7 @@ DAMPED = {
 }
 
 
-def with_shaft(shaft: dict[str, object], name: str = "mikron-iiic") -> Scene:
+def with_shaft(shaft: dict[str, object], name: str = "mikron-iiic-plain") -> Scene:
     data = load_scene(name).model_dump(mode="json", exclude_none=True)
     return scene_from_dict({**data, "shaft": shaft})
 

@@ -46,7 +46,7 @@ JOURNALS = ("main_journal", "crankpin")
 
 
 def scene_with(throw: dict[str, Any] | None = None, **tables: Any) -> Scene:
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True, by_alias=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, by_alias=True)
     data["throw"] |= throw or {}
     return scene_from_dict({**data, **tables}, whole=True)
 
@@ -195,7 +195,7 @@ def test_the_second_web_is_written_where_it_is_in_the_throw() -> None:
 
 
 def test_the_plan_says_why_the_throw_is_modelled_whole() -> None:
-    names = [effect.name for effect in plan(load_scene("mikron-iiic")).effects]
+    names = [effect.name for effect in plan(load_scene("mikron-iiic-plain")).effects]
     assert "whole_throw" not in names
     row = plan(lopsided())["whole_throw"]
     assert row.state == "on"

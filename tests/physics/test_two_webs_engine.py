@@ -40,7 +40,7 @@ SHAFT = {"pulley": {"inertia_kg_m2": 0.01}, "flywheel": {"inertia_kg_m2": 1.0}}
 
 def engine(cylinders: int, **tables: Any) -> Scene:
     order = {1: [1], 4: [1, 3, 4, 2]}[cylinders]
-    own = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)["engine"]
+    own = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)["engine"]
     arranged = {**own, "cylinders": cylinders, "firing_order": order}
     return scene_with(tables.pop("throw", None), engine=arranged, envelope=None, **tables)
 
@@ -51,7 +51,7 @@ def uneven(cylinders: int, *, swapped: bool = False) -> Scene:
     main, pin = (40.0, 50.0), (36.0, 40.0)
     if swapped:
         near, far, main, pin = far, near, main[::-1], pin[::-1]
-    own = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)["throw"]
+    own = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)["throw"]
     throw = {
         "main_journal": {**own["main_journal"], "length_mm": main[0]},
         "crankpin": {**own["crankpin"], "length_mm": pin[0]},

@@ -23,7 +23,7 @@ from cranktopo.engine.vibration.varying_inertia import (
 )
 from cranktopo.numerics.disk_chain import ComplexArray, DiskChain, supplied_J
 
-SCENE = load_scene("mikron-iiic")
+SCENE = load_scene("mikron-iiic-plain")
 OWN, HELD, ORDERS = 0.002, 1e7, 40
 ONE = DiskChain((OWN, HELD), (5.0e4,), (), (0.3,), (0.3, 0.0))
 TWO = DiskChain((OWN, 1.4 * OWN, HELD), (9.0e4, 1.1e5), (), (0.5, 0.8), (0.2, 0.3, 0.0))

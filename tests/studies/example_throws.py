@@ -64,6 +64,6 @@ def rule_throws() -> dict[str, Scene]:
     """Throws inside the validity of IACS UR M53, by name."""
     return {
         "rule-example": throw_scene(MARINE["throw"], MARINE["web"]),
-        "mikron-iiic": load_scene("mikron-iiic"),
+        "mikron-iiic-plain": load_scene("mikron-iiic-plain"),
         "industrial-gas": throw_scene(INDUSTRIAL["throw"], INDUSTRIAL["web"]),
     }

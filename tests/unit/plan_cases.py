@@ -12,5 +12,5 @@ def with_part(scene, name, **update):
 
 
 # The built-in designs switch the tangential case off; here the plan decides.
-MIKRON = with_effects(load_scene("mikron-iiic"), tangential="auto")
+MIKRON = with_effects(load_scene("mikron-iiic-plain"), tangential="auto")
 OPPOSED = with_effects(load_scene("opposed-piston"), tangential="auto")

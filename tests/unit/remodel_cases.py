@@ -60,7 +60,7 @@ def body_of(scene: Scene, facet_mm: float = 1.0) -> Manifold:
 
 def recovered(cell_mm: float) -> np.ndarray:
     """Parameters fitted to the known web on cells of one size, from a guess scattered by 1 mm or degree."""
-    scene, true = load_scene("mikron-iiic"), values_of(WHOLE)
+    scene, true = load_scene("mikron-iiic-plain"), values_of(WHOLE)
     body = body_of(known_scene(scene, WHOLE), FINE_FACET_MM)
     guess = true + np.random.default_rng(1).normal(0, 1.0, len(true))
     limits = ManufacturingLimits()

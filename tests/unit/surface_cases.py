@@ -15,7 +15,7 @@ Array = np.ndarray
 Distance = Callable[[Array, Array, Array], Array]
 
 
-def scene_with(name: str = "mikron-iiic", **changes: Any) -> Scene:
+def scene_with(name: str = "mikron-iiic-plain", **changes: Any) -> Scene:
     """A built-in design with a free topology and `a__b__c=value` changes."""
     data = load_scene(name).with_optimise(process="free", draft_deg=0.0).model_dump(exclude_none=True)
     for path, value in changes.items():
@@ -30,9 +30,9 @@ def scene_with(name: str = "mikron-iiic", **changes: Any) -> Scene:
 def grid_of(scene: Scene, inside_mm: Distance, cell_mm: float = 1.5, blur_mm: float = 0.6) -> DensityGrid:
     """Density 1 / (1 + exp(-d / blur)) of a signed distance (positive inside), 0 in the bores.
 
-    The box is that of the mikron-iiic envelope, whatever the envelope of the scene is.
+    The box is that of the mikron-iiic-plain envelope, whatever the envelope of the scene is.
     """
-    box = load_scene("mikron-iiic" if scene.throw.radius_mm == 48 else "opposed-piston").envelope
+    box = load_scene("mikron-iiic-plain" if scene.throw.radius_mm == 48 else "opposed-piston").envelope
     assert box is not None
     assert box.shape == "box"
     start, end = scene.web_z_mm

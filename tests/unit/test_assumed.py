@@ -90,7 +90,7 @@ def test_json_has_key_value_and_meaning() -> None:
     assert all(isinstance(entry["value"], (int, float, str)) for entry in entries)
 
 
-@pytest.mark.parametrize("name", ["mikron-iiic"])
+@pytest.mark.parametrize("name", ["mikron-iiic-plain"])
 def test_a_stored_scene_has_every_key(name: str, mikron: Scene) -> None:
     """Why the question is asked before a run is stored."""
     assert keys(mikron, LOADS)

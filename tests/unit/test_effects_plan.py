@@ -45,7 +45,7 @@ def test_default_scene():
     on = {"bending", "torsion", "reciprocating_inertia", "rotating_rod_mass"}
     on |= {"bores", "lateral_symmetry", "manufacturing_constraint", "fillets", "fatigue", "bound"}
     assert plan(MIKRON).enabled == on | {"tangential"}
-    built_in = load_scene("mikron-iiic")
+    built_in = load_scene("mikron-iiic-plain")
     assert plan(built_in).enabled == on
     assert [case.name for case in load_cases(built_in, plan(built_in).enabled)] == ["bending", "torsion"]
 

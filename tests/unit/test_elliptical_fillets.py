@@ -19,7 +19,7 @@ from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.throw.fillet import FilletSection
 
-MIKRON = load_scene("mikron-iiic")
+MIKRON = load_scene("mikron-iiic-plain")
 
 
 def mikron(free: dict[str, Any] | None = None, **journals: dict[str, Any]) -> Scene:

@@ -8,7 +8,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text()
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text()
 OPPOSED = (designs_folder() / "opposed-piston.toml").read_text()
 
 

@@ -16,7 +16,7 @@ from cranktopo.tasks.refit.initial_guess import with_stations
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.counterweight.table import Counterweight
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 
 
 def scene(free: str) -> Scene:

@@ -17,7 +17,7 @@ from cranktopo.design.loading import designs_folder, load_scene, parse_scene, sc
 from cranktopo.design.schema import Scene
 from cranktopo.engine.states import extreme_states
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 
 
 def scene_with(goal: str, text: str = MIKRON) -> Scene:
@@ -215,7 +215,7 @@ def test_the_safety_goes_without_saying_only_where_there_is_one() -> None:
 def test_whether_a_load_is_given_is_told_as_the_load_states_tell_it() -> None:
     """Independent of the check: the states say themselves that they are unit loads."""
     for given in ({}, {"max_gas_force_N": 3e4}, {"max_torque_Nm": 500.0}):
-        mikron = load_scene("mikron-iiic")
+        mikron = load_scene("mikron-iiic-plain")
         assert mikron.engine is not None
         engine = mikron.engine.model_copy(update={"gas": None, **given})
         scene = mikron.model_copy(update={"engine": engine})
@@ -256,7 +256,7 @@ def test_options_replace_goal_and_limits() -> None:
 )
 def test_a_limit_as_an_option_is_refused_as_wrong_use(limit: str, message: str) -> None:
     with pytest.raises(CranktopoError) as caught:
-        with_goal(load_scene("mikron-iiic"), minimise="mass", limits=[limit])
+        with_goal(load_scene("mikron-iiic-plain"), minimise="mass", limits=[limit])
     assert message in str(caught.value)
     assert caught.value.code == ExitCode.USAGE
 

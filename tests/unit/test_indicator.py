@@ -71,7 +71,7 @@ def test_step_may_be_finer_around_the_peak(file):
 
 def test_interpolation_keeps_points_and_never_overshoots(file):
     write(file)
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     gas = Gas(indicator_csv=str(file))
     curve = pressure_curve(scene.model_copy(update={"engine": scene.engine.model_copy(update={"gas": gas})}))
     assert curve.pressure_MPa[::8] == pytest.approx(BAR / 10)

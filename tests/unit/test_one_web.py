@@ -48,14 +48,14 @@ def test_it_survives_its_file() -> None:
 
 
 def test_equal_halves_stay_the_scene_itself() -> None:
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     assert one_web(scene, None) is scene
 
 
 REFUSED: dict[str, tuple[Scene, Any, str, ExitCode]] = {
     "unnamed": (lopsided(), None, "second_web: the halves of the throw differ", ExitCode.INVALID_INPUT),
     "alike": (
-        load_scene("mikron-iiic"),
+        load_scene("mikron-iiic-plain"),
         "first",
         "--web first: both halves of the throw are alike",
         ExitCode.USAGE,

@@ -28,7 +28,7 @@ def turned(axis: str, deg: float) -> np.ndarray:
 @pytest.fixture(scope="module")
 def mikron() -> Scene:
     """Without fillets, as the body below."""
-    return without(load_scene("mikron-iiic"), "fillets")
+    return without(load_scene("mikron-iiic-plain"), "fillets")
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_a_body_that_lies_right_passes(body: Manifold, mikron: Scene) -> None:
 
 def test_a_bore_that_the_plan_leaves_out_may_be_missing() -> None:
     """A run's surface has no bore that changes less than the threshold; the body is read with a note."""
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     for name, bore in (("main_journal", 0.0), ("crankpin", 6.0)):
         data["throw"][name] |= {"bore_diameter_mm": bore, "fillet_mm": 0.0}
     small = scene_from_dict(data)
@@ -97,7 +97,7 @@ def test_a_misplaced_body_is_refused_with_the_attitude_that_fits(
 @pytest.mark.parametrize("name", ["end for end", "crank axis along x"])
 def test_journals_alike_but_for_their_lengths_are_told_apart(name: str) -> None:
     """The built-in throw itself: with its fillets, each end shows the sections of the other."""
-    whole = load_scene("mikron-iiic")
+    whole = load_scene("mikron-iiic-plain")
     rotation, shift, words = WRONG[name]
     wrong = solid_of(surface_of(whole, "half")).transform(np.column_stack([rotation, shift]))
     with pytest.raises(CranktopoError, match=f"looks {words}"):
@@ -132,7 +132,7 @@ def test_the_wrong_design_is_named(
     )
     with pytest.raises(CranktopoError, match=words) as error:
         placed(body, mikron.model_copy(update={"throw": throw}), "body.step", align=True)
-    assert "Is 'mikron-iiic' the design" in error.value.hint
+    assert "Is 'mikron-iiic-plain' the design" in error.value.hint
 
 
 def test_a_ring_is_measured(mikron: Scene) -> None:

@@ -41,19 +41,19 @@ def computed(monkeypatch):
 
 
 def test_one_plan_and_one_pressure_curve_serve_a_whole_run(computed):
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     enabled = planning.plan(scene).enabled
     load_cases(scene, enabled)
     loads_at_speeds(scene)
     load_history(scene, "cycle", enabled)
     engine_balance(scene)
-    planning.plan(load_scene("mikron-iiic"))  # an equal scene
+    planning.plan(load_scene("mikron-iiic-plain"))  # an equal scene
     planning.planned_scene(scene)
     assert sorted(computed) == ["Costing", "fit_combustion"]
 
 
 def test_another_speed_has_another_plan_but_the_same_pressure(computed):
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     slow, fast = (planning.plan(at_speed(scene, rpm)) for rpm in (1000.0, 2700.0))
     assert slow["centrifugal"].reason != fast["centrifugal"].reason
     assert computed.count("Costing") == 2
@@ -61,7 +61,7 @@ def test_another_speed_has_another_plan_but_the_same_pressure(computed):
 
 
 def test_shared_curves_cannot_be_changed(computed):
-    curve = gas.pressure_curve(load_scene("mikron-iiic"))
+    curve = gas.pressure_curve(load_scene("mikron-iiic-plain"))
     with pytest.raises(ValueError, match="read-only"):
         curve.pressure_MPa[0] = 0.0
 
@@ -81,7 +81,7 @@ def test_a_changed_indicator_file_is_read_again(computed, tmp_path):
 
 
 def _with_indicator(path: str) -> Scene:
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     engine = scene.engine
     return scene.model_copy(
         update={

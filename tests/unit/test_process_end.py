@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, parse_scene
 
 def refused(solid):
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     try:
         parse_scene(text.replace("schema_version = 1", "schema_version = true"))
     except CranktopoError as error:

@@ -53,7 +53,7 @@ def random_web(seed: int, scene: Scene) -> tuple[Layout, np.ndarray]:
 
 
 @pytest.mark.parametrize("seed", range(20))
-@pytest.mark.parametrize("name", ["mikron-iiic", "opposed-piston"])
+@pytest.mark.parametrize("name", ["mikron-iiic-plain", "opposed-piston"])
 def test_what_was_written_is_read_back(name: str, seed: int) -> None:
     scene = load_scene(name)
     layout, values = random_web(seed, scene)
@@ -82,7 +82,7 @@ def test_a_file_is_read_back(case: Any) -> None:
 
 
 def test_other_webs_are_sampled_and_what_they_lose_is_said() -> None:
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     pocket = {"shape": "cylinder", "face": "through", "x_mm": 14.0, "y_mm": 24.0, "diameter_mm": 6.0}
     twin = {**pocket, "x_mm": -14.0}
     single = {**pocket, "x_mm": -9.0}
@@ -113,7 +113,7 @@ def test_parts_of_one_kind_have_names_of_their_own() -> None:
 
 
 def test_of_another_throw_only_the_free_dimensions_are_taken_over() -> None:
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     data["shape"] = {"free": {"pin_fillet_mm": [2.0, 5.0], "pin_bore_mm": [0.0, 30.0]}}
     scene = scene_from_dict(data)
     data["throw"]["crankpin"] |= {"fillet_mm": 3.0, "bore_diameter_mm": 0.0}

@@ -74,7 +74,7 @@ REFUSED: dict[str, tuple[dict[str, Any], float, str]] = {
 def test_refused_when_the_scene_is_read(name: str) -> None:
     """Every command reads the scene first, so none of them works on a web that cannot exist."""
     web, fillet_mm, message = REFUSED[name]
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     for journal in ("main_journal", "crankpin"):
         data["throw"][journal]["fillet_mm"] = fillet_mm
     with pytest.raises(CranktopoError, match=message) as told:

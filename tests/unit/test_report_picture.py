@@ -178,7 +178,7 @@ def test_first_four_axes_share_one_scale(throw: SurfaceMesh) -> None:
 def test_png_is_written_for_any_history(throw: SurfaceMesh, tmp_path: Path, history: list[Any]) -> None:
     before = dict(mpl.rcParams)
     path = tmp_path / "run.png"
-    save_run_picture(path, throw, history, "mikron-iiic", WEB_Z)
+    save_run_picture(path, throw, history, "mikron-iiic-plain", WEB_Z)
     assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     assert dict(mpl.rcParams) == before
     image = mpl.image.imread(path)

@@ -13,7 +13,7 @@ from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.tasks.loads.result import curve_columns
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 
 
 def error_of(*changes: tuple[str, str]) -> str:

@@ -20,7 +20,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.throw.geometry import ThrowTable
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 BARE = MIKRON[: MIKRON.index("[envelope]")]
 
 

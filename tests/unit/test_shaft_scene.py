@@ -10,7 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.checks.shaft import shaft_warnings, speed_range_rpm
 from cranktopo.design.loading import designs_folder, parse_scene
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 RING = "ring_inertia_kg_m2 = 0.01, hub_inertia_kg_m2 = 0.002"
 
 REFUSED = [

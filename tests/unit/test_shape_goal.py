@@ -26,11 +26,11 @@ TRUE = {"mass": 1.6, "torsion": 145e3, "bending": 230e3, "unbalance": 33.0}
 
 @pytest.fixture(scope="module")
 def mikron() -> Scene:
-    return load_scene("mikron-iiic")
+    return load_scene("mikron-iiic-plain")
 
 
 def limits_of(*limits: Limit) -> tuple[Constraint, ...]:
-    cases = load_cases(load_scene("mikron-iiic"))
+    cases = load_cases(load_scene("mikron-iiic-plain"))
     return search_goal_of(Goal("minimise", "mass", limits), ORIGINAL, TRUE, cases).limits
 
 

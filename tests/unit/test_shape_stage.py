@@ -79,7 +79,7 @@ Shaped = Callable[[Told], ShapeOptimum]
 
 @pytest.fixture
 def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
-    scene = with_goal(load_scene("mikron-iiic"), maximise="fatigue_safety")
+    scene = with_goal(load_scene("mikron-iiic-plain"), maximise="fatigue_safety")
 
     def run(told: Told) -> ShapeOptimum:
         model = SimpleNamespace(cases=load_cases(scene))

@@ -64,7 +64,7 @@ def check(text: str, product: str) -> None:
 def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
     export_solid(mikron, part, tmp_path / "one.step")
     text = (tmp_path / "one.step").read_text(encoding="ascii")
-    check(text, f"mikron-iiic {'half throw' if part == 'half' else part.replace('_', ' ')}")
+    check(text, f"mikron-iiic-plain {'half throw' if part == 'half' else part.replace('_', ' ')}")
     header = text[: text.index("DATA;")]
     assert header.index("FILE_DESCRIPTION") < header.index("FILE_NAME") < header.index("FILE_SCHEMA")
     assert DAY in header

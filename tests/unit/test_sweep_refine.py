@@ -21,7 +21,7 @@ def row(mass_kg: float, torsion: float, bending: float, **more: Any) -> PointRes
 
 
 def look(name: str, result: PointResult) -> tuple[SweepPoint, PointResult]:
-    return SweepPoint(name, name, "evaluate", {}, "mikron-iiic", {}, Fineness()), result
+    return SweepPoint(name, name, "evaluate", {}, "mikron-iiic-plain", {}, Fineness()), result
 
 
 def names(

@@ -50,7 +50,7 @@ def switched_to(scene: Scene, state: str) -> Scene:
     return scene.model_copy(update={"effects": effects})
 
 
-def turning(shaft: dict[str, Any], name: str = "mikron-iiic", **engine: Any) -> Scene:
+def turning(shaft: dict[str, Any], name: str = "mikron-iiic-plain", **engine: Any) -> Scene:
     data = load_scene(name).model_dump(mode="json", exclude_none=True)
     given = {k: v for k, v in data["engine"].items() if not k.startswith(("max_", "min_"))}
     return scene_from_dict({**data, "shaft": shaft, "engine": {**given, **engine}})
@@ -71,19 +71,19 @@ def computed(scene: Scene) -> float:
 @pytest.mark.parametrize(
     ("shaft", "name", "engine"),
     [
-        (PROPELLER, "mikron-iiic", {}),
-        ({**FLYWHEEL, "damper": DAMPERS["rubber"]}, "mikron-iiic", {}),
+        (PROPELLER, "mikron-iiic-plain", {}),
+        ({**FLYWHEEL, "damper": DAMPERS["rubber"]}, "mikron-iiic-plain", {}),
         (
             {
                 "flywheel": {"inertia_kg_m2": 0.02},
                 "propeller": {"inertia_kg_m2": 0.6, "stiffness_Nm_per_rad": 1e5},
             },
-            "mikron-iiic",
+            "mikron-iiic-plain",
             {},
         ),
         (
             {**FLYWHEEL, "pulley": {"inertia_kg_m2": 0.003}, "cylinder_damping_Nms_per_rad": 0.3},
-            "mikron-iiic",
+            "mikron-iiic-plain",
             SIX,
         ),
         (
@@ -119,7 +119,7 @@ def test_reason_names_frequency_order_and_magnifier(with_propeller: tuple[Scene,
     assert "no order meets" in stiff.reason
 
 
-@pytest.mark.parametrize("name", ["mikron-iiic", "opposed-piston"])
+@pytest.mark.parametrize("name", ["mikron-iiic-plain", "opposed-piston"])
 def test_built_in_designs_are_without_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """And nothing of it is computed."""
 
@@ -140,7 +140,7 @@ def test_built_in_designs_are_without_it(name: str, monkeypatch: pytest.MonkeyPa
 
 
 def test_off_leaves_the_load_cases_as_they_were(with_propeller: tuple[Scene, PhysicsPlan]) -> None:
-    (scene, decided), plain = with_propeller, load_scene("mikron-iiic")
+    (scene, decided), plain = with_propeller, load_scene("mikron-iiic-plain")
     off = switched_to(scene, "off")
     enabled = plan(off).enabled
     assert enabled == plan(plain).enabled
@@ -208,7 +208,7 @@ def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyP
     before, after = (load_history(s, "extremes", plan(s).enabled) for s in (scene, found.scene))
     assert np.ptp(after.torque_Nm) < 0.9 * np.ptp(before.torque_Nm)  # the resonance of order 8 has gone
     given = turning({**PROPELLER, "throw_stiffness_Nm_per_rad": 1.4e5})
-    for same in (given, switched_to(scene, "off"), load_scene("mikron-iiic")):
+    for same in (given, switched_to(scene, "off"), load_scene("mikron-iiic-plain")):
         target = Target("mine", same)
         assert with_throw_stiffness(target) is target
     assert len(asked) == 1
@@ -225,7 +225,7 @@ def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyP
     ],
 )
 def test_it_cannot_be_on_without_data(shaft: Any, engine: dict[str, Any], why: str) -> None:
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     merged = {k: v for k, v in {**data["engine"], **engine}.items() if v is not None}
     extra = {} if shaft is None else {"shaft": shaft}
     scene = scene_from_dict({**data, "engine": merged, **extra})
