@@ -34,7 +34,7 @@ def vee(tmp_path):
 
 
 def test_json_has_the_contract_keys(capsys):
-    code, out, err = run(capsys, "--json")
+    code, out, err = run(capsys, "mikron-iiic-plain", "--json")
     found = json.loads(out)
     assert (code, err) == (0, "")
     assert (found["schema_version"], found["design"], found["speed_rpm"]) == (1, "mikron-iiic-plain", 2100.0)

@@ -164,7 +164,7 @@ def test_plan_json(capsys):
     assert code == 0
     assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (
         1,
-        "mikron-iiic-plain",
+        "mikron-iiic",
         14,
     )
 

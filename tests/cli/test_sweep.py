@@ -64,7 +64,7 @@ def swept(scheduler: str, out: Path, **settings: Any) -> pd.DataFrame:
 def test_table_front_and_files(scheduler: str, tmp_path: Path, trace: Path) -> None:
     out, lines = tmp_path / "out", list[str]()
     vary = {WIDTH: [50, 52, 3], FILLET: [2.0, 2.5]}
-    frame = swept(scheduler, out, vary=vary, info=lines.append)
+    frame = swept(scheduler, out, design="mikron-iiic-plain", vary=vary, info=lines.append)
     assert frame["status"].tolist() == ["done"] * 4 + ["impossible"] * 2
     assert frame["mass_kg"].tolist()[:4] == pytest.approx([50 / 30, 50 / 30, 52 / 30, 52 / 30])
     assert frame[FILLET].tolist() == [2.0, 2.5] * 3
@@ -123,7 +123,7 @@ def test_what_fails_is_a_row(scheduler: str, tmp_path: Path) -> None:
 
 def test_nothing_is_written_where_no_point_can_be(scheduler: str, tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match="no point of the sweep can be: throw"):
-        swept(scheduler, tmp_path / "out", vary={WIDTH: [1, 2]})
+        swept(scheduler, tmp_path / "out", design="mikron-iiic-plain", vary={WIDTH: [1, 2]})
     assert not (tmp_path / "out").exists()
 
 

@@ -33,7 +33,7 @@ def test_each_web_is_a_throw_of_two_such_webs() -> None:
     assert first.throw.drilling == ()
     written = {**DRILLED["drilling"][0], "web": "both"}
     expected = scene_with({"drilling": [written], "mirrored_web": "second"}, web=SECOND)
-    assert second == named(expected, "mikron-iiic-second-web")
+    assert second == named(expected, "mikron-iiic-plain-second-web")
     assert not difference(first)
     assert not difference(second)
     assert [str(item) for item in assumptions(second, (THROW,))][-1] == (
