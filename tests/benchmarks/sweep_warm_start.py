@@ -2,7 +2,7 @@
 
     python -m tests.benchmarks.sweep_warm_start [DEMANDS]
 
-Least mass of `mikron-iiic-plain` for torsional stiffness rising from 95 to 115 %: the chain in one process with
+Least mass of `mikron-iiic-plain` for torsional stiffness from 95 to 115 %: the chain in one process with
 all cores, the others on two workers as `cranktopo sweep` runs them. Masses are those of the evaluation.
 """
 
