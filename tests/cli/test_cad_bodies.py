@@ -22,7 +22,7 @@ from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.importing.found_fillets import ring_of
 from cranktopo.tasks.importing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
-from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+from tests.physics.fea.evaluation_cases import LOPSIDED, mikron_with
 
 Capture = pytest.CaptureFixture[str]
 

@@ -20,8 +20,8 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.drawing.sheet import drawing_figure
 from cranktopo.tasks.drawing.stage import throw_sheets
 from cranktopo.tasks.drawing.views import Sheet
-from tests.physics.test_two_webs import POCKET, lopsided
-from tests.unit.remodel_cases import WHOLE, known_scene
+from tests.physics.fea.test_two_webs import POCKET, lopsided
+from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
 A3_MM = (420.0, 297.0)
 

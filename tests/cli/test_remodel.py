@@ -26,7 +26,7 @@ from cranktopo.tasks.refit.select import FitTrial
 from cranktopo.tasks.refit.shape_error import shape_error
 from cranktopo.tasks.refit.stage import write_refit
 from tests.step_volume import step_volume_mm3
-from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
+from tests.unit.refit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
 COARSE_MM = "4.5"
 

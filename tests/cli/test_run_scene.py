@@ -22,7 +22,7 @@ from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.manifest import settings_hash
 from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.refit import stage as pipeline_remodel
-from tests.unit.test_indicator import write as write_indicator
+from tests.unit.engine.test_indicator import write as write_indicator
 
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"
 

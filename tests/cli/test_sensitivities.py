@@ -14,7 +14,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.writing import toml_text
 from cranktopo.tasks.refit.family import web_of
 from tests.cli.test_shape_target import run_of
-from tests.physics.shape_cases import solid_web
+from tests.physics.shape.shape_cases import solid_web
 
 
 @pytest.fixture(scope="module")

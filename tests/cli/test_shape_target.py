@@ -22,7 +22,7 @@ from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.refit.family import web_of
 from cranktopo.tasks.shape import run as shape
 from cranktopo.tasks.shape.stage import ShapeSettings
-from tests.physics.shape_cases import full_web
+from tests.physics.shape.shape_cases import full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)
 

@@ -33,7 +33,7 @@ from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import bevel_start, outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
-from tests.physics.bound_cases import (
+from tests.physics.bound.bound_cases import (
     own_body,
     quantities_of,
     quantities_of_body,

@@ -24,10 +24,10 @@ from cranktopo.tasks.density.response import compliances, solve, stiffness
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.fit import scene_with_web
-from tests.physics.evaluation_cases import mikron_with
-from tests.physics.throw_cases import BENDING, TORSION
+from tests.physics.density.throw_cases import BENDING, TORSION
+from tests.physics.fea.evaluation_cases import mikron_with
 from tests.studies.error_bounds import Bounded, limit
-from tests.unit.counterweight_cases import PLAIN, THIN, roomy_scene, weighted
+from tests.unit.throw.counterweight_cases import PLAIN, THIN, roomy_scene, weighted
 
 REFERENCE = {"torsion": 138.2e3, "bending": 217.6e3}
 """Body-fitted quadratic tetrahedra refined at the re-entrant rings, N m/rad and N/mm; no fillets."""

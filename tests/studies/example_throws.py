@@ -6,7 +6,7 @@ from typing import Any
 
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from tests.physics.evaluation_cases import throw_scene
+from tests.physics.fea.evaluation_cases import throw_scene
 
 # A passenger-car diesel throw: solid overlapping journals, short stroke to bore.
 CAR: dict[str, Any] = {
