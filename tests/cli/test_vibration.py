@@ -165,3 +165,23 @@ def test_refused(name: str, said: str, tmp_path: Path, capsys: pytest.CaptureFix
     assert said in found.err
     assert len(found.err.splitlines()) == 1
     assert not page.exists()
+
+
+def test_damping_and_speeds_of_a_marine_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The ring of a viscous damper moves with its mode, and the mode of a soft coupling is met, too."""
+    table = (
+        "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 400.0\nspeed_max_rpm = 2800.0\n"
+        "damper = {kind = 'viscous', ring_inertia_kg_m2 = 0.01, hub_inertia_kg_m2 = 0.002, "
+        "damping_Nms_per_rad = 8.0}\nflywheel = {inertia_kg_m2 = 0.1}\n"
+        "coupling = {inertia_kg_m2 = 0.01, stiffness_Nm_per_rad = 500.0, loss_factor = 0.15}\n"
+        "driven = {inertia_kg_m2 = 0.2}"
+    )
+    data = printed([design(tmp_path, table, MEAN_INERTIA)], capsys)
+    crank = data["modes"][1]
+    assert data["disks"][0]["name"] == "damper ring"
+    assert abs(crank["shape"][0]) > 0.05
+    assert 0.02 < crank["damping_ratio"] < 0.5
+    assert main(["vibration", design(tmp_path, table, MEAN_INERTIA), "--quiet"]) == 0
+    out = capsys.readouterr().out
+    assert "Mode 1 is also met at" in out
+    assert "(order 1)" in out

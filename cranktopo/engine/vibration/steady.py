@@ -12,7 +12,7 @@ from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, curve_of
 from cranktopo.engine.vibration.varying_inertia import HARMONICS, coupled_response_rad
-from cranktopo.numerics.disk_chain import ComplexArray, Mode
+from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
 
 ORDERS = 24
 _SPEEDS = 200
@@ -105,7 +105,7 @@ class Vibration:
 
 def critical_speeds(
     shaft: ShaftChain,
-    modes: Sequence[Mode],
+    modes: Sequence[DampedMode],
     harmonics: TorqueHarmonics,
     range_rpm: tuple[float, float],
     orders: int = ORDERS,

@@ -15,7 +15,7 @@ from cranktopo.engine.vibration.steady import CriticalSpeed, Vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.engine.vibration.varying_inertia import VaryingPart
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
-from cranktopo.numerics.disk_chain import Mode
+from cranktopo.numerics.disk_chain import DampedMode
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class VibrationStudy:
 
     scene: Scene
     stiffness_source: str
-    modes: tuple[Mode, ...]
+    modes: tuple[DampedMode, ...]
     critical: tuple[CriticalSpeed, ...]
     response: Vibration
     varying_inertia_percent: float

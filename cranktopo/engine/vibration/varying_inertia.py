@@ -18,7 +18,7 @@ from cranktopo.base.units import MM2_PER_M2
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics
-from cranktopo.numerics.disk_chain import ComplexArray, Mode
+from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
 
 HARMONICS = 4
 """Harmonics of the inertia that count: the fifth is below a thousandth of a reciprocating mass."""
@@ -53,7 +53,11 @@ class VaryingPart:
 
 
 def varying_part(
-    scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics, modes: Sequence[Mode], met: Collection[int]
+    scene: Scene,
+    shaft: ShaftChain,
+    harmonics: TorqueHarmonics,
+    modes: Sequence[DampedMode],
+    met: Collection[int],
 ) -> VaryingPart:
     """The varying part, included where its share reaches the scene's threshold and the scene has a [shaft].
 
@@ -82,15 +86,18 @@ def varying_inertia_kg_m2(scene: Scene, harmonics: TorqueHarmonics) -> ComplexAr
     return np.asarray(every[:, None] * harmonics.shifts[whole][: HARMONICS + 1])
 
 
-def varying_share_percent(shaft: ShaftChain, modes: Sequence[Mode], varying_kg_m2: ComplexArray) -> float:
-    """Largest harmonic of the varying inertia over the inertia that swings with it, of all modes, percent.
+def varying_share_percent(
+    shaft: ShaftChain, modes: Sequence[DampedMode], varying_kg_m2: ComplexArray
+) -> float:
+    """Return the largest harmonic of the varying inertia over the inertia that swings with it, in percent.
 
     All disks count with the square of the mode shape; the throws' parts count as if in phase.
     """
     swing = 2 * np.abs(varying_kg_m2[1:])
     inertia = np.array(shaft.chain.inertia_kg_m2)
     shares = [
-        (swing * mode.shape[shaft.driven] ** 2).sum(axis=1).max() / (inertia * mode.shape**2).sum()
+        (swing * np.abs(mode.shape[shaft.driven]) ** 2).sum(axis=1).max()
+        / (inertia * np.abs(mode.shape) ** 2).sum()
         for mode in modes
     ]
     return 100 * float(max(shares, default=0.0))

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.linalg
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize, minimize_scalar
 
@@ -233,7 +234,7 @@ def test_a_slow_run_up_has_the_steady_peak_and_a_fast_one_less_and_later() -> No
     shaft, harmonics = estimated_chain(scene), torque_harmonics(scene)
     assert harmonics is not None
     speeds = (2150.0, 2550.0)  # order 10 in its middle
-    critical = critical_speeds(shaft, shaft.chain.modes(), harmonics, speeds)
+    critical = critical_speeds(shaft, shaft.chain.damped_modes(), harmonics, speeds)
     steady = vibration(shaft, harmonics, speeds_to_solve(speeds, critical, 50))
     slow, fast = (run_up(shaft, harmonics, speeds, seconds) for seconds in (4.0, 0.6))
     section = steady.worst.section
@@ -249,8 +250,40 @@ def test_major_orders_of_four_cylinders() -> None:
     scene = with_shaft({"flywheel": {"inertia_kg_m2": 0.2}})
     shaft, harmonics = estimated_chain(scene), torque_harmonics(scene)
     assert harmonics is not None
-    modes = shaft.chain.modes()
+    modes = shaft.chain.damped_modes()
     found = critical_speeds(shaft, modes, harmonics, (500.0, 20000.0))
     assert {c.order for c in found if c.major} == {2.0, 4.0, 6.0, 8.0, 10.0, 12.0}
     assert all(c.speed_rpm * c.order / 60 == pytest.approx(modes[c.mode - 1].frequency_Hz) for c in found)
     assert {c.speed_rpm for c in found} <= set(speeds_to_solve((500.0, 20000.0), found, 10))
+
+
+def test_damped_modes_of_two_disks() -> None:
+    """Relative viscous damping: c / (2 sqrt(k J)), J the reduced inertia; a loss factor: half of it."""
+    reduced, stiffness = 2.0 * 3.0 / 5.0, 5e4
+    natural = math.sqrt(stiffness / reduced) / (2 * math.pi)
+    viscous = 2 * 0.3 * math.sqrt(stiffness * reduced)
+    (mode,) = DiskChain((2.0, 3.0), (stiffness,), (), (viscous,)).damped_modes()
+    assert (mode.frequency_Hz, mode.damping_ratio) == pytest.approx((natural, 0.3), rel=1e-9)
+    (mode,) = DiskChain((2.0, 3.0), (stiffness,), (0.02,)).damped_modes()
+    assert (mode.frequency_Hz, mode.damping_ratio) == pytest.approx((natural, 0.01), rel=1e-3)
+    assert DiskChain((2.0, 3.0), (stiffness,), (), (4 * viscous,)).damped_modes() == ()
+
+
+def test_damped_modes_decay_in_time() -> None:
+    """A ring on a viscous damper alone: motion from a mode's shape, stepped by the matrix exponential."""
+    inertia, viscous = (80.0, 40.0, 300.0, 900.0), (30000.0, 0.0, 50.0)
+    stiffness = (0.0, 2e8, 1e8)
+    chain = DiskChain(inertia, stiffness, (), viscous)
+    difference = np.diff(np.eye(4), axis=0)
+    mass, k, c = np.diag(inertia), *(difference.T @ np.diag(v) @ difference for v in (stiffness, viscous))
+    inverse = np.linalg.inv(mass)
+    state = np.block([[np.zeros((4, 4)), np.eye(4)], [-inverse @ k, -inverse @ c]])
+    modes = chain.damped_modes()
+    assert len(modes) == 2
+    for mode in modes:
+        size, time = 2 * math.pi * mode.frequency_Hz, 0.7 / mode.frequency_Hz
+        eigenvalue = size * complex(-mode.damping_ratio, math.sqrt(1 - mode.damping_ratio**2))
+        start = np.concatenate([mode.shape.real, (eigenvalue * mode.shape).real])
+        moved = (mode.shape * np.exp(eigenvalue * time)).real
+        assert scipy.linalg.expm(state * time)[:4] @ start == pytest.approx(moved, abs=1e-9)
+        assert abs(mode.shape[0]) > 0.01, "the ring is dragged along"
