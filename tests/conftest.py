@@ -20,7 +20,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 @pytest.fixture(scope="session")
 def mikron() -> Scene:
     """The built-in design with a free topology: what a process leaves is tested where one is asked for."""
-    return load_scene("mikron-iiic").with_optimise(process="free", draft_deg=0.0)
+    return load_scene("mikron-iiic-plain").with_optimise(process="free", draft_deg=0.0)
 
 
 @pytest.fixture(scope="session")

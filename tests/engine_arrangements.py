@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.design.loading import designs_folder, parse_scene
 from cranktopo.design.schema import Scene
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 VEE = "layout = 'V'\nbank_angle_deg = 90.0\n"
 
 

@@ -56,7 +56,7 @@ def deadly(scene: Scene) -> dict[str, float]:
 
 def point_result(name: str, **told: Any) -> PointResult:
     """A point that ended, with numbers by name; what it is made of does not matter."""
-    known = {"stage": "evaluate", "design": "mikron-iiic", "varied": {}, "status": "done", "reason": ""}
+    known = {"stage": "evaluate", "design": "mikron-iiic-plain", "varied": {}, "status": "done", "reason": ""}
     return PointResult(
         **{"id": name, "sha256": name, "run": f"points/{name}", "version": "0", **known, **told}
     )

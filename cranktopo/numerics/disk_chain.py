@@ -15,6 +15,10 @@ ComplexArray = NDArray[np.complex128]
 
 _RIGID = 1e-12
 """Square of a frequency over that of the highest below which a motion is rigid."""
+_CREEPING = 1e-6
+"""Imaginary part of an eigenvalue over the highest frequency below which a motion is rigid."""
+_SWINGING = 0.1
+"""Imaginary part of an eigenvalue over its magnitude from which a motion swings, a damping ratio of 0.995."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +27,22 @@ class Mode:
 
     frequency_Hz: float
     shape: Array
+
+
+@dataclass(frozen=True)
+class DampedMode:
+    """A free vibration with all damping.
+
+    Attributes:
+        frequency_Hz: magnitude of its eigenvalue.
+        damping_ratio: damping over critical damping.
+        shape: complex amplitude of every disk, the largest 1 or -1, the real part of the first disk not
+            negative.
+    """
+
+    frequency_Hz: float
+    damping_ratio: float
+    shape: ComplexArray
 
 
 @dataclass(frozen=True)
@@ -59,12 +79,26 @@ class DiskChain:
             if square > _RIGID * squares[-1]
         )
 
-    def damping_ratio(self, mode: Mode) -> float:
-        """Return the damping of a natural vibration over its critical damping, all of it taken as light."""
-        w = 2 * math.pi * mode.frequency_Hz
-        taken = self.dissipated_J(np.array(w), mode.shape.astype(complex))
-        energy = (np.array(self.inertia_kg_m2) * mode.shape**2).sum() * w**2 / 2
-        return float(taken / (4 * math.pi * energy))
+    def damped_modes(self) -> tuple[DampedMode, ...]:
+        """Return the free vibrations with all damping, by complex eigenvalues, slowest first.
+
+        What creeps back without swinging, as the ring of a strong viscous damper, is none of them.
+        """
+        inertia, count = np.array(self.inertia_kg_m2), len(self.inertia_kg_m2)
+        highest = math.sqrt(max(np.linalg.eigvalsh(self._scaled_stiffness())[-1], 0.0))
+        if highest == 0.0:
+            return ()
+        stiffness = _joined(self.section_stiffness_Nm_per_rad(np.array(0.0)))
+        viscous = _joined(_filled(self.relative_damping_Nms_per_rad, count - 1))
+        viscous = viscous + np.diag(_filled(self.absolute_damping_Nms_per_rad, count))
+        state = np.zeros((2 * count, 2 * count), dtype=complex)  # time in units of 1 / highest
+        state[:count, count:] = np.eye(count)
+        state[count:, :count] = -stiffness / inertia[:, None] / highest**2
+        state[count:, count:] = -viscous / inertia[:, None] / highest
+        values, vectors = np.linalg.eig(state)
+        least = np.maximum(_CREEPING, _SWINGING * np.abs(values))
+        swinging = [i for i in np.argsort(np.abs(values), kind="stable") if values[i].imag > least[i]]
+        return tuple(_damped_mode(highest * values[i], vectors[:count, i]) for i in swinging)
 
     def _scaled_stiffness(self) -> Array:
         scale = 1.0 / np.sqrt(self.inertia_kg_m2)
@@ -112,6 +146,12 @@ class DiskChain:
                 {"nl": i, "nr": i + 1, "k": k, "I": 0.0} for i, k in enumerate(self.stiffness_Nm_per_rad)
             ],
         }
+
+
+def _damped_mode(eigenvalue: complex, vector: ComplexArray) -> DampedMode:
+    shape = vector / vector[np.abs(vector).argmax()]
+    size = abs(eigenvalue)
+    return DampedMode(size / (2 * math.pi), -eigenvalue.real / size, -shape if shape[0].real < 0 else shape)
 
 
 def _filled(values: tuple[float, ...], count: int) -> Array:

@@ -39,7 +39,7 @@ def print_cells(design: str, cells_mm: Sequence[float]) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    parser.add_argument("design", nargs="?", default="mikron-iiic")
+    parser.add_argument("design", nargs="?", default="mikron-iiic-plain")
     parser.add_argument("--cells", type=float, nargs="+", default=[4.0, 3.0, 2.0, 1.5])
     asked = parser.parse_args()
     print_cells(asked.design, asked.cells)

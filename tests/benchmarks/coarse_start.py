@@ -28,7 +28,7 @@ def main() -> None:
     print("| web | fine cells from β | iterations before | s | iterations on fine cells | s | objective % |")
     print("|---|---|---|---|---|---|---|", flush=True)
     for process, draft_deg in (("forged", None), ("free", 0.0)):
-        scene = load_scene("mikron-iiic").with_optimise(process=process, draft_deg=draft_deg)
+        scene = load_scene("mikron-iiic-plain").with_optimise(process=process, draft_deg=draft_deg)
         _rows(process, prepare(scene.with_optimise(resolution_mm=cell_mm, volume_fraction=0.3)))
 
 

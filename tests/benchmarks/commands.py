@@ -29,8 +29,8 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "loads": ("loads",),
     "balance": ("balance",),
     "vibration": ("vibration",),
-    "evaluate": ("evaluate", "mikron-iiic"),
-    "fatigue": ("fatigue", "mikron-iiic"),
+    "evaluate": ("evaluate", "mikron-iiic-plain"),
+    "fatigue": ("fatigue", "mikron-iiic-plain"),
     "bound": ("bound", "--minimise", "mass"),
     "shape": ("shape", "--minimise", "mass"),
 }

@@ -22,7 +22,7 @@ ENVELOPE = {"shape": "box", "half_width_mm": 50.0, "y_min_mm": -45.0, "y_max_mm"
 
 def engines() -> list[dict[str, Any]]:
     """Three engines with a design space each."""
-    names = ("mikron-iiic", "opposed-piston")
+    names = ("mikron-iiic-plain", "opposed-piston")
     builtin = [load_scene(name).model_dump(mode="json", exclude_none=True) for name in names]
     return [*builtin, deepcopy(CAR) | {"envelope": ENVELOPE}]
 

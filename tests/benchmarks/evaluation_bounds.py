@@ -76,7 +76,7 @@ def seconds_for(percent: float, bounds: list[float], seconds: list[float]) -> fl
     return float(np.exp(np.interp(-np.log(percent), -np.log(bounds), np.log(seconds), right=np.inf)))
 
 
-def main(engine: str = "mikron-iiic") -> None:
+def main(engine: str = "mikron-iiic-plain") -> None:
     """Print the table as Markdown."""
     target = Target(engine, planned_scene(load_scene(engine)))
     timed(target, STEPS[0])  # imports and caches

@@ -1,7 +1,7 @@
 """What the mesh of the evaluation costs and gives: the sharp Mikron throw, graded at its rings and uniform.
 
 Run with `python -m tests.benchmarks.evaluation_meshes`. Each mesh is a fresh process, so that peak memory is
-its own. Errors are against the reference of tests/physics/test_evaluation_reference.py (no fillets).
+its own. Errors are against the reference of tests/physics/fea/test_evaluation_reference.py (no fillets).
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import subprocess
 import sys
 
 from cranktopo.design.halves import default_element_size_mm
-from tests.physics.evaluation_cases import mikron_with
-from tests.physics.test_evaluation_reference import errors_percent, stiffness_on
+from tests.physics.fea.evaluation_cases import mikron_with
+from tests.physics.fea.test_evaluation_reference import errors_percent, stiffness_on
 
 MESHES = (
     *((size, True) for size in (9.45, 6.3, 4.2, 2.8)),

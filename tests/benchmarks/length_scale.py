@@ -15,7 +15,7 @@ from cranktopo.tasks.density.assess import assess
 from cranktopo.tasks.density.stage import optimise_density, prepare
 from cranktopo.tasks.extraction.checked_surface import checked_surface
 
-ENGINES = ("mikron-iiic", "opposed-piston")
+ENGINES = ("mikron-iiic-plain", "opposed-piston")
 FRACTIONS = (0.2, 0.3, 0.4)
 CELL_MM = 3.5
 LENGTHS: tuple[dict[str, float], ...] = (

@@ -20,7 +20,7 @@ from tests.benchmarks.solver import COMPILED_ANEW
 
 CELLS_MM = (3.0, 2.0, 1.5, 1.0, 0.8)
 CASES = {2: "", 4: 'tangential = "on"\ncentrifugal = "on"\n[optimise.weights]\ncentrifugal = 0.5\n'}
-DESIGN = Path(__file__).parents[2] / "designs" / "mikron-iiic.toml"
+DESIGN = Path(__file__).parents[2] / "designs" / "mikron-iiic-plain.toml"
 
 
 def measured_MiB(design: Path, cell_mm: float) -> tuple[int, float]:

@@ -27,7 +27,7 @@ METHODS = ("optimality_criteria", "moving_asymptotes")
 def main(cell_mm: float = 3.0) -> None:
     """Print the table as Markdown."""
     print("| method | from | steps | mass % | torsion % | bending % |\n|---|---|---|---|---|---|")
-    scene = load_scene("mikron-iiic").with_optimise(
+    scene = load_scene("mikron-iiic-plain").with_optimise(
         resolution_mm=cell_mm, process="free", stage_iterations=20, max_iterations=300
     )
     ends: dict[str, State] = {}

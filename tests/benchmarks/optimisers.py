@@ -48,7 +48,7 @@ class Outcome:
 
 def tasks(cell_mm: float) -> dict[str, Scene]:
     """The plain volume problem and the least mass at the stiffnesses of the original."""
-    plain = load_scene("mikron-iiic").with_optimise(resolution_mm=cell_mm, process="free")
+    plain = load_scene("mikron-iiic-plain").with_optimise(resolution_mm=cell_mm, process="free")
     data = plain.model_dump(mode="json", exclude_none=True) | {"goal": {"minimise": "mass"}}
     return {"volume fraction 0.3": plain, "least mass": scene_from_dict(data)}
 

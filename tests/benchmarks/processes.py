@@ -16,7 +16,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.tasks.fea.stage import evaluate_target
 from cranktopo.tasks.optimise.stage import optimise_design
 
-ENGINES = ("mikron-iiic", "opposed-piston")
+ENGINES = ("mikron-iiic-plain", "opposed-piston")
 PROCESSES: dict[str, dict[str, Any]] = {
     "free": {"process": "free"},
     "die": {"process": "forged", "draft_deg": 0.0},

@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 
-from tests.unit.remodel_cases import WHOLE, recovered, values_of
+from tests.unit.refit.remodel_cases import WHOLE, recovered, values_of
 
 
 def main(cells_mm: list[float]) -> None:

@@ -31,7 +31,7 @@ CELL_MM, SPREAD_MM = 3.0, 5.0
 BEVELS = FittedBevel("journal"), FittedBevel("pin")
 
 
-def main(engine: str = "mikron-iiic", quantity: str = "torsion_per_mass", starts: int = 10) -> None:
+def main(engine: str = "mikron-iiic-plain", quantity: str = "torsion_per_mass", starts: int = 10) -> None:
     """Print the table as Markdown."""
     lightest = quantity == "mass"
     asked = (quantity, None) if lightest else (None, quantity)

@@ -53,7 +53,7 @@ NAMES = ("mass", "torsion", "bending", "torsion_per_mass", "fatigue_safety")
 MORE = ("limits", "webs solved", "s")
 TASKS = [
     f"{name}:{goal}"
-    for name in ("mikron-iiic", "opposed-piston", *OWN)
+    for name in ("mikron-iiic-plain", "opposed-piston", *OWN)
     for goal in ("mass", "torsion_per_mass")
 ]
 

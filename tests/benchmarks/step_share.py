@@ -24,7 +24,7 @@ from cranktopo.tasks.density import loop, proposals
 from cranktopo.tasks.density.build import build_problem
 from cranktopo.tasks.density.stage import iterate, prepare
 
-ENGINES = ("mikron-iiic", "opposed-piston")
+ENGINES = ("mikron-iiic-plain", "opposed-piston")
 
 
 def main(cell_mm: float = 1.5) -> None:

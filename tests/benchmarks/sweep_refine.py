@@ -1,6 +1,6 @@
 """What refining only the front saves: python -m tests.benchmarks.sweep_refine [POINTS] [ACCURACY].
 
-Sobol points of `mikron-iiic`, all at full accuracy (%), and coarse first: once where nearly every point
+Sobol points of `mikron-iiic-plain`, all at full accuracy (%), and coarse first: once where nearly every point
 trades mass for stiffness, so that nearly all are on the front, and once with a crankpin that costs both.
 """
 

@@ -127,7 +127,7 @@ def recorded_s() -> list[float]:
     """Durations of 12 evaluations of different webs, as a sweep on this machine records them."""
     vary = {"web.width_mm": "50:60:4", "web.thickness_mm": "16:22:3"}
     with tempfile.TemporaryDirectory() as folder:
-        frame = sweep("mikron-iiic", vary, element_size_mm=9.0, out=Path(folder) / "run")
+        frame = sweep("mikron-iiic-plain", vary, element_size_mm=9.0, out=Path(folder) / "run")
     return [float(seconds) for seconds in frame["seconds"]]
 
 

@@ -2,7 +2,7 @@
 
     python -m tests.benchmarks.sweep_warm_start [DEMANDS]
 
-Least mass of `mikron-iiic` for torsional stiffness rising from 95 to 115 %: the chain in one process that has
+Least mass of `mikron-iiic-plain` for torsional stiffness from 95 to 115 %: the chain in one process with
 all cores, the others on two workers as `cranktopo sweep` runs them. Masses are those of the evaluation.
 """
 
@@ -52,7 +52,7 @@ def chain(limits: list[str], folder: Path) -> list[float]:
     begun: Scene | None = None
     found: list[float] = []
     for limit in limits:
-        plain = load_scene("mikron-iiic").with_effect("bound", "off")
+        plain = load_scene("mikron-iiic-plain").with_effect("bound", "off")
         scene = with_goal(plain, minimise="mass", limits=[f"torsion >= {limit} %"])
         done = shape_design(scene, out=folder / limit, begun=begun)
         found.append(done.result.result.mass_kg.throw)

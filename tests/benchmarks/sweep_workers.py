@@ -1,6 +1,6 @@
 """How much faster two workers are than one: python -m tests.benchmarks.sweep_workers [STAGE...].
 
-Seconds for the same points of `mikron-iiic` by one worker on one core, by one on both, and by two with
+Seconds for the same points of `mikron-iiic-plain` by one worker on one core, by one on both, and by two with
 a core each. The first points of each sweep, which start workers and programs, are left out, but for shapes,
 beside which that is little. Optimisations have cells of 3 mm and 20 iterations, shapes are evaluated on
 elements of 12 mm.
@@ -41,7 +41,7 @@ def main(stages: list[str]) -> None:
     for stage in stages or list(MEASURED):
         warming, points, texts = MEASURED[stage]
         vary: list[Variation] = [read_option(text) for text in texts]
-        plan = sweep_plan(["mikron-iiic"], vary, stage=stage, element_size_mm=SIZES_MM.get(stage))
+        plan = sweep_plan(["mikron-iiic-plain"], vary, stage=stage, element_size_mm=SIZES_MM.get(stage))
         one, both, two = (seconds(plan, warming, points, engine) for engine in ENGINES)
         shown = f"{one:.1f} | {both:.1f} | {two:.1f} | {one / two:.2f} | {both / two:.2f}"
         print(f"| {stage} | {points} | {shown} |", flush=True)

@@ -69,7 +69,7 @@ def points() -> list[PointResult]:
                 "run": f"points/{number:012x}",
                 "status": "done",
                 "reason": "",
-                "design": "mikron-iiic",
+                "design": "mikron-iiic-plain",
                 "stage": "shape",
                 "varied": {"web.width_mm": width, "web.thickness_mm": thickness},
                 "mass_kg": mass,
@@ -96,7 +96,7 @@ def record() -> SweepResult:
     front, objectives = front_of(finished)
     return SweepResult(
         run="a-sweep",
-        design="mikron-iiic",
+        design="mikron-iiic-plain",
         varied=("web.width_mm", "web.thickness_mm"),
         sampling="grid",
         points=tuple(rows),
@@ -120,7 +120,7 @@ def webs(record: SweepResult) -> dict[str, str]:
 
 
 def with_width(width_mm: float) -> Scene:
-    tables = with_value(load_scene("mikron-iiic").model_dump(mode="json"), "web.width_mm", width_mm)
+    tables = with_value(load_scene("mikron-iiic-plain").model_dump(mode="json"), "web.width_mm", width_mm)
     return simulated(scene_from_dict(tables, "test"))
 
 

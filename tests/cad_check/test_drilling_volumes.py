@@ -14,7 +14,7 @@ import pytest
 
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3
-from tests.physics.test_drillings import LEANING, STRAIGHT, mikron
+from tests.physics.throw.test_drillings import LEANING, STRAIGHT, mikron
 
 pytestmark = pytest.mark.slow
 

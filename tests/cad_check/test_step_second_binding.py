@@ -17,7 +17,7 @@ from cranktopo.bodies.solid.step import step_surface
 from cranktopo.design.loading import builtin_designs, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.importing.imported_body import half_throw_surface
-from tests.unit.remodel_cases import WHOLE, known_scene
+from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
 pytestmark = pytest.mark.slow
 BOX_MM = 1e-4

@@ -135,7 +135,7 @@ def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
     create_run(design="casting", design_toml=CASTING, scene=scene, options={}, command=command, out=run)
     for path in (tmp_path / "part.stl", run / "web.stl"):
         path.write_bytes(b"")
-    assert main(["accuracy", "part.stl", "--design", "mikron-iiic"]) == 0
+    assert main(["accuracy", "part.stl", "--design", "mikron-iiic-plain"]) == 0
     assert main(["accuracy", "one"]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "part.stl", "runs"]
     assert (tmp_path / "runs" / "accuracy-part" / "accuracy.json").is_file()

@@ -10,7 +10,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(autouse=True)
@@ -133,7 +133,7 @@ def test_misspelt_command_option_and_run(capsys: pytest.CaptureFixture[str]) -> 
     assert "'optimise'" in capsys.readouterr().err
     assert "--volume-fraction" in fails(capsys, 2, "--volume-fracton", "0.3")
     assert "no such run" in fails(capsys, 3, "--resume", "yesterday")
-    assert "--max-iterations" in fails(capsys, 2, "mikron-iiic", "--resume", "yesterday")
+    assert "--max-iterations" in fails(capsys, 2, "mikron-iiic-plain", "--resume", "yesterday")
 
 
 def test_error_as_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -162,7 +162,7 @@ def test_elements_too_fine_say_what_fits(
     command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("cranktopo.bodies.memory.available_memory_MiB", lambda: 8 * 1024.0)
-    assert main([command, "mikron-iiic", "--element-size-mm", "0.3", "--quiet"]) == 3
+    assert main([command, "mikron-iiic-plain", "--element-size-mm", "0.3", "--quiet"]) == 3
     captured = capsys.readouterr()
     assert captured.out == ""
     (line,) = captured.err.splitlines()

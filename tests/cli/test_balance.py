@@ -34,10 +34,10 @@ def vee(tmp_path):
 
 
 def test_json_has_the_contract_keys(capsys):
-    code, out, err = run(capsys, "--json")
+    code, out, err = run(capsys, "mikron-iiic-plain", "--json")
     found = json.loads(out)
     assert (code, err) == (0, "")
-    assert (found["schema_version"], found["design"], found["speed_rpm"]) == (1, "mikron-iiic", 2100.0)
+    assert (found["schema_version"], found["design"], found["speed_rpm"]) == (1, "mikron-iiic-plain", 2100.0)
     assert [(entry["order"], entry["kind"]) for entry in found["orders"]] == [
         (1, "rotating"),
         *((order, "oscillating") for order in (1, 2, 4, 6)),

@@ -15,7 +15,7 @@ COARSE = ["--resolution-mm", "4.5", "--quiet"]
 
 def test_the_bound_as_json_and_as_text(capsys: Any) -> None:
     goal = ["--maximise", "torsion", "--limit", "bending none", "--limit", "unbalance <= 100 %"]
-    assert main(["bound", "mikron-iiic", *goal, *COARSE, "--json"]) == ExitCode.DONE
+    assert main(["bound", "mikron-iiic-plain", *goal, *COARSE, "--json"]) == ExitCode.DONE
     found = json.loads(capsys.readouterr().out)
     assert {"schema_version", "design", "goal", "original", "weights", "cells", "seconds"} <= set(found)
     assert found["resolution_mm"] == 4.5

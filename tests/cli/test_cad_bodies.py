@@ -22,7 +22,7 @@ from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.importing.found_fillets import ring_of
 from cranktopo.tasks.importing.imported_body import fillets_of_step, half_throw_surface, mesh_step_for_stress
-from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+from tests.physics.fea.evaluation_cases import LOPSIDED, mikron_with
 
 Capture = pytest.CaptureFixture[str]
 
@@ -155,7 +155,10 @@ def test_stresses_of_a_body_are_those_of_its_design(step_of: Callable[..., Path]
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--design", "mikron-iiic", "--method", "m53"], "method 'm53' needs the width and the outline"),
+        (
+            ["--design", "mikron-iiic-plain", "--method", "m53"],
+            "method 'm53' needs the width and the outline",
+        ),
         ([], "Add --design NAME"),
     ],
 )
@@ -171,7 +174,7 @@ def test_the_shaft_of_a_body_is_that_of_its_design(
 ) -> None:
     path = step_of(simulated(mikron), "body")
     found = []
-    for arguments in (["mikron-iiic"], [str(path), "--design", "mikron-iiic"]):
+    for arguments in (["mikron-iiic-plain"], [str(path), "--design", "mikron-iiic-plain"]):
         assert main(["shaft", *arguments, "--element-size-mm", "26", "--json", "--quiet"]) == 0
         found.append(json.loads(capsys.readouterr().out))
     design, body = found

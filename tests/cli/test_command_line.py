@@ -71,7 +71,7 @@ def test_long_commands_can_be_quiet_or_verbose(name: str, capsys: pytest.Capture
         (["optimise", "--volum-fraction", "0.3"], "--volume-fraction"),
         (["runs", "list", "--jsn"], "--json"),
         (["plan", "mikron-iic"], "'mikron-iiic'"),
-        (["compare", "mikron-iiic", "--baseline", "opposed-pistn"], "'opposed-piston'"),
+        (["compare", "mikron-iiic-plain", "--baseline", "opposed-pistn"], "'opposed-piston'"),
     ],
     ids=" ".join,
 )
@@ -95,7 +95,7 @@ def test_a_misspelt_name_suggests_the_right_one(
 def test_a_misspelt_key_or_material_suggests_the_right_one(
     tmp_path: Path, old: str, new: str, expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(text.replace(old, new, 1), encoding="utf-8")
     assert main(["plan", str(tmp_path / "mine.toml")]) == 3
     assert expected in capsys.readouterr().err.split("Did you mean")[1]

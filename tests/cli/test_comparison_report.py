@@ -267,10 +267,15 @@ def test_sharp_fillets_are_refused_before_the_work(
         raise AssertionError("solved before the inputs were checked")
 
     monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     path = tmp_path / "sharp.toml"
     path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")
-    assert main(["compare", "mikron-iiic", str(path), "--baseline", "mikron-iiic", "--fatigue", "lsa"]) == 3
+    assert (
+        main(
+            ["compare", "mikron-iiic-plain", str(path), "--baseline", "mikron-iiic-plain", "--fatigue", "lsa"]
+        )
+        == 3
+    )
     out, err = capsys.readouterr()
     assert out == ""
     assert "fillet_mm = 0" in err

@@ -48,18 +48,20 @@ def test_copy_has_a_name_that_is_allowed(
     stem: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / f"{stem}.toml"
-    assert main(["designs", "copy", "--", "mikron-iiic", str(path)]) == 0
+    assert main(["designs", "copy", "--", "mikron-iiic-plain", str(path)]) == 0
     command = shlex.split(capsys.readouterr().out.strip().partition("for example: ")[2])
-    assert command == ["cranktopo", "compare", str(path), "--baseline", "mikron-iiic"]
-    assert load_scene(str(path)) == load_scene("mikron-iiic").model_copy(update={"name": name})
+    assert command == ["cranktopo", "compare", str(path), "--baseline", "mikron-iiic-plain"]
+    assert load_scene(str(path)) == load_scene("mikron-iiic-plain").model_copy(update={"name": name})
 
 
 def test_copy_is_named_whatever_the_quotes(tmp_path: Path) -> None:
     """The top-level name in single quotes, and a table that has a name of its own."""
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
-    (tmp_path / "one.toml").write_text(text.replace('name = "mikron-iiic"', "name='one'"), encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    (tmp_path / "one.toml").write_text(
+        text.replace('name = "mikron-iiic-plain"', "name='one'"), encoding="utf-8"
+    )
     assert main(["designs", "copy", str(tmp_path / "one.toml"), str(tmp_path / "two.toml")]) == 0
-    assert load_scene(str(tmp_path / "two.toml")) == load_scene("mikron-iiic").model_copy(
+    assert load_scene(str(tmp_path / "two.toml")) == load_scene("mikron-iiic-plain").model_copy(
         update={"name": "two"}
     )
 
@@ -78,11 +80,11 @@ def test_copy_refuses_what_it_cannot_do(tmp_path: Path, capsys: pytest.CaptureFi
     path = tmp_path / "mine.toml"
     path.write_text("mine", encoding="utf-8")
     for arguments, words in (
-        (["mikron-iiic", str(path)], "exists. Give --force"),
+        (["mikron-iiic-plain", str(path)], "exists. Give --force"),
         (["mikron-iic", str(tmp_path / "other.toml")], "Did you mean 'mikron-iiic'?"),
-        (["mikron-iiic", str(tmp_path / "other.txt")], "must end in .toml"),
-        (["mikron-iiic", str(tmp_path / "(+).toml")], "no name of a design can be made of '(+)'"),
-        (["mikron-iiic", str(tmp_path / "none" / "other.toml")], "its folder does not exist"),
+        (["mikron-iiic-plain", str(tmp_path / "other.txt")], "must end in .toml"),
+        (["mikron-iiic-plain", str(tmp_path / "(+).toml")], "no name of a design can be made of '(+)'"),
+        (["mikron-iiic-plain", str(tmp_path / "none" / "other.toml")], "its folder does not exist"),
     ):
         assert main(["designs", "copy", *arguments]) in (2, 3)
         assert words in capsys.readouterr().err
@@ -93,15 +95,20 @@ def test_copy_refuses_what_it_cannot_do(tmp_path: Path, capsys: pytest.CaptureFi
 def test_targets_of_one_name_are_told_apart(tmp_path: Path) -> None:
     """A design copied by hand keeps its name: the file's name tells it from the original."""
     path = tmp_path / "wider.toml"
-    main(["designs", "copy", "mikron-iiic", str(path)])
-    path.write_text(path.read_text().replace('name = "wider"', 'name = "mikron-iiic"'), encoding="utf-8")
-    assert [target.name for target in resolve_targets(["mikron-iiic", str(path)])] == ["mikron-iiic", "wider"]
+    main(["designs", "copy", "mikron-iiic-plain", str(path)])
+    path.write_text(
+        path.read_text().replace('name = "wider"', 'name = "mikron-iiic-plain"'), encoding="utf-8"
+    )
+    assert [target.name for target in resolve_targets(["mikron-iiic-plain", str(path)])] == [
+        "mikron-iiic-plain",
+        "wider",
+    ]
 
 
 def test_run_is_a_target_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    scene = load_scene("mikron-iiic")
-    main(["designs", "copy", "mikron-iiic", "own.toml"])
+    scene = load_scene("mikron-iiic-plain")
+    main(["designs", "copy", "mikron-iiic-plain", "own.toml"])
     run = create_run(
         design="own",
         design_toml=Path("own.toml").read_text(),
@@ -144,8 +151,8 @@ def test_new_design_takes_a_name_and_no_place_that_is_taken(
 
 def test_copy_keeps_comments_and_order(tmp_path: Path) -> None:
     """Line by line what was written, but for the name and what was published."""
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     (tmp_path / "one.toml").write_text(text, encoding="utf-8")
     assert main(["designs", "copy", str(tmp_path / "one.toml"), str(tmp_path / "two.toml")]) == 0
     copied = (tmp_path / "two.toml").read_text(encoding="utf-8")
-    assert copied == text.replace('name = "mikron-iiic"', 'name = "two"')
+    assert copied == text.replace('name = "mikron-iiic-plain"', 'name = "two"')

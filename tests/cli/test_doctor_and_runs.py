@@ -54,7 +54,7 @@ def test_a_command_that_needs_gmsh_ends_with_the_same_code(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "gmsh", None)  # importing it then fails
-    assert main(["export", "mikron-iiic", str(tmp_path / "a.step")]) == 7
+    assert main(["export", "mikron-iiic-plain", str(tmp_path / "a.step")]) == 7
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("error: gmsh cannot be loaded: ")
     assert line.endswith("'cranktopo doctor' says which line installs it.")

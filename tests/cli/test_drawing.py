@@ -19,16 +19,16 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
 from cranktopo.tasks.drawing.views import Sheet
-from tests.physics.test_two_webs import POCKET, lopsided
-from tests.unit.remodel_cases import WHOLE, known_scene
+from tests.physics.fea.test_two_webs import POCKET, lopsided
+from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
 A3_MM = (420.0, 297.0)
 
 
-@pytest.fixture(scope="module", params=["mikron-iiic", "known"])
+@pytest.fixture(scope="module", params=["mikron-iiic-plain", "known"])
 def drawn(request: pytest.FixtureRequest) -> tuple[Scene, SurfaceMesh]:
-    scene = load_scene("mikron-iiic")
-    scene = scene if request.param == "mikron-iiic" else known_scene(scene, WHOLE)
+    scene = load_scene("mikron-iiic-plain")
+    scene = scene if request.param == "mikron-iiic-plain" else known_scene(scene, WHOLE)
     return scene, surface_of(scene, "half", 2.0)
 
 
@@ -91,11 +91,11 @@ def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> No
 @pytest.mark.parametrize("ending", [pytest.param(".svg", marks=pytest.mark.slow), ".pdf", ".png"])
 def test_export_writes_it(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / f"drawing{ending}"
-    assert main(["export", "mikron-iiic", str(path)]) == 0
+    assert main(["export", "mikron-iiic-plain", str(path)]) == 0
     assert "workshop drawing" in capsys.readouterr().out
     assert path.stat().st_size > 10_000
-    assert main(["export", "mikron-iiic", str(path)]) == 2
-    assert main(["export", "mikron-iiic", str(tmp_path / "drawing.dwg")]) == 2
+    assert main(["export", "mikron-iiic-plain", str(path)]) == 2
+    assert main(["export", "mikron-iiic-plain", str(tmp_path / "drawing.dwg")]) == 2
 
 
 def test_halves_that_differ_have_a_sheet_each() -> None:

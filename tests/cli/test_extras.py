@@ -27,8 +27,8 @@ from cranktopo.app.main import main
 main()
 """
 """The command line in a process that finds no package of an extra."""
-SWEEP = ["sweep", "mikron-iiic", "--vary", "web.width_mm=48,50"]
-COMPARE = ["compare", "mikron-iiic", "--baseline", "mikron-iiic"]
+SWEEP = ["sweep", "mikron-iiic-plain", "--vary", "web.width_mm=48,50"]
+COMPARE = ["compare", "mikron-iiic-plain", "--baseline", "mikron-iiic-plain"]
 
 
 def without_extras(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:

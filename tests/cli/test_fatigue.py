@@ -16,7 +16,7 @@ from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.runs.directories import create_run
 from cranktopo.tasks.fea.targets import Target
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 NO_DATA = 'name = "31CrMoV9"'
 PLAIN = 'name = "plain"\nE_GPa = 210.0\npoisson = 0.3\ndensity_kg_m3 = 7850.0'
 STEEL = PLAIN.replace("plain", "tensile strength alone") + "\nultimate_MPa = 900.0"
@@ -114,7 +114,7 @@ def test_a_later_target_is_checked_before_the_first_is_solved(
 
     monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
     sharp = design(tmp_path, ("fillet_mm = 2.5", "fillet_mm = 0.0"))
-    assert main(["fatigue", "mikron-iiic", sharp]) == 3
+    assert main(["fatigue", "mikron-iiic-plain", sharp]) == 3
     assert "singular" in capsys.readouterr().err
 
 
@@ -129,17 +129,19 @@ def test_peak_loads_must_be_given(capsys: pytest.CaptureFixture[str], tmp_path: 
 
 
 def test_a_surface_has_no_fillets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    scene = load_scene("mikron-iiic").model_dump(mode="json")
+    scene = load_scene("mikron-iiic-plain").model_dump(mode="json")
     command = ["cranktopo", "optimise"]
     out = tmp_path / "run"
-    create_run(design="mikron-iiic", design_toml=MIKRON, scene=scene, options={}, command=command, out=out)
+    create_run(
+        design="mikron-iiic-plain", design_toml=MIKRON, scene=scene, options={}, command=command, out=out
+    )
     (out / "web.stl").write_bytes(b"")
     assert main(["fatigue", str(out)]) == 3
     assert "no true fillets" in capsys.readouterr().err
 
 
 def test_rule_has_no_field(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["fatigue", "mikron-iiic", "--method", "m53", "--out", "x"]) == 2
+    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--out", "x"]) == 2
     assert "--out" in capsys.readouterr().err
 
 
@@ -152,14 +154,22 @@ def test_a_file_is_no_folder_for_results(
     monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     for out in (tmp_path / "mine", tmp_path / "mine" / "folder"):
-        assert main(["fatigue", "mikron-iiic", "--out", str(out)]) == 3
+        assert main(["fatigue", "mikron-iiic-plain", "--out", str(out)]) == 3
         assert f"'{tmp_path / 'mine'}' is a file. Choose another --out." in capsys.readouterr().err
 
 
 @pytest.mark.slow
 def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """A coarse mesh: the numbers agree with each other and with the files."""
-    arguments = ["fatigue", "mikron-iiic", "--fillet-fraction", "0.45", "--out", str(tmp_path), "--json"]
+    arguments = [
+        "fatigue",
+        "mikron-iiic-plain",
+        "--fillet-fraction",
+        "0.45",
+        "--out",
+        str(tmp_path),
+        "--json",
+    ]
     assert main(arguments) == 0
     captured = capsys.readouterr()
     assert "the mesh misses the rule's checks" in captured.err
@@ -172,10 +182,10 @@ def test_result_and_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) ->
     used = critical["amplitude_MPa"] / critical["strength_MPa"] + max(critical["mean_MPa"], 0) / 1100
     assert critical["safety"] == pytest.approx(1 / used)
     assert entry["unit_loads"] == ["bending", "torsion"]
-    mesh = meshio.read(tmp_path / "fatigue-lsa-mikron-iiic.vtu")
+    mesh = meshio.read(tmp_path / "fatigue-lsa-mikron-iiic-plain.vtu")
     safety, on = mesh.point_data["safety"], mesh.point_data["fillet"] > 0.5
     assert safety[on].min() == pytest.approx(entry["safety"])
     at = mesh.points[on][safety[on].argmin()]
     assert np.linalg.norm(at - critical["point_mm"]) < 1e-6
     assert mesh.points[:, 2].max() == pytest.approx(114.0)
-    assert (tmp_path / "fatigue-lsa-mikron-iiic.png").stat().st_size > 20_000
+    assert (tmp_path / "fatigue-lsa-mikron-iiic-plain.png").stat().st_size > 20_000

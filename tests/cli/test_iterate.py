@@ -302,7 +302,7 @@ READERS = [
     ["extract"],
     ["remodel"],
     ["evaluate"],
-    ["compare", "mikron-iiic", "--baseline"],
+    ["compare", "mikron-iiic-plain", "--baseline"],
     ["fatigue"],
     ["accuracy"],
 ]
@@ -343,7 +343,7 @@ def new_run(path: Path, scene: Scene, options: dict[str, Any]) -> Path:
 
 
 def test_bad_use(tmp_path: Path, capsys: Capture) -> None:
-    for given in (["--process", "cast"], ["--steps", "6"], ["--draft-deg", "3"], ["mikron-iiic"]):
+    for given in (["--process", "cast"], ["--steps", "6"], ["--draft-deg", "3"], ["mikron-iiic-plain"]):
         assert main(["iterate", "--resume", str(tmp_path), *given]) == 2
         (error,) = capsys.readouterr().err.splitlines()
         assert "--resume takes the design and its options from the run" in error

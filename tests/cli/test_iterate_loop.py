@@ -21,7 +21,7 @@ KG_PER_MM3 = 7850e-9
 def test_two_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Solids that are closed and weigh what the table says, and a last web that is evaluated alike alone."""
     out = tmp_path / "loop"
-    arguments = ["mikron-iiic", "--steps", "2", "--resolution-mm", "4.5", "--out", str(out)]
+    arguments = ["mikron-iiic-plain", "--steps", "2", "--resolution-mm", "4.5", "--out", str(out)]
     assert main(["iterate", *arguments, "--json"]) == 0
     data: dict[str, Any] = json.loads(capsys.readouterr().out)
     assert json.loads((out / "iterate.json").read_text(encoding="utf-8"))["steps"] == data["steps"]

@@ -82,7 +82,7 @@ def test_a_shape_that_finds_no_web_leaves_the_loop_as_it_is(
 def test_a_goal_is_for_the_last_step_only(
     stand_in: ShapeStandIn, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["designs", "copy", "mikron-iiic", str(tmp_path / "x.toml")]) == 0
+    assert main(["designs", "copy", "mikron-iiic-plain", str(tmp_path / "x.toml")]) == 0
     with (tmp_path / "x.toml").open("a", encoding="utf-8") as file:
         file.write('\n[goal]\nminimise = "mass"\n')
     out = tmp_path / "loop"

@@ -28,11 +28,11 @@ def run(capsys, *args):
 
 
 def test_loads_json_has_the_contract_keys(capsys):
-    code, out, err = run(capsys, "loads", "mikron-iiic", "--json")
+    code, out, err = run(capsys, "loads", "mikron-iiic-plain", "--json")
     loads = json.loads(out)
     assert (code, err) == (0, "")
     assert loads["schema_version"] == 1
-    assert (loads["design"], loads["speed_rpm"], loads["cycle_deg"]) == ("mikron-iiic", 2100.0, 720.0)
+    assert (loads["design"], loads["speed_rpm"], loads["cycle_deg"]) == ("mikron-iiic-plain", 2100.0, 720.0)
     assert loads["points"] == 2880
     for name in CURVES:
         for end in ("max", "min"):
@@ -138,7 +138,7 @@ def test_bad_outputs(capsys, tmp_path):
 def test_bad_indicator_is_one_line(capsys, tmp_path):
     from cranktopo.design.loading import designs_folder
 
-    text = (designs_folder() / "mikron-iiic.toml").read_text()
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text()
     peak = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"
     design = tmp_path / "d.toml"
     design.write_text(text.replace(peak, 'indicator_csv = "p.csv"'))
@@ -151,7 +151,7 @@ def test_bad_indicator_is_one_line(capsys, tmp_path):
 
 
 def test_plan_prints_every_effect(capsys):
-    code, out, _ = run(capsys, "plan", "mikron-iiic")
+    code, out, _ = run(capsys, "plan", "mikron-iiic-plain")
     assert code == 0
     assert re.search(r"^torsion +on +100 %", out, re.MULTILINE)
     assert re.search(r"^centrifugal +off +5\.78 %", out, re.MULTILINE)
@@ -162,13 +162,17 @@ def test_plan_json(capsys):
     code, out, _ = run(capsys, "plan", "--json")
     payload = json.loads(out)
     assert code == 0
-    assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (1, "mikron-iiic", 14)
+    assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (
+        1,
+        "mikron-iiic",
+        14,
+    )
 
 
 def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
     from cranktopo.design.loading import designs_folder
 
-    path, text = tmp_path / "mine.toml", (designs_folder() / "mikron-iiic.toml").read_text()
+    path, text = tmp_path / "mine.toml", (designs_folder() / "mikron-iiic-plain.toml").read_text()
     shaft = "[shaft]\npropeller = {inertia_kg_m2 = 0.6}\n"
     path.write_text(text.replace("[engine]\n", f"{shaft}[engine]\n"), encoding="utf-8")
     code, out, err = run(capsys, "plan", str(path))

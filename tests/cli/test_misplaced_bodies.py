@@ -15,14 +15,14 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
-COARSE = ("--design", "mikron-iiic", "--element-size-mm", "14", "--json")
+COARSE = ("--design", "mikron-iiic-plain", "--element-size-mm", "14", "--json")
 
 
 @pytest.fixture(scope="module")
 def turned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The half throw of the built-in design, turned by a quarter about the crank axis."""
     path = tmp_path_factory.mktemp("cad") / "turned.stl"
-    body = surface_of(load_scene("mikron-iiic"), "half", 3.0)
+    body = surface_of(load_scene("mikron-iiic-plain"), "half", 3.0)
     points = body.vertices_mm @ np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     write_stl(path, SurfaceMesh(points, body.faces))
     return path
@@ -46,7 +46,7 @@ def test_align_evaluates_it_where_it_belongs(turned: Path, capsys: pytest.Captur
 
 def test_a_body_in_inches_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "body.stl"
-    body = surface_of(load_scene("mikron-iiic"), "half", 6.0)
+    body = surface_of(load_scene("mikron-iiic-plain"), "half", 6.0)
     write_stl(path, SurfaceMesh(body.vertices_mm / 25.4, body.faces))
     assert main(["evaluate", str(path), *COARSE]) == 3
     assert "in inches" in json.loads(capsys.readouterr().out)["error"]["hint"]
@@ -83,7 +83,7 @@ def test_step_bodies_that_lie_elsewhere(
 ) -> None:
     axis, angle_deg, shift = ATTITUDES[words]
     right, wrong = tmp_path / "half.step", tmp_path / "wrong.step"
-    export_solid(load_scene("mikron-iiic"), "half", right)
+    export_solid(load_scene("mikron-iiic-plain"), "half", right)
     with cad_session("wrong") as gmsh:
         body = gmsh.model.occ.importShapes(str(right))
         gmsh.model.occ.rotate(body, 0, 0, 0, *axis, np.radians(angle_deg))
@@ -99,7 +99,7 @@ def test_step_bodies_that_lie_elsewhere(
 @pytest.mark.slow
 def test_a_step_body_that_lies_right_is_evaluated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "half.step"
-    export_solid(load_scene("mikron-iiic"), "half", path)
+    export_solid(load_scene("mikron-iiic-plain"), "half", path)
     assert main(["evaluate", str(path), *COARSE]) == 0
     out, err = capsys.readouterr()
     assert "moved" not in err

@@ -24,7 +24,7 @@ from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import HALF, read_solids, write_original
 from cranktopo.tasks.optimise import evaluated_goal
 from cranktopo.tasks.optimise.evaluated_goal import EvaluatedGoal
-from tests.physics.evaluation_cases import LOPSIDED, mikron_with
+from tests.physics.fea.evaluation_cases import LOPSIDED, mikron_with
 
 
 @pytest.fixture(scope="module")

@@ -86,7 +86,7 @@ def invented(target: Any, *_: object) -> Evaluation:
 
 def test_targets_are_evaluated_compared_and_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluating, "evaluate", invented)
-    assert cranktopo.evaluate_target("mikron-iiic").torsion_Nm_per_rad == 100e3
+    assert cranktopo.evaluate_target("mikron-iiic-plain").torsion_Nm_per_rad == 100e3
     names = ["opposed-piston", "opposed-piston-casting"]
     targets = cranktopo.resolve_targets(names)
     assert [e.target for e in cranktopo.evaluate_targets(targets).evaluations] == names
@@ -112,7 +112,7 @@ def test_machine_is_checked() -> None:
 
 def test_solids_and_shafts(mikron: Scene, tmp_path: Path) -> None:
     assert cranktopo.export_solid(mikron, "web", tmp_path / "web.stl", 4.0) > 0
-    assert cranktopo.evaluate_shaft(cranktopo.resolve_target("mikron-iiic"), "rigid", 20.0).mass_kg > 0
+    assert cranktopo.evaluate_shaft(cranktopo.resolve_target("mikron-iiic-plain"), "rigid", 20.0).mass_kg > 0
 
 
 class AskedError(Exception):
@@ -126,15 +126,15 @@ def stop(*arguments: object, **_: object) -> Any:
 def test_fatigue_takes_names_and_knows_its_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fatigue, "fatigue_field", stop)
     with pytest.raises(AskedError) as asked:
-        cranktopo.assess_fatigue(["mikron-iiic"])
+        cranktopo.assess_fatigue(["mikron-iiic-plain"])
     target, *settings = asked.value.args[0][:4]
-    assert (target.name, *settings) == ("mikron-iiic", "lsa", "extremes", fatigue.RULE_FRACTION)
+    assert (target.name, *settings) == ("mikron-iiic-plain", "lsa", "extremes", fatigue.RULE_FRACTION)
 
 
 def test_accuracy_takes_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "run_studies", stop)
     with pytest.raises(AskedError) as asked:
-        cranktopo.study_accuracy("mikron-iiic", out=tmp_path / "study")
+        cranktopo.study_accuracy("mikron-iiic-plain", out=tmp_path / "study")
     assert asked.value.args[0][1] == accuracy.BUDGET_S
 
 
@@ -164,4 +164,4 @@ def test_loop_starts_and_continues(mikron: Scene, tmp_path: Path, monkeypatch: p
         cranktopo.start_loop(mikron, cranktopo.loop_settings(mikron, 3), tmp_path / "loop")
     with pytest.raises(cranktopo.CranktopoError, match="finished steps are kept"):
         cranktopo.continue_loop(str(tmp_path / "loop"))
-    assert seen == [("mikron-iiic", "original")] * 2
+    assert seen == [("mikron-iiic-plain", "original")] * 2

@@ -26,7 +26,7 @@ from cranktopo.tasks.refit.select import FitTrial
 from cranktopo.tasks.refit.shape_error import shape_error
 from cranktopo.tasks.refit.stage import write_refit
 from tests.step_volume import step_volume_mm3
-from tests.unit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
+from tests.unit.refit.remodel_cases import PLAIN, WHOLE, body_of, known_scene, values_of
 
 COARSE_MM = "4.5"
 
@@ -113,8 +113,8 @@ def stl_of(mesh: trimesh.Trimesh) -> bytes:
 def unfinished_run(folder: Path, scene: Scene) -> Path:
     """A run of the Mikron that holds nothing but its inputs."""
     return create_run(
-        design="mikron-iiic",
-        design_toml=(designs_folder() / "mikron-iiic.toml").read_text(),
+        design="mikron-iiic-plain",
+        design_toml=(designs_folder() / "mikron-iiic-plain.toml").read_text(),
         scene=scene.model_dump(mode="json"),
         options={},
         command=["cranktopo", "optimise"],
@@ -131,7 +131,10 @@ def test_a_surface_that_is_no_solid_is_refused(
     make, message = BAD_SURFACES[name]
     run = unfinished_run(tmp_path, mikron)
     (run / "web.stl").write_bytes(make())
-    for command in (["remodel", str(run)], ["evaluate", str(run / "web.stl"), "--design", "mikron-iiic"]):
+    for command in (
+        ["remodel", str(run)],
+        ["evaluate", str(run / "web.stl"), "--design", "mikron-iiic-plain"],
+    ):
         before = sorted(tmp_path.rglob("*"))
         assert main(command) == 3, command
         captured = capsys.readouterr()
@@ -150,7 +153,7 @@ def test_an_envelope_that_is_no_solid_is_refused(
     """As the design space of the loop: one line that names the file, exit code 3, nothing written."""
     make, _ = BAD_SURFACES[name]
     (tmp_path / "space.stl").write_bytes(make())
-    text = (designs_folder() / "mikron-iiic.toml").read_text().split("[envelope]")[0]
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text().split("[envelope]")[0]
     (tmp_path / "web.toml").write_text(f'{text}[envelope]\nshape = "stl"\nfile = "space.stl"\n')
     out = tmp_path / "loop"
     assert main(["iterate", str(tmp_path / "web.toml"), "--resolution-mm", COARSE_MM, "--out", str(out)]) == 3

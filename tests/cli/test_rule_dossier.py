@@ -52,7 +52,7 @@ def row(text: str, first: str) -> list[str]:
 @pytest.mark.usefixtures("no_solve")
 def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> None:
     path = tmp_path / "dossier.md"
-    assert main(["fatigue", "mikron-iiic", "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 0
     text = path.read_text(encoding="utf-8").replace("\\", "")
     assert "is NOT accepted" in text
     assert "Q = 1.145 at the journal, 1.15 asked" in text
@@ -70,7 +70,7 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
 @pytest.mark.usefixtures("no_solve")
 def test_the_dossier_of_two_webs_has_both(tmp_path: Path) -> None:
     path, scene = tmp_path / "dossier.md", tmp_path / "two.toml"
-    design = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    design = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     scene.write_text(f'{design}\n[second_web]\nthickness_mm = 25.0\noutline = "obround"\nwidth_mm = 54.0\n')
     assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--quiet"]) == 0
     text = path.read_text(encoding="utf-8").replace("\\", "")
@@ -89,7 +89,7 @@ def test_a_factor_of_the_surface_treatment_is_told_with_its_source(
     source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     scene, path = tmp_path / "treated.toml", tmp_path / "dossier.md"
-    design = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    design = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     given = f'surface_treatment_factor = 1.3\nsurface_treatment_source = "{source}"\n'
     scene.write_text(f"{design}\n[fatigue]\n{given}", encoding="utf-8")
     assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--json"]) == 0
@@ -122,6 +122,6 @@ def test_mistakes_before_any_solve(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", lambda *_: pytest.fail("solved"))
-    assert main(["fatigue", "mikron-iiic", *arguments]) == code
+    assert main(["fatigue", "mikron-iiic-plain", *arguments]) == code
     assert words in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

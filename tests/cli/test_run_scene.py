@@ -21,7 +21,7 @@ from cranktopo.runs.manifest import settings_hash
 from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.refit import stage as pipeline_remodel
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from tests.unit.test_indicator import write as write_indicator
+from tests.unit.engine.test_indicator import write as write_indicator
 
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"
 
@@ -31,7 +31,7 @@ def with_files(folder: Path) -> Path:
     folder.mkdir()
     write_indicator(folder / "p.csv")
     trimesh.creation.box(bounds=[[-48, -34, 10], [48, 82, 45]]).export(folder / "space.stl")
-    text = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     assert PEAK in text
     text = text.replace(PEAK, "indicator_csv = 'p.csv'").split("[envelope]")[0]
     path = folder / "engine.toml"

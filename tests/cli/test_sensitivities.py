@@ -14,7 +14,7 @@ from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.writing import toml_text
 from cranktopo.tasks.refit.family import web_of
 from tests.cli.test_shape_target import run_of
-from tests.physics.shape_cases import solid_web
+from tests.physics.shape.shape_cases import solid_web
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +49,10 @@ def test_the_table_and_its_json(file: Path, capsys: Any) -> None:
 
 
 def test_a_web_that_is_not_parametric_is_refused(capsys: Any) -> None:
-    assert main(["evaluate", "mikron-iiic", "--sensitivities"]) == ExitCode.INVALID_INPUT
+    assert main(["evaluate", "mikron-iiic-plain", "--sensitivities"]) == ExitCode.INVALID_INPUT
     error = capsys.readouterr().err
     assert "web.outline = 'obround'" in error
-    assert "cranktopo shape mikron-iiic" in error
+    assert "cranktopo shape mikron-iiic-plain" in error
 
 
 def test_a_run_without_a_remodel_is_refused(tmp_path: Path, capsys: Any) -> None:

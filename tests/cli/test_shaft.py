@@ -17,7 +17,7 @@ from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.shaft import Supports
 from cranktopo.tasks.shaft.stage import shaft_tables
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 STEEL_KG_PER_MM3 = 7.85e-6
 
 
@@ -33,7 +33,7 @@ def shaft(design: str, size_mm: str) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def bored() -> dict[str, Any]:
     """The shaft of the built-in engine, whose plan keeps the bores, on a coarse mesh."""
-    return shaft("mikron-iiic", "24")
+    return shaft("mikron-iiic-plain", "24")
 
 
 def test_shaft_obeys_the_effects_plan(bored: dict[str, Any], tmp_path: Path) -> None:
@@ -58,7 +58,9 @@ def test_what_is_assumed_is_said(
     path.write_text(text, encoding="utf-8")
     assert main(["shaft", str(path), "--element-size-mm", "24"]) == 0
     said = capsys.readouterr().err.splitlines()[0]
-    assert said.startswith("mikron-iiic: assumed: engine.masses.piston_group_kg = 0 (no inertia force of the")
+    assert said.startswith(
+        "mikron-iiic-plain: assumed: engine.masses.piston_group_kg = 0 (no inertia force of the"
+    )
     lighter = shaft(str(path), "24")
     assert [entry["key"] for entry in lighter["assumed"]] == [
         "engine.masses.piston_group_kg",
@@ -68,7 +70,7 @@ def test_what_is_assumed_is_said(
 
 
 def test_the_gas_counts_where_it_gives_the_spring_of_a_bearing() -> None:
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     clearance = {"torsion": "spring", "bending": "spring", "bearing_clearance_mm": 0.05}
     plain = scene.model_copy(update={"supports": Supports(**clearance)})
     assert "engine" in shaft_tables(plain, "spring")
@@ -77,7 +79,7 @@ def test_the_gas_counts_where_it_gives_the_spring_of_a_bearing() -> None:
 
 def test_estimate_covers_a_finer_mesh(bored: dict[str, Any]) -> None:
     """Stiffness end to end on a finer mesh is within the estimate, which is not a wide guess."""
-    fine = shaft("mikron-iiic", "16")["torsion"]["end_to_end_Nm_per_rad"]
+    fine = shaft("mikron-iiic-plain", "16")["torsion"]["end_to_end_Nm_per_rad"]
     coarse, estimate = bored["torsion"]["end_to_end_Nm_per_rad"], bored["error_estimate_percent"]["torsion"]
     assert 0.05 < 100 * (coarse / fine - 1) < estimate < 10
 
@@ -101,5 +103,5 @@ def test_without_an_engine_there_is_no_shaft(
     files = [str(tmp_path / "shaft.step")] if command[0] == "export" else ["--quiet"]
     assert main([command[0], str(path), *files, *command[1:]]) == 3
     (error,) = capsys.readouterr().err.splitlines()
-    assert "mikron-iiic: [engine] is missing" in error
+    assert "mikron-iiic-plain: [engine] is missing" in error
     assert list(tmp_path.iterdir()) == [path]

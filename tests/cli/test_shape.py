@@ -27,7 +27,7 @@ def light(scene: Scene) -> Scene:
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     folder = tmp_path_factory.mktemp("shape") / "run"
-    found = shape_design(light(load_scene("mikron-iiic")), COARSE, folder)
+    found = shape_design(light(load_scene("mikron-iiic-plain")), COARSE, folder)
     return folder, found.result.as_json()
 
 
@@ -105,7 +105,7 @@ def test_an_interrupted_optimisation_goes_on_to_the_same_web(
 
     monkeypatch.setattr(shape_run.Work, "once", interrupted)
     with pytest.raises(CranktopoError, match="interrupted") as error:
-        shape_design(light(load_scene("mikron-iiic")), COARSE, tmp_path / "run")
+        shape_design(light(load_scene("mikron-iiic-plain")), COARSE, tmp_path / "run")
     assert error.value.code == ExitCode.INTERRUPTED
     monkeypatch.undo()
     again = resume_shape(str(tmp_path / "run")).result.as_json()

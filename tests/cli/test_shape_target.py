@@ -22,7 +22,7 @@ from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.refit.family import web_of
 from cranktopo.tasks.shape import run as shape
 from cranktopo.tasks.shape.stage import ShapeSettings
-from tests.physics.shape_cases import full_web
+from tests.physics.shape.shape_cases import full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)
 
@@ -37,7 +37,7 @@ def web() -> Scene:
 
 def run_of(kind: RunKind, folder: Path, web: Scene, result: dict[str, Any] | None = None) -> RunStore:
     """A run of a kind as it lies on the disk when it is done."""
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     run = create_run(
         design=scene.name,
         design_toml=toml_text(scene, "design"),
@@ -78,7 +78,7 @@ def test_a_scene_is_its_own_original(tmp_path: Path, web: Scene) -> None:
 def test_a_shape_run_begins_with_its_result_and_refers_to_its_design(tmp_path: Path, web: Scene) -> None:
     found = web_target(str(run_of("shape", tmp_path / "run", web).path))
     assert found.file == tmp_path / "run" / "web.toml"
-    assert found.design.web == load_scene("mikron-iiic").web
+    assert found.design.web == load_scene("mikron-iiic-plain").web
     assert isinstance(found.begun, Scene)
     assert found.begun.web == web.web
 
@@ -110,7 +110,7 @@ def test_the_folder_of_a_remodel_knows_its_run(tmp_path: Path, web: Scene) -> No
     for folder in (run.path / "remodel", tmp_path / "beside"):
         file = remodel_of(run, folder, web)
         found = web_target(str(folder))
-        assert (found.file, found.design.web) == (file, load_scene("mikron-iiic").web)
+        assert (found.file, found.design.web) == (file, load_scene("mikron-iiic-plain").web)
     remodel_of(RunStore(tmp_path / "gone"), tmp_path / "orphan", web)
     with pytest.raises(CranktopoError, match="is gone") as error:
         web_target(str(tmp_path / "orphan"))
@@ -159,7 +159,7 @@ def test_the_search_begins_with_the_web_of_the_run(
     _, layout, values = full_web()
     assert len(asked) == 2
     for scene, start in asked:
-        assert scene.web == load_scene("mikron-iiic").web
+        assert scene.web == load_scene("mikron-iiic-plain").web
         assert start.layout == layout
         assert start.values == pytest.approx(values, abs=0.02)
 

@@ -25,7 +25,9 @@ def events() -> list[str]:
 @pytest.mark.slow
 def test_a_second_design_on_the_same_cells_compiles_nothing(tmp_path: Path, events: list[str]) -> None:
     """Compiles what the cache has not: `pytest -m slow tests/cli/test_stored_programs.py`."""
-    scene = load_scene("mikron-iiic").with_optimise(resolution_mm=4.5, max_iterations=1, volume_fraction=0.3)
+    scene = load_scene("mikron-iiic-plain").with_optimise(
+        resolution_mm=4.5, max_iterations=1, volume_fraction=0.3
+    )
     with plain_runs():
         optimise_design(scene, tmp_path / "first")
         jax.clear_caches()

@@ -52,7 +52,7 @@ def test_streams(line: str, code: int, message: str, tmp_path: Path) -> None:
 
 def test_a_closed_stdout_does_not_hand_its_number_to_a_file(tmp_path: Path) -> None:
     """Else what libraries print ends up in the file that is opened next."""
-    result = shell("cranktopo designs copy mikron-iiic new.toml >&- <&-", tmp_path)
+    result = shell("cranktopo designs copy mikron-iiic-plain new.toml >&- <&-", tmp_path)
     assert result.returncode == 0
     assert (tmp_path / "new.toml").read_text().startswith("#")
 
@@ -68,7 +68,7 @@ def test_a_closed_stdout_does_not_hand_its_number_to_a_file(tmp_path: Path) -> N
 )
 def test_names_beyond_ascii_in_any_locale(locale: dict[str, str], tmp_path: Path) -> None:
     name = "Kröpfung µ.toml"
-    shutil.copy(designs_folder() / "mikron-iiic.toml", tmp_path / name)
+    shutil.copy(designs_folder() / "mikron-iiic-plain.toml", tmp_path / name)
     assert shell(f"cranktopo designs copy '{name}' new.toml", tmp_path, **locale).returncode == 0
     missing = shell("cranktopo loads $'nicht\\xff da ä.toml'", tmp_path, **locale)
     assert missing.returncode == 3
@@ -104,7 +104,7 @@ def test_a_device_that_is_not_there(platform: str, tmp_path: Path) -> None:
         (["optimise", "--resume", ""], "--resume is empty"),
         (["optimise", "--out", " "], "--out is empty"),
         (["optimise", "--out="], "--out is empty"),
-        (["evaluate", "mikron-iiic", ""], "an argument is empty"),
+        (["evaluate", "mikron-iiic-plain", ""], "an argument is empty"),
         (["loads", "a\0b"], r"'a\x00b' holds a NUL character"),
     ],
     ids=str,

@@ -64,7 +64,7 @@ def swept(scheduler: str, out: Path, **settings: Any) -> pd.DataFrame:
 def test_table_front_and_files(scheduler: str, tmp_path: Path, trace: Path) -> None:
     out, lines = tmp_path / "out", list[str]()
     vary = {WIDTH: [50, 52, 3], FILLET: [2.0, 2.5]}
-    frame = swept(scheduler, out, vary=vary, info=lines.append)
+    frame = swept(scheduler, out, design="mikron-iiic-plain", vary=vary, info=lines.append)
     assert frame["status"].tolist() == ["done"] * 4 + ["impossible"] * 2
     assert frame["mass_kg"].tolist()[:4] == pytest.approx([50 / 30, 50 / 30, 52 / 30, 52 / 30])
     assert frame[FILLET].tolist() == [2.0, 2.5] * 3
@@ -123,7 +123,7 @@ def test_what_fails_is_a_row(scheduler: str, tmp_path: Path) -> None:
 
 def test_nothing_is_written_where_no_point_can_be(scheduler: str, tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match="no point of the sweep can be: throw"):
-        swept(scheduler, tmp_path / "out", vary={WIDTH: [1, 2]})
+        swept(scheduler, tmp_path / "out", design="mikron-iiic-plain", vary={WIDTH: [1, 2]})
     assert not (tmp_path / "out").exists()
 
 
@@ -144,13 +144,13 @@ def test_a_sweep_of_evaluations(scheduler: str, tmp_path: Path, capfd: pytest.Ca
     data = json.loads(capfd.readouterr().out)
     (point,) = data["points"]
     web = small_web(json.loads((out / point["run"] / "point.json").read_text())["view"])
-    density = load_scene("mikron-iiic").material.density_kg_m3
+    density = load_scene("mikron-iiic-plain").material.density_kg_m3
     assert 2 * web.volume_mm3 * density * 1e-9 == pytest.approx(point["mass_kg"], rel=0.02)
     assert "view" not in point, "only the page shows it"
     assert 'id="viewer"' in (out / "report.html").read_text()
     assert data["picks"]["lightest that is no softer"] == point["id"]
     file = out / point["run"] / point["target"]
-    assert with_picks(["mikron-iiic", str(out)]) == ["mikron-iiic", str(file)]
+    assert with_picks(["mikron-iiic-plain", str(out)]) == ["mikron-iiic-plain", str(file)]
     assert main(["evaluate", str(file), *coarse, "--json"]) == 0
     (entry,) = json.loads(capfd.readouterr().out)["evaluations"]
     assert entry["target"] == f"mikron-iiic-{point['id']}"

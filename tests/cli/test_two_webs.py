@@ -31,7 +31,7 @@ from cranktopo.tasks.sweep.variation import read_option
 from cranktopo.throw.drilling import moments as drilling_moments
 from tests.packed_scenes import unpacked
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 SECOND = """
 [second_web]
 thickness_mm = 25.0
@@ -46,7 +46,9 @@ COARSE = ("--element-size-mm", "24", "--quiet")
 @pytest.fixture
 def two(tmp_path: Path) -> str:
     path = tmp_path / "two.toml"
-    path.write_text(MIKRON.replace('name = "mikron-iiic"', 'name = "two"', 1) + SECOND, encoding="utf-8")
+    path.write_text(
+        MIKRON.replace('name = "mikron-iiic-plain"', 'name = "two"', 1) + SECOND, encoding="utf-8"
+    )
     return str(path)
 
 
@@ -58,7 +60,7 @@ def printed(capsys: pytest.CaptureFixture[str], *command: str) -> str:
 def test_the_table_has_the_mass_of_both_webs(two: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Those of `loads`, in closed form; a throw with equal webs beside it has a dash."""
     balance = json.loads(printed(capsys, "loads", two, "--json"))["balance"]
-    lines = printed(capsys, "evaluate", two, "mikron-iiic", *COARSE).splitlines()
+    lines = printed(capsys, "evaluate", two, "mikron-iiic-plain", *COARSE).splitlines()
     assert re.split(r"  +", lines[0])[:4] == ["target", "throw", "web", "second web"]
     masses = [f"{balance[f'{which}web_mass_kg']:.3f}" for which in ("", "second_")]
     assert re.split(r"  +", lines[3])[2:4] == masses
@@ -92,7 +94,7 @@ def test_the_rule_judges_each_web(
     levers_mm = 63 / 120 * (20.0 + 19.0 / 2), 57 / 120 * (20.0 + 25.0 / 2)
     assert moments == pytest.approx([radial * lever / 1e3 for lever in levers_mm])
     lines = printed(
-        capsys, "compare", two, "--baseline", "mikron-iiic", *COARSE, "--fatigue", "m53"
+        capsys, "compare", two, "--baseline", "mikron-iiic-plain", *COARSE, "--fatigue", "m53"
     ).splitlines()
     row = next(line for line in lines if line.startswith("two"))
     worse = min(first["safety"], second["safety"])
@@ -162,7 +164,7 @@ def test_pair_writes_a_design(two: str, tmp_path: Path, capsys: pytest.CaptureFi
     file = tmp_path / "pair.toml"
     assert main(["designs", "pair", two, str(file)]) == 2
     assert "give --first, --second or both" in capsys.readouterr().err
-    out = printed(capsys, "designs", "pair", two, str(file), "--second", "mikron-iiic")
+    out = printed(capsys, "designs", "pair", two, str(file), "--second", "mikron-iiic-plain")
     assert out == f"{file}: cranktopo evaluate {file}\n"
     assert "whole_throw" not in printed(capsys, "plan", str(file))
 

@@ -13,7 +13,7 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
 from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
 
-MIKRON = (designs_folder() / "mikron-iiic.toml").read_text(encoding="utf-8")
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 2000.0\n"
 MEAN_INERTIA = MIKRON.replace("[effects]\n", "[effects]\nthreshold = 0.5\n")
 """A threshold that leaves the varying inertia out: solving with it takes most of the time of a response."""
@@ -106,7 +106,7 @@ def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.
     path = design(tmp_path, GIVEN + "propeller = {inertia_kg_m2 = 0.6}", MEAN_INERTIA)
     assert main(["vibration", path]) == 0
     found = capsys.readouterr()
-    assert "warning: mikron-iiic: shaft.flywheel is missing: the propeller alone" in found.err
+    assert "warning: mikron-iiic-plain: shaft.flywheel is missing: the propeller alone" in found.err
     assert "throw 4 - propeller" in found.out
     assert "Barred" not in found.out
 
@@ -122,7 +122,7 @@ def test_elements_of_a_design_without_a_shaft(
         return found[0]
 
     monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", kept)
-    data = printed(["mikron-iiic", "--element-size-mm", "30"], capsys)
+    data = printed(["mikron-iiic-plain", "--element-size-mm", "30"], capsys)
     assert data["stiffness_source"].startswith("finite elements, rigid bearings")
     assert data["warnings"] == [
         "[shaft] is missing: the crankshaft swings with both ends free, without its flywheel."
@@ -165,3 +165,23 @@ def test_refused(name: str, said: str, tmp_path: Path, capsys: pytest.CaptureFix
     assert said in found.err
     assert len(found.err.splitlines()) == 1
     assert not page.exists()
+
+
+def test_damping_and_speeds_of_a_marine_shaft(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The ring of a viscous damper moves with its mode, and the mode of a soft coupling is met, too."""
+    table = (
+        "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 400.0\nspeed_max_rpm = 2800.0\n"
+        "damper = {kind = 'viscous', ring_inertia_kg_m2 = 0.01, hub_inertia_kg_m2 = 0.002, "
+        "damping_Nms_per_rad = 8.0}\nflywheel = {inertia_kg_m2 = 0.1}\n"
+        "coupling = {inertia_kg_m2 = 0.01, stiffness_Nm_per_rad = 500.0, loss_factor = 0.15}\n"
+        "driven = {inertia_kg_m2 = 0.2}"
+    )
+    data = printed([design(tmp_path, table, MEAN_INERTIA)], capsys)
+    crank = data["modes"][1]
+    assert data["disks"][0]["name"] == "damper ring"
+    assert abs(crank["shape"][0]) > 0.05
+    assert 0.02 < crank["damping_ratio"] < 0.5
+    assert main(["vibration", design(tmp_path, table, MEAN_INERTIA), "--quiet"]) == 0
+    out = capsys.readouterr().out
+    assert "Mode 1 is also met at" in out
+    assert "(order 1)" in out

@@ -52,7 +52,7 @@ def test_wheel_holds_code_designs_and_data(wheel: Path) -> None:
         if path.is_file() and "__pycache__" not in path.parts
     }
     assert packed == wanted
-    assert {"cranktopo/designs/mikron-iiic.toml", "cranktopo/design/materials.toml"} <= packed
+    assert {"cranktopo/designs/mikron-iiic-plain.toml", "cranktopo/design/materials.toml"} <= packed
     assert "cranktopo/report/viewer/viewer.js" in packed
 
 
@@ -73,7 +73,7 @@ def test_main_job_runs_from_an_installed_wheel(wheel: Path, tmp_path: Path) -> N
     assert (run / "web.stl").stat().st_size > 10_000
     assert "data:image/png" in (run / "report.html").read_text(encoding="utf-8")
     assert metrics["original_web"]["gain_of_stiffness_per_mass_percent"]["torsion"] > 5
-    call(program, "designs", "copy", "mikron-iiic", "mine.toml", folder=here)
+    call(program, "designs", "copy", "mikron-iiic-plain", "mine.toml", folder=here)
     assert call(program, "export", "mine.toml", "throw.step", folder=here).startswith("throw.step: throw, ")
     assert (here / "throw.step").read_text(encoding="utf-8").startswith("ISO-10303-21;")
     assert sorted(path.name for path in here.iterdir()) == ["mine.toml", "runs", "throw.step"]

@@ -211,7 +211,7 @@ def _scales() -> Iterator[HardCase]:
 
 
 def _throws() -> Iterator[HardCase]:
-    mikron, opposed = load_scene("mikron-iiic"), load_scene("opposed-piston")
+    mikron, opposed = load_scene("mikron-iiic-plain"), load_scene("opposed-piston")
     sprung = {"torsion": "spring", "bending": "spring"}
     yield Throw("throw, journals apart", mikron, 6.4)
     yield Throw("throw, journals overlap", opposed, 7.1)

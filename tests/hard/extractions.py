@@ -34,8 +34,8 @@ from cranktopo.throw.face_pocket import FittedCylinder
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 
-ENGINES = ("mikron-iiic", "opposed-piston")
-COARSEST_MM = {"mikron-iiic": 4.5, "opposed-piston": 5.0}
+ENGINES = ("mikron-iiic-plain", "opposed-piston")
+COARSEST_MM = {"mikron-iiic-plain": 4.5, "opposed-piston": 5.0}
 """Coarser cells are refused: a journal's wall needs two."""
 CELLS_MM = (2.0, 2.5, 3.0, 3.5, 4.0, 5.0)
 CELL_SHARES = (0.02, 0.02, 0.08, 0.13, 0.35, 0.40)

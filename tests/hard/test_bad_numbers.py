@@ -14,7 +14,7 @@ from cranktopo.tasks.density.response import compliances, solve
 from tests.hard import fields
 from tests.hard.cases import THROW_LOADS, Block, cases
 from tests.hard.outcome import direct
-from tests.physics.throw_cases import clamped_beam
+from tests.physics.density.throw_cases import clamped_beam
 
 FIELD = fields.two_phase(fields.blobs(0.4), 1e-6)
 

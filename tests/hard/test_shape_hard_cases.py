@@ -69,7 +69,7 @@ STARTS: dict[str, tuple[Layout, list[float], str]] = {
 
 @pytest.fixture(scope="module")
 def mikron() -> Scene:
-    return load_scene("mikron-iiic")
+    return load_scene("mikron-iiic-plain")
 
 
 @pytest.fixture(scope="module")

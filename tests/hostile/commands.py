@@ -102,8 +102,8 @@ def _file(r: random.Random) -> Case:
     )
     name = r.choice([DESIGN, "x.step", "x.stl", "x", "x.png"])
     command = r.choice([*PLAIN, "designs copy", "export", "compare"]).split()
-    more = {"designs": ["y.toml"], "export": ["y.step"], "compare": ["--baseline", "mikron-iiic"]}
-    design = ["--design", "mikron-iiic"] if command == ["evaluate"] else []
+    more = {"designs": ["y.toml"], "export": ["y.step"], "compare": ["--baseline", "mikron-iiic-plain"]}
+    design = ["--design", "mikron-iiic-plain"] if command == ["evaluate"] else []
     return Case([*command, name, *more.get(command[0], design)], {name: content})
 
 
@@ -127,7 +127,7 @@ def _csv(r: random.Random) -> Case:
 
 def _run(r: random.Random) -> Case:
     """Run directories with a damaged manifest, result or checkpoint."""
-    scene = load_scene("mikron-iiic")
+    scene = load_scene("mikron-iiic-plain")
     manifest = new_manifest(
         run="run",
         design=scene.name,
@@ -156,7 +156,7 @@ def _run(r: random.Random) -> Case:
             )
     command = r.choice(
         ["runs show", "runs list --root .", "runs clean --root .", "report", "extract", "remodel", "evaluate",
-         "optimise --resume", "iterate --resume", "compare mikron-iiic --baseline", "export", "plan"]
+         "optimise --resume", "iterate --resume", "compare mikron-iiic-plain --baseline", "export", "plan"]
     )  # fmt: skip
     named = [] if "--root" in command else ["run"]
     return Case([*command.split(), *named, *(["y.stl"] if command == "export" else [])], files)
@@ -186,4 +186,4 @@ def _damaged(r: random.Random, content: bytes) -> bytes:
 def _mikron() -> str:
     from tests.hostile.scenes import VALID
 
-    return VALID["mikron-iiic"]
+    return VALID["mikron-iiic-plain"]

@@ -13,7 +13,7 @@ from cranktopo.engine.balance.balancer_shafts import gear_forces
 from cranktopo.engine.bearings import bearing_spring_N_per_mm, rating_life_h, roller_spring_N_per_mm
 from cranktopo.engine.kinematics import exact_motion, force_ratios
 
-MIKRON = load_scene("mikron-iiic")
+MIKRON = load_scene("mikron-iiic-plain")
 
 
 @pytest.fixture

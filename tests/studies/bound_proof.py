@@ -32,7 +32,7 @@ from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
-from tests.physics.bound_cases import (
+from tests.physics.bound.bound_cases import (
     own_body,
     quantities_of,
     quantities_of_body,
@@ -43,7 +43,7 @@ from tests.physics.bound_cases import (
 from tests.random_engines import random_engine
 
 Array = NDArray[np.float64]
-THROWS = ("mikron-iiic", "opposed-piston", "1", "2", "3")
+THROWS = ("mikron-iiic-plain", "opposed-piston", "1", "2", "3")
 GOALS: dict[str, dict[str, Any]] = {
     "mass": {"minimise": "mass", "limits": ("fatigue_safety none",)},
     "torsion at its mass": {"maximise": "torsion", "limits": ("bending none", "fatigue_safety none")},

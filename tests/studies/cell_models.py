@@ -24,10 +24,10 @@ from cranktopo.tasks.density.response import compliances, solve, stiffness
 from cranktopo.tasks.fea.evaluation import RATIO, evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.fit import scene_with_web
-from tests.physics.evaluation_cases import mikron_with
-from tests.physics.throw_cases import BENDING, TORSION
+from tests.physics.density.throw_cases import BENDING, TORSION
+from tests.physics.fea.evaluation_cases import mikron_with
 from tests.studies.error_bounds import Bounded, limit
-from tests.unit.counterweight_cases import PLAIN, THIN, roomy_scene, weighted
+from tests.unit.throw.counterweight_cases import PLAIN, THIN, roomy_scene, weighted
 
 REFERENCE = {"torsion": 138.2e3, "bending": 217.6e3}
 """Body-fitted quadratic tetrahedra refined at the re-entrant rings, N m/rad and N/mm; no fillets."""
@@ -120,7 +120,7 @@ def solid_error(scene: Scene) -> float:
 
 def every_feature() -> dict[str, Scene]:
     """The Mikron with every kind of feature that changes its volume."""
-    mikron = load_scene("mikron-iiic")
+    mikron = load_scene("mikron-iiic-plain")
     bevels = [
         {"face": "pin", "y_mm": -6.0, "depth_mm": 12.0, "crown_mm": 2.5},
         {"face": "journal", "y_mm": 52.0, "depth_mm": 8.0},
@@ -140,7 +140,7 @@ def every_feature() -> dict[str, Scene]:
 
 def featured() -> dict[str, Scene]:
     """The Mikron with counterweights and oil drillings, one of which breaks its lateral symmetry."""
-    roomy = roomy_scene(load_scene("mikron-iiic"))
+    roomy = roomy_scene(load_scene("mikron-iiic-plain"))
     leaning, straight = (_drilled(*ends) for ends in ((160.0, 1.0, 15.0, 2.0), (180.0, 6.0, 0.0, 6.0)))
     return {
         "counterweight": weighted(roomy, PLAIN),
@@ -153,7 +153,7 @@ def featured() -> dict[str, Scene]:
 def _drilled(main_deg: float, main_mm: float, pin_deg: float, pin_mm: float) -> Scene:
     ends = (("from", "main_journal", main_deg, main_mm), ("to", "crankpin", pin_deg, pin_mm))
     drilling = {key: {"on": on, "angle_deg": deg, "place_mm": mm} for key, on, deg, mm in ends}
-    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     data["throw"]["drilling"] = [{**drilling, "diameter_mm": 5.0}]
     return scene_from_dict(data)
 
@@ -209,7 +209,7 @@ def ranking(
 ) -> Ranking:
     """All variants by both models; the cells are those of the Mikron's envelope."""
     own, true = {}, {}
-    grid = build_domain(load_scene("mikron-iiic"), cell_mm).grid
+    grid = build_domain(load_scene("mikron-iiic-plain"), cell_mm).grid
     for name, scene in variants().items():
         with double_precision():
             own[name] = own_model(scene, cell_mm, grid).stiffness

@@ -35,7 +35,7 @@ def scenes() -> list[Scene]:
     """The engines, each with a bearing spring and every load case wanted."""
     found = []
     for data in (
-        load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True),
+        load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True),
         load_scene("opposed-piston").model_dump(mode="json", exclude_none=True),
         CAR,
         INDUSTRIAL,

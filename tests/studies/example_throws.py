@@ -6,7 +6,7 @@ from typing import Any
 
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from tests.physics.evaluation_cases import throw_scene
+from tests.physics.fea.evaluation_cases import throw_scene
 
 # A passenger-car diesel throw: solid overlapping journals, short stroke to bore.
 CAR: dict[str, Any] = {
@@ -64,6 +64,6 @@ def rule_throws() -> dict[str, Scene]:
     """Throws inside the validity of IACS UR M53, by name."""
     return {
         "rule-example": throw_scene(MARINE["throw"], MARINE["web"]),
-        "mikron-iiic": load_scene("mikron-iiic"),
+        "mikron-iiic-plain": load_scene("mikron-iiic-plain"),
         "industrial-gas": throw_scene(INDUSTRIAL["throw"], INDUSTRIAL["web"]),
     }

@@ -73,7 +73,7 @@ class Outlet:
 
 OUTLETS = (
     Outlet("rule-example", 0.0, 5.0, 1.5),
-    Outlet("mikron-iiic", 30.0, 5.0, 1.0),
+    Outlet("mikron-iiic-plain", 30.0, 5.0, 1.0),
     Outlet("industrial-gas", 180.0, 20.0, 4.0, pin_bore_mm=45.0),
 )
 

@@ -47,7 +47,7 @@ class Shape:
 
 def shapes(cell_mm: float, names: tuple[str, ...] = tuple(SETTINGS)) -> Iterator[Shape]:
     """The designs of some settings, the exact one first."""
-    scene = load_scene("mikron-iiic").with_optimise(process="free")
+    scene = load_scene("mikron-iiic-plain").with_optimise(process="free")
     for name in names:
         with tempfile.TemporaryDirectory() as folder:
             found = optimise_once(scene, OptimiserModel(cell_mm, name, SETTINGS[name]), Path(folder))

@@ -16,7 +16,7 @@ from cranktopo.engine.vibration.torque_harmonics import (
     coupled_response_rad,
     curve_of,
 )
-from cranktopo.numerics.disk_chain import ComplexArray, Mode
+from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
 
 ORDERS = 24
 _SPEEDS = 200
@@ -104,7 +104,7 @@ class Vibration:
 
 def critical_speeds(
     shaft: ShaftChain,
-    modes: Sequence[Mode],
+    modes: Sequence[DampedMode],
     harmonics: TorqueHarmonics,
     range_rpm: tuple[float, float],
     orders: int = ORDERS,

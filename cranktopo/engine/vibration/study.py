@@ -16,7 +16,7 @@ from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_p
 from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
-from cranktopo.numerics.disk_chain import Mode
+from cranktopo.numerics.disk_chain import DampedMode, Mode
 
 _STEPS_PER_PERIOD = 24
 """Of the highest order at the highest speed; the integration itself is exact between the steps."""
@@ -131,7 +131,7 @@ class VibrationStudy:
 
     scene: Scene
     stiffness_source: str
-    modes: tuple[Mode, ...]
+    modes: tuple[DampedMode, ...]
     critical: tuple[CriticalSpeed, ...]
     response: Vibration
     varying_inertia_percent: float

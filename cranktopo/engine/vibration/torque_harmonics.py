@@ -22,7 +22,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
-from cranktopo.numerics.disk_chain import ComplexArray, Mode
+from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
 
 _ANY_SPEED_RPM = 1000.0
 """Inertia torque goes with the square of the speed, whatever speed it is computed at."""
@@ -122,7 +122,11 @@ class VaryingPart:
 
 
 def varying_part(
-    scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics, modes: Sequence[Mode], met: Collection[int]
+    scene: Scene,
+    shaft: ShaftChain,
+    harmonics: TorqueHarmonics,
+    modes: Sequence[DampedMode],
+    met: Collection[int],
 ) -> VaryingPart:
     """Return the varying part, included where its share reaches the threshold and the scene has a [shaft].
 
@@ -150,7 +154,9 @@ def varying_inertia_kg_m2(scene: Scene, harmonics: TorqueHarmonics) -> ComplexAr
     return np.asarray(every[:, None] * harmonics.shifts[whole][: HARMONICS + 1])
 
 
-def varying_share_percent(shaft: ShaftChain, modes: Sequence[Mode], varying_kg_m2: ComplexArray) -> float:
+def varying_share_percent(
+    shaft: ShaftChain, modes: Sequence[DampedMode], varying_kg_m2: ComplexArray
+) -> float:
     """Largest harmonic of the varying inertia over the inertia that swings with it, of all modes, percent.
 
     All disks count with the square of the mode shape; the throws' parts count as if in phase.
@@ -158,7 +164,8 @@ def varying_share_percent(shaft: ShaftChain, modes: Sequence[Mode], varying_kg_m
     swing = 2 * np.abs(varying_kg_m2[1:])
     inertia = np.array(shaft.chain.inertia_kg_m2)
     shares = [
-        (swing * mode.shape[shaft.driven] ** 2).sum(axis=1).max() / (inertia * mode.shape**2).sum()
+        (swing * np.abs(mode.shape[shaft.driven]) ** 2).sum(axis=1).max()
+        / (inertia * np.abs(mode.shape) ** 2).sum()
         for mode in modes
     ]
     return 100 * float(max(shares, default=0.0))

@@ -27,7 +27,7 @@ from cranktopo.engine.vibration.torque_harmonics import (
     torque_harmonics,
     varying_part,
 )
-from cranktopo.numerics.disk_chain import Mode
+from cranktopo.numerics.disk_chain import DampedMode
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class VibratingShaft:
     shaft: ShaftChain
     harmonics: TorqueHarmonics
     range_rpm: tuple[float, float]
-    modes: tuple[Mode, ...]
+    modes: tuple[DampedMode, ...]
     critical: tuple[CriticalSpeed, ...]
     varying: VaryingPart
 
@@ -57,7 +57,7 @@ class VibratingShaft:
 
 def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics) -> VibratingShaft:
     """Modes, critical speeds and varying inertia of a shaft over the scene's range of speeds."""
-    speeds, modes = speed_range_rpm(scene), shaft.chain.modes()
+    speeds, modes = speed_range_rpm(scene), shaft.chain.damped_modes()
     critical = critical_speeds(shaft, modes, harmonics, speeds)
     part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
     return VibratingShaft(shaft, harmonics, speeds, tuple(modes), critical, part)

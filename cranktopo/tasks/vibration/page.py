@@ -7,6 +7,7 @@ from cranktopo.report.page import Fact, Page, Section
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     barred_sentence,
+    cancelled_sentence,
     critical_table,
     modes_table,
     run_up_sentence,
@@ -30,8 +31,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "critical-speeds",
                 "Critical speeds",
                 "Lines are orders of the rotation, blue where all cylinders have the same phase; where one "
-                f"meets a natural frequency the shaft resonates. {barred_sentence(study)} "
-                f"{run_up_sentence(study)}".rstrip(),
+                f"meets a natural frequency the shaft resonates. {cancelled_sentence(study)} "
+                f"{barred_sentence(study)} {run_up_sentence(study)}".rstrip(),
                 (("Critical speeds at which the cylinders help each other", critical),)
                 if critical.rows
                 else (),

@@ -87,7 +87,7 @@ def _draw_torque(axes: Any, study: VibrationStudy) -> None:
 def _draw_modes(axes: Any, study: VibrationStudy) -> None:
     places = range(len(study.shaft.names))
     for mode in study.modes[:_MODES]:
-        axes.plot(places, mode.shape, "o-", ms=3, lw=1, label=f"{mode.frequency_Hz:.0f} Hz")
+        axes.plot(places, mode.shape.real, "o-", ms=3, lw=1, label=f"{mode.frequency_Hz:.0f} Hz")
     axes.axhline(0.0, color="0.5", lw=0.8)
     axes.set_xticks(places, [_short(name) for name in study.shaft.names], fontsize=6)
     axes.set_ylabel("twist over the largest")

@@ -142,8 +142,8 @@ def vibration_result(study: VibrationStudy, assumed: tuple[Assumption, ...]) -> 
         modes=tuple(
             NaturalMode(
                 frequency_Hz=mode.frequency_Hz,
-                damping_ratio=chain.damping_ratio(mode),
-                shape=tuple(mode.shape.tolist()),
+                damping_ratio=mode.damping_ratio,
+                shape=tuple(mode.shape.real.tolist()),
             )
             for mode in study.modes
         ),

@@ -12,12 +12,11 @@ _WEAK = 0.05
 
 def modes_table(study: VibrationStudy) -> ResultTable:
     """Natural frequencies with their damping."""
-    chain = study.shaft.chain
     rows: list[Row] = []
     for number, mode in enumerate(study.modes, start=1):
         where = study.shaft.names[int(abs(mode.shape).argmax())]
         row: dict[str, Cell] = {"mode": str(number), "frequency_Hz": mode.frequency_Hz, "swings_most": where}
-        rows.append({**row, "damping_ratio_percent": 100 * chain.damping_ratio(mode)})
+        rows.append({**row, "damping_ratio_percent": 100 * mode.damping_ratio})
     columns = {"mode": 0, "frequency_Hz": 1, "damping_ratio_percent": 2, "swings_most": 0}
     return ResultTable(columns, tuple(rows))
 
@@ -37,6 +36,18 @@ def critical_table(study: VibrationStudy) -> ResultTable:
         rows.append({**row, "torque_amplitude_Nm": torque, "shear_MPa": study.shaft.shear_MPa(torque)})
     columns = {"speed_rpm": 0, "order": 1, "mode": 0, "kind": 0, "cylinders_helping_percent": 0}
     return ResultTable({**columns, "torque_amplitude_Nm": 1, "shear_MPa": 1}, tuple(rows))
+
+
+def cancelled_sentence(study: VibrationStudy) -> str:
+    """Return the critical speeds of the first mode that even firing takes away; empty where none is."""
+    weak = [found for found in study.critical if found.share < _WEAK and found.mode == 1]
+    if not weak:
+        return ""
+    places = ", ".join(f"{found.speed_rpm:.0f} rpm (order {found.order:g})" for found in weak)
+    return (
+        f"Mode 1 is also met at {places}, where the cylinders cancel one another to below {_WEAK:.0%}: "
+        "a cylinder that misfires excites it there."
+    )
 
 
 def sections_table(study: VibrationStudy) -> ResultTable:
@@ -137,6 +148,8 @@ def vibration_text(study: VibrationStudy) -> str:
     ]
     critical = critical_table(study)
     parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
+    cancelled = cancelled_sentence(study)
+    parts += [cancelled] if cancelled else []
     parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
     parts[-1] += f"\n{_stiffness_sentence(study)}".rstrip()

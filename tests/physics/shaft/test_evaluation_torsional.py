@@ -1,0 +1,65 @@
+"""Torsional natural frequencies of the disk model against closed form, Holzer's table and known values."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from cranktopo.design.loading import load_scene
+from cranktopo.numerics.disk_chain import DiskChain
+from cranktopo.tasks.shaft.torsional import disk_model
+
+# A six-cylinder truck engine: damper, gears, cylinders, flywheel. kg m2, N m/rad; frequencies in Hz to the
+# digits in which they were handed down, source unknown; Holzer's table below checks every one.
+TRUCK = DiskChain(
+    (0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750),
+    tuple(1e6 * k for k in (1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976)),
+)
+TRUCK_HZ = (216.58, 592.74, 984.92, 1171.0, 1416.0, 1660.0, 1794.4, 2993.5)
+
+
+def holzer(model: DiskChain, frequency_Hz: float) -> float:
+    """Torque left over at the last disk when the first swings by one radian; zero at a natural frequency."""
+    square, angle, torque = (2 * math.pi * frequency_Hz) ** 2, 1.0, 0.0
+    for inertia, stiffness in zip(model.inertia_kg_m2, (*model.stiffness_Nm_per_rad, math.inf), strict=True):
+        torque += square * inertia * angle
+        angle -= torque / stiffness
+    return torque
+
+
+def test_shaft_of_equal_throws() -> None:
+    """Half an inertia at either end of n springs: f = sqrt(k / J) sin(i pi / 2n) / pi."""
+    throws, stiffness, inertia_kg_mm2 = 5, 152.5e3, 4200.0
+    scene = load_scene("mikron-iiic-plain").model_copy(update={"engine": None})
+    model = disk_model(scene, inertia_kg_mm2, (stiffness,) * throws)
+    root = math.sqrt(stiffness / (inertia_kg_mm2 * 1e-6))
+    expected = [root * math.sin(i * math.pi / (2 * throws)) / math.pi for i in range(1, throws + 1)]
+    assert model.natural_frequencies_Hz() == pytest.approx(expected, rel=1e-12)
+
+
+def test_truck_engine() -> None:
+    """To the five digits that are given."""
+    found = TRUCK.natural_frequencies_Hz()
+    assert tuple(float(f"{f:.5g}") for f in found) == TRUCK_HZ
+    assert [mode.frequency_Hz for mode in TRUCK.modes()] == pytest.approx(found, rel=1e-12)
+
+
+def test_holzer_table_changes_sign_at_each_frequency() -> None:
+    found = TRUCK.natural_frequencies_Hz()
+    for f in found:
+        assert holzer(TRUCK, f * (1 - 1e-9)) * holzer(TRUCK, f * (1 + 1e-9)) < 0
+    signs = [holzer(TRUCK, (a + b) / 2) > 0 for a, b in pairwise((0.0, *found))]
+    assert all(a != b for a, b in pairwise(signs)), "a frequency is missing between two others"
+
+
+def test_moving_masses_of_the_mikron() -> None:
+    """Rotating rod mass and half of what reciprocates, at the throw radius of 48 mm."""
+    throws = disk_model(load_scene("mikron-iiic-plain"), 4000.0, (1.0,) * 4)
+    moving = (0.3254 + (0.491 + 0.1436) / 2) * 48.0**2
+    assert sum(throws.inertia_kg_m2) == pytest.approx(4 * (4000.0 + moving) * 1e-6, rel=1e-12)
+    assert throws.inertia_kg_m2[0] == pytest.approx(throws.inertia_kg_m2[1] / 2)
+    export = throws.as_opentorsion()
+    assert [d["I"] for d in export["disks"]] == list(throws.inertia_kg_m2)
+    assert [(s["nl"], s["nr"], s["I"]) for s in export["shafts"]] == [(i, i + 1, 0.0) for i in range(4)]

@@ -1,0 +1,55 @@
+"""Parametric webs on coarse meshes, for the gradients of the shape optimiser."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
+from cranktopo.throw.bevel import FittedBevel
+from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.side_pocket import FittedSlot
+
+Array = NDArray[np.float64]
+COARSE_MM, COARSE_FILLET = 14.0, 2.0
+"""Element size, and that on a fillet over its radius: too coarse for numbers, enough for gradients."""
+_OUTLINE = [-27.0, 76.0, 17.0, 29.0, 31.0, 28.0, 18.0]
+_BEVELS = [50.0, 9.0, 1.0, -1.0, 8.0, -0.8]
+
+
+def full_web() -> tuple[Scene, Layout, Array]:
+    """Every kind of feature: a crowned and a hollow bevel, groove, box pocket, a pair of cylinder pockets."""
+    bevels = FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True)
+    pockets = FittedSlot(through=True), FittedBox("pin"), FittedCylinder("journal", pair=True)
+    groove, box, cylinders = [5.0, 27.5, 0.3, 10.0], [18.0, 8.0, 4.0, 3.0], [20.0, 26.0, 5.0, 4.0]
+    values = np.array([*_OUTLINE, *_BEVELS, *groove, *box, *cylinders])
+    return load_scene("mikron-iiic-plain"), Layout(7, (*bevels, *pockets)), values
+
+
+def solid_web() -> tuple[Scene, Layout, Array]:
+    """Overlapping solid journals, uneven bevels, side pockets that end inside the outline."""
+    parts = FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True), FittedSlot()
+    outline = [-42.0, 84.0, 26.0, 43.0, 44.0, 40.0, 22.0]
+    values = np.array([*outline, 52.0, 8.0, 1.5, -8.0, 6.0, 0.5, 24.0, 30.0, 4.0, 37.0, -0.5, 8.0])
+    return load_scene("opposed-piston"), Layout(7, parts), values
+
+
+def free_throw() -> tuple[Scene, Layout, Array]:
+    """Every kind of dimension of a throw with uneven fillets and bores, beside a web with every feature.
+
+    The pin's fillets are ellipses, the main journal's are round and stay so.
+    """
+    scene, layout, values = full_web()
+    data = scene.model_dump(mode="json", exclude_none=True)
+    data["throw"]["crankpin"] |= {"fillet_mm": 3.5, "fillet_axial_mm": 4.5, "bore_diameter_mm": 20.0}
+    fillets = {
+        "pin_fillet_mm": [2.0, 5.0],
+        "journal_fillet_mm": [2.0, 5.0],
+        "pin_fillet_axial_mm": [2.5, 5.4],
+    }
+    bores = {"pin_bore_mm": [0.0, 26.0], "journal_bore_mm": [10.0, 30.0]}
+    data["shape"] = {"free": {**fillets, **bores, "web_thickness_mm": [17.0, 24.0]}}
+    uneven = scene_from_dict(data)
+    return uneven, *with_free(layout, values, uneven, free_dimensions(uneven))

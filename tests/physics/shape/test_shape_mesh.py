@@ -1,0 +1,186 @@
+"""Gradients of a parametric web on a moved mesh, against the moved faces, differences and new meshes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import load_history
+from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
+from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
+from cranktopo.tasks.fatigue.fillets import fillet_nodes
+from cranktopo.tasks.fatigue.result import Quality
+from cranktopo.tasks.fatigue.safety_field import load_kinds, safety_field
+from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
+from cranktopo.tasks.fea.unit_fields import unit_fields
+from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.shape.mesh_fatigue import stress_adjoint
+from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
+from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
+
+WEBS = {"every-feature": full_web, "solid-journals": solid_web}
+
+ELASTIC = 2e5, 0.3
+
+
+@dataclass(frozen=True)
+class Case:
+    scene: Scene
+    layout: Layout
+    model: MeshModel
+    values: Array
+    found: MeshResponses
+
+
+@pytest.fixture(
+    scope="module", params=["every-feature", pytest.param("solid-journals", marks=pytest.mark.slow)]
+)
+def case(request: pytest.FixtureRequest) -> Case:
+    scene, layout, values = WEBS[request.param]()
+    model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET)
+    return Case(scene, layout, model, values, model.responses(values))
+
+
+def directions(case: Case, count: int) -> Array:
+    """Changes of all parameters at once, (count, parameters), mm or degrees."""
+    return np.random.default_rng(7).standard_normal((count, len(case.values)))
+
+
+def test_nodes_follow_the_faces_of_the_web_to_second_order(case: Case) -> None:
+    moved, step = case.model.moved, 0.02
+    motion = moved.velocities(moved.mesh, case.values)
+    before = moved.distances_mm(moved.mesh.points_mm, case.values).max()
+    assert before < 1e-6
+    for i, name in enumerate(case.layout.names):
+        changed = case.values + step * np.eye(len(case.values))[i]
+        off = moved.distances_mm(moved.mesh.points_mm + step * motion[:, :, i], changed).max()
+        unmoved = moved.distances_mm(moved.mesh.points_mm, changed).max()
+        assert off < 2 * before + step**2, name
+        assert unmoved > 20 * off, name
+
+
+def test_a_moved_mesh_lies_on_the_new_web_and_its_journals_stand_still(case: Case) -> None:
+    moved = case.model.moved
+    changed = case.values + 0.2 * directions(case, 1)[0]
+    mesh = moved.at(changed)
+    assert moved.distances_mm(mesh.points_mm, changed).max() < 1e-8
+    assert 0.5 < moved.quality(mesh) < 1
+    low, _ = case.model.scene.web_z_mm
+    z = moved.mesh.points_mm[2]
+    surface = np.hypot(moved.mesh.points_mm[0], moved.mesh.points_mm[1])
+    rim = np.abs(surface - case.model.scene.throw.main_journal.radius_mm) < 1e-6
+    still = rim & (z < low)
+    assert still.any()
+    assert np.array_equal(mesh.points_mm[:, still], moved.mesh.points_mm[:, still])
+
+
+def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
+    step = 1e-3
+    for direction in directions(case, 2):
+        above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
+        for name, value in case.found.values.items():
+            measured = (above.values[name] - below.values[name]) / (2 * step)
+            assert case.found.gradients[name] @ direction == pytest.approx(
+                measured, rel=1e-4, abs=1e-8 * value
+            )
+
+
+def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -> None:
+    scene, mesh = case.model.scene, case.model.moved.mesh
+    elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    model = assemble(mesh, *elastic)
+    enabled, kinds = load_kinds(scene, "extremes")
+    fields = unit_fields(model, scene, mesh.mirrored, kinds)
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), *elastic)
+    planes = ((2, 0.0), (2, scene.pitch_mm / 2), (0, 0.0))
+    surface = outer_surface(model, found.elements, planes)
+    on = [fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")]
+    stresses = surface_stress(model, surface, found)
+    quality = Quality(1.0, 1.0, 1, 0.0, 0.0, 0.0, 0.0)
+    images = images_of(fields, mirrored=True)
+    assessed = safety_field(
+        StressModel("", scene, 1.0, kinds, surface, stresses, images, on[0], on[1], quality),
+        "lsa",
+        load_history(scene, "extremes", enabled),
+    )
+    assert case.found.values["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-9)
+
+
+def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:
+    mesh, random = case.model.moved.mesh, np.random.default_rng(3)
+    field = random.standard_normal(mesh.points_mm.size)
+    step = 1e-5 * random.standard_normal(mesh.points_mm.shape)
+    above, below = (
+        centrifugal_force(assemble(replace(mesh, points_mm=mesh.points_mm + s * step), 1.0, 0.3), 1.0) @ field
+        for s in (1, -1)
+    )
+    slopes = centrifugal_slopes(assemble(mesh, 1.0, 0.3), 1.0, field)
+    assert 2 * (slopes * step).sum() == pytest.approx(above - below, rel=1e-5)
+
+
+def test_the_way_back_from_stresses_is_what_differences_say(case: Case) -> None:
+    """All nodes move, those of the fillets too, as they do for no parameter of a web."""
+    scene, mesh, random = case.model.scene, case.model.moved.mesh, np.random.default_rng(5)
+    planes = ((2, 0.0), (2, scene.pitch_mm / 2), (0, 0.0))
+    field = 1e-3 * random.standard_normal((1, mesh.points_mm.size))
+    model = assemble(mesh, *ELASTIC)
+    found = nodal_stress(model, field, *ELASTIC)
+    surface = outer_surface(model, found.elements, planes)
+    on = fillet_nodes(scene, "pin", surface.points_mm)[:, None]
+    worth = on * random.standard_normal((2, 1, len(on), 6))
+    forces, slopes = stress_adjoint(model, surface, found, field, (worth[0], worth[1]), ELASTIC)
+    moved = 1e-4 * random.standard_normal(field.shape)
+    shift = 1e-6 * random.standard_normal(mesh.points_mm.shape)
+    for axis, position in planes:
+        shift[axis, np.abs(mesh.points_mm[axis] - position) < 1e-6] = 0.0
+
+    def result(moved: Array | float, shift: Array | float) -> float:
+        body = assemble(replace(mesh, points_mm=mesh.points_mm + shift), *ELASTIC)
+        stress = nodal_stress(body, field + moved, *ELASTIC)
+        here = surface_stress(body, outer_surface(body, stress.elements, planes), stress)
+        return float((worth[0] * here.stress_MPa).sum() + (worth[1] * here.depth_MPa_per_mm).sum())
+
+    by_fields, by_nodes = result(moved, 0.0) - result(-moved, 0.0), result(0.0, shift) - result(0.0, -shift)
+    assert 2 * (forces * moved).sum() == pytest.approx(by_fields, rel=1e-5)
+    assert 2 * (slopes * shift).sum() == pytest.approx(by_nodes, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> None:
+    """Every parameter alone: `pytest -m slow tests/physics/shape/test_shape_mesh.py`."""
+    step = 1e-3
+    for i, name in enumerate(case.layout.names):
+        change = step * np.eye(len(case.values))[i]
+        above, below = (case.model.responses(case.values + s * change) for s in (1, -1))
+        for quantity, value in case.found.values.items():
+            measured = (above.values[quantity] - below.values[quantity]) / (2 * step)
+            exact = pytest.approx(measured, rel=1e-3, abs=1e-7 * value)
+            assert case.found.gradients[quantity][i] == exact, f"{quantity} by {name}"
+
+
+@pytest.mark.slow
+def test_a_moved_mesh_tells_the_change_that_a_new_mesh_tells(case: Case) -> None:
+    """Meshes graded for stiffness scatter by 0.1 % at this size; masses are exact on them."""
+    change = 0.3 * directions(case, 1)[0]
+    changed = case.values + change
+    moved, fresh = (
+        MeshModel(case.scene, case.layout, start, COARSE_MM).responses(changed)
+        for start in (case.values, changed)
+    )
+    for name in ("mass", "inertia", "unbalance"):
+        assert moved.values[name] == pytest.approx(fresh.values[name], rel=1e-4), name
+    for name in ("torsion", "bending"):
+        assert moved.values[name] == pytest.approx(fresh.values[name], rel=3e-3), name
+
+
+def test_a_move_that_folds_the_mesh_is_refused(case: Case) -> None:
+    far = case.values.copy()
+    far[case.layout.names.index("bevel-journal.y")] -= 40.0
+    with pytest.raises(CranktopoError, match="folds"):
+        case.model.moved.at(far)

@@ -1,0 +1,131 @@
+"""What a CAD program finds in a STEP file: one named solid in mm, nothing else, by whom and when."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
+
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.formats import PARTS, SolidPart
+from cranktopo.base.reproducible import time_of_writing
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.solid.step import StepLabel, labelled, step_string
+from cranktopo.design.schema import Scene
+from tests.unit.refit.remodel_cases import WHOLE, known_scene
+
+DAY = "1970-01-02T00:00:00+00:00"
+LABEL = StepLabel("my engine half throw", "mm", "cranktopo", "1.2", datetime(2026, 1, 2, tzinfo=UTC))
+
+
+def entities(text: str) -> dict[str, str]:
+    """Each entity of a STEP file, by its number: its text without strings."""
+    data = re.sub(r"'(?:[^']|'')*'", "''", text[text.index("DATA;") :])
+    return dict(re.findall(r"(#\d+)\s*=\s*([^;]*);", data))
+
+
+def unused_points(text: str) -> list[str]:
+    """Vertices and points that no edge, surface or placement refers to."""
+    found = entities(text)
+    used = {number for body in found.values() for number in re.findall(r"#\d+", body)}
+    return [n for n, body in found.items() if re.match("(VERTEX|CARTESIAN)_POINT", body) and n not in used]
+
+
+def kinds(text: str) -> Counter[str]:
+    return Counter(re.match(r"\w*", body)[0] for body in entities(text).values())  # type: ignore[index]
+
+
+@pytest.fixture
+def first_day(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+
+
+def check(text: str, product: str) -> None:
+    """One solid of that name in mm, every vertex the end of an edge, no wires or sets of points beside it."""
+    counts = kinds(text)
+    assert [counts[kind] for kind in ("MANIFOLD_SOLID_BREP", "CLOSED_SHELL", "PRODUCT")] == [1, 1, 1]
+    assert [kind for kind in counts if "WIREFRAME" in kind or "GEOMETRIC_SET" in kind] == []
+    edges = "".join(body for body in entities(text).values() if body.startswith("EDGE_CURVE"))
+    vertices = {n for n, body in entities(text).items() if body.startswith("VERTEX_POINT")}
+    assert vertices <= set(re.findall(r"#\d+", edges))
+    assert unused_points(text) == []
+    lengths = [body for body in entities(text).values() if "LENGTH_UNIT()" in body]
+    assert len(lengths) == 1
+    assert "SI_UNIT(.MILLI.,.METRE.)" in lengths[0]
+    assert re.findall(r"=\s*PRODUCT\('([^']*)',\s*'([^']*)'", text) == [(product, product)]
+    assert re.findall(r"=\s*MANIFOLD_SOLID_BREP\('([^']*)'", text) == [product]
+
+
+@pytest.mark.usefixtures("first_day")
+@pytest.mark.parametrize("part", PARTS)
+def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
+    export_solid(mikron, part, tmp_path / "one.step")
+    text = (tmp_path / "one.step").read_text(encoding="ascii")
+    check(text, f"mikron-iiic-plain {'half throw' if part == 'half' else part.replace('_', ' ')}")
+    header = text[: text.index("DATA;")]
+    assert header.index("FILE_DESCRIPTION") < header.index("FILE_NAME") < header.index("FILE_SCHEMA")
+    assert DAY in header
+    assert re.search(r"\('cranktopo [^']+'\),\('cranktopo'\)", header)
+    assert "AUTOMOTIVE_DESIGN" in header
+
+
+@pytest.mark.usefixtures("first_day")
+def test_construction_points_of_curves_stay_out(mikron: Scene, tmp_path: Path) -> None:
+    """A spline outline with bevels and pockets, whose construction needs points far outside the body."""
+    scene = known_scene(mikron, WHOLE)
+    export_solid(scene, "web", tmp_path / "web.step")
+    check((tmp_path / "web.step").read_text(encoding="ascii"), f"{scene.name} web")
+
+
+@pytest.mark.usefixtures("first_day")
+def test_repeated_exports_are_the_same_bytes(mikron: Scene, tmp_path: Path) -> None:
+    for name in ("a.step", "b.step"):
+        export_solid(mikron, "half", tmp_path / name)
+    assert (tmp_path / "a.step").read_bytes() == (tmp_path / "b.step").read_bytes()
+
+
+def test_work_that_is_resumed_writes_the_same_bytes(mikron: Scene, tmp_path: Path) -> None:
+    """With the date when it was started, whatever the zone that the manifest gives it in."""
+    for name, offset in (("first.step", 0), ("second.step", 2)):
+        started = datetime(2020, 5, 17, 10 + offset, 30, tzinfo=timezone(timedelta(hours=offset)))
+        export_solid(mikron, "web", tmp_path / name, started=started)
+    first, second = ((tmp_path / name).read_bytes() for name in ("first.step", "second.step"))
+    assert b"'2020-05-17T10:30:00+00:00'" in first
+    assert first == second
+
+
+def test_time_is_now_unless_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    assert abs((datetime.now(UTC) - time_of_writing()).total_seconds()) < 5
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert time_of_writing().isoformat() == DAY
+    for wrong in ("yesterday", "1e3", "9" * 30):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", wrong)
+        with pytest.raises(CranktopoError, match="SOURCE_DATE_EPOCH"):
+            time_of_writing()
+
+
+def test_several_solids_are_refused(mikron: Scene, tmp_path: Path) -> None:
+    export_solid(mikron, "web", tmp_path / "web.step")
+    text = (tmp_path / "web.step").read_text(encoding="ascii")
+    check(labelled(text, LABEL), "my engine half throw")
+    solid = re.search(r"#\d+ = MANIFOLD_SOLID_BREP[^;]*;\n", text)
+    assert solid
+    with pytest.raises(CranktopoError, match="1 products with 2 solids"):
+        labelled(text.replace(solid[0], solid[0] + solid[0].replace("#", "#9", 1)), LABEL)
+
+
+@pytest.mark.parametrize(
+    ("text", "coded"),
+    [
+        ("plain", "'plain'"),
+        ("Peter's \\ web", "'Peter''s \\\\ web'"),
+        ("Kröpfung 曲", "'Kr\\X2\\00F6\\X0\\pfung \\X2\\66F2\\X0\\'"),
+        ("two\nlines", "'two\\X2\\000A\\X0\\lines'"),
+    ],
+)
+def test_strings_of_the_standard(text: str, coded: str) -> None:
+    assert step_string(text) == coded

@@ -1,0 +1,134 @@
+"""The fatigue formulae against printed numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue import rule_check
+from cranktopo.tasks.fatigue.criterion import LocalStress
+from cranktopo.tasks.fatigue.fkm import FkmStrength, fkm
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.fatigue.m53 import (
+    Dimensions,
+    Factors,
+    Nominal,
+    concentration_factors,
+    fatigue_strength_MPa,
+    journal_equivalent_MPa,
+    nominal_stresses,
+    outside_validity,
+    pin_equivalent_MPa,
+)
+from cranktopo.tasks.fea.targets import Target
+
+# J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
+ORIGINAL, VARIANT_II = (241.08, 330.95, 0.228), (226.27, 309.58, 0.235)
+RULE_EXAMPLE = Dimensions(
+    pin=60, journal=70, throw=45, web_thickness=22, web_width=100, pin_fillet=3.6, journal_fillet=3.6
+)
+
+
+def one(amplitude: float, mean: float, gradient: float) -> LocalStress:
+    return LocalStress(np.array([amplitude]), np.array([mean]), np.array([gradient]))
+
+
+@pytest.mark.parametrize(
+    ("case", "ultimate", "printed"),
+    [(ORIGINAL, 1283, 1.038), (VARIANT_II, 1283, 1.108), (ORIGINAL, 1100, 0.994), (VARIANT_II, 1100, 1.061)],
+)
+def test_lsa_as_printed(case: tuple[float, float, float], ultimate: float, printed: float) -> None:
+    found = lsa(one(*case), LsaStrength(495, 525, 900, ultimate))
+    assert found.safety[0] == pytest.approx(printed, abs=5e-4)
+    assert found.amplitude_term[0] > found.mean_term[0] > 0
+    assert 1 / (found.amplitude_term[0] + found.mean_term[0]) == found.safety[0]
+
+
+def test_lsa_factors_as_printed() -> None:
+    found = lsa(one(*ORIGINAL), LsaStrength(495, 525, 900, 1283))
+    assert found.support_factor[0] == pytest.approx(1.052, abs=5e-4)
+    assert found.notch_ratio[0] == pytest.approx(1.017, abs=1e-3)
+
+
+def test_lsa_treatment_credits_the_amplitude_only_and_compression_earns_nothing() -> None:
+    plain, hard = LsaStrength(495, 525, 900, 1100), LsaStrength(495, 525, 900, 1100, treatment_factor=1.3)
+    a, b = lsa(one(*ORIGINAL), plain), lsa(one(*ORIGINAL), hard)
+    assert b.amplitude_term[0] == pytest.approx(a.amplitude_term[0] / 1.3)
+    assert b.mean_term[0] == a.mean_term[0]
+    pressed, reversed_ = lsa(one(241.08, -100, 0.228), plain), lsa(one(241.08, 0, 0.228), plain)
+    assert pressed.safety[0] == reversed_.safety[0]
+
+
+def test_fkm_regression() -> None:
+    found = fkm(one(94.7, 5.2, 0.172), FkmStrength(473, "Steel", 25))
+    assert found.reversed_MPa == pytest.approx(213, abs=0.5)
+    assert found.support_factor[0] == pytest.approx(1.088, abs=5e-4)
+    assert found.design_factor[0] == pytest.approx(0.979, abs=5e-4)
+    assert found.reversed_MPa / found.design_factor[0] == pytest.approx(217, abs=0.5)
+    assert found.mean_factor[0] == pytest.approx(0.996, abs=5e-4)
+    assert found.limit_MPa[0] == pytest.approx(216, abs=0.7)
+    assert found.safety[0] == pytest.approx(found.limit_MPa[0] / 94.7)
+
+
+def test_fkm_treats_points_apart() -> None:
+    """A point's answer does not depend on its neighbours in the array; tension costs strength."""
+    points = LocalStress(np.array([100.0] * 4), np.array([-100.0, -50, 0, 150]), np.array([0.1, 0.5, 1, 2]))
+    together = fkm(points, FkmStrength(1100))
+    for i in range(4):
+        alone = fkm(
+            one(points.amplitude_MPa[i], points.mean_MPa[i], points.gradient_per_mm[i]), FkmStrength(1100)
+        )
+        assert alone.limit_MPa[0] == together.limit_MPa[i]
+    assert (np.diff(together.mean_factor) < 0).all()
+    assert together.mean_factor[2] == pytest.approx(1.0)
+
+
+def test_m53_regression() -> None:
+    f = concentration_factors(RULE_EXAMPLE)
+    assert f.alpha_bending == pytest.approx(2.02605, abs=5e-6)
+    assert f.alpha_torsion == pytest.approx(1.94423, abs=5e-6)
+    assert f.beta_bending == pytest.approx(2.11245, abs=5e-6)
+    assert f.beta_shear == pytest.approx(3.57756, abs=5e-6)
+    assert f.beta_torsion == pytest.approx(2.0220, abs=5e-5)
+    assert fatigue_strength_MPa(100, 6, 700, 1.0) == pytest.approx(274.248, abs=5e-4)
+    assert outside_validity(RULE_EXAMPLE) == ()
+
+
+def test_m53_stresses_by_hand() -> None:
+    n = nominal_stresses(RULE_EXAMPLE, 1e6, 5e4, 2e6)
+    assert n.bending_MPa == pytest.approx(6e6 / (100 * 22**2))
+    assert n.shear_MPa == pytest.approx(5e4 / 2200)
+    assert n.pin_torsion_MPa == pytest.approx(2e6 * 16 / (np.pi * 60**3))
+    assert n.journal_torsion_MPa == pytest.approx(2e6 * 16 / (np.pi * 70**3))
+    f, n = Factors(2.0, 1.5, 3.0, 4.0, 1.25), Nominal(100.0, 10.0, 20.0, 40.0)
+    assert pin_equivalent_MPa(f, n, 10.0) == pytest.approx(np.sqrt(210**2 + 3 * 30**2))
+    assert journal_equivalent_MPa(f, n, 0.0) == pytest.approx(np.sqrt(340**2 + 3 * 50**2))
+
+
+def test_m53_names_what_is_outside() -> None:
+    thin = Dimensions(
+        pin=60, journal=70, throw=45, web_thickness=10, web_width=100, pin_fillet=1.0, journal_fillet=3.6
+    )
+    found = " ".join(outside_validity(thin))
+    assert "web thickness / pin diameter = 0.167" in found
+    assert "pin fillet / pin diameter = 0.0167" in found
+
+
+def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Clamped journals would share the moment, which the rule takes as that of a beam on two bearings."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["supports"] = {**data["supports"], "bending": "clamped", "torsion": "held"}
+    held: list[Scene] = []
+
+    def solved(target: Target, *_: object) -> None:
+        held.append(target.scene)
+        raise CranktopoError("enough")
+
+    monkeypatch.setattr(rule_check, "solve_stresses", solved)
+    with pytest.raises(CranktopoError, match="enough"):
+        rule_check.check_rule(Target("clamped", scene_from_dict(data)))
+    assert (held[0].supports.bending, held[0].supports.torsion) == ("pinned", "free")
+    assert held[0].throw == load_scene("mikron-iiic-plain").throw

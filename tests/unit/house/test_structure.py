@@ -1,0 +1,160 @@
+"""The shape of the house: imports run one way, help stays light."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[3] / "cranktopo"
+FLOORS = (
+    {"base"},
+    {"numerics", "runs", "throw"},
+    {"design"},
+    {"bodies"},
+    {"engine", "report", "cli"},
+    {"tasks"},
+    {"app"},
+)
+"""Each room may import those of the floors before it, and itself."""
+TASKS = (
+    "plan",
+    "loads",
+    "balance",
+    "designs",
+    "drawing",
+    "importing",
+    "fea",
+    "shaft",
+    "vibration",
+    "fatigue",
+    "density",
+    "extraction",
+    "refit",
+    "bound",
+    "accuracy",
+    "shape",
+    "optimise",
+    "iterate",
+    "evaluate",
+    "sweep",
+    "compare",
+    "report",
+    "run_list",
+    "doctor",
+    "completion",
+)
+"""Each task may import those before it, and itself."""
+HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
+
+
+def imported_names(file: Path) -> set[str]:
+    """Dotted names of the package that a file imports, anywhere in it."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        names: list[str] = []
+        if isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            assert node.level == 0, f"{file}: relative import"
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        found |= {name for name in names if name.startswith("cranktopo.")}
+    return found
+
+
+def room_of(file: Path) -> tuple[str, ...]:
+    """The room that a file stands in, and in `tasks` the task."""
+    folders = file.relative_to(PACKAGE).parts[:-1]
+    return folders[:2] if folders[:1] == ("tasks",) else folders[:1]
+
+
+def imported_rooms(file: Path) -> set[tuple[str, ...]]:
+    return {room_of(found) for name in imported_names(file) for found in files_of(name)} - {()}
+
+
+def allowed_rooms(room: tuple[str, ...]) -> set[tuple[str, ...]]:
+    """Rooms that a room may import, itself included."""
+    floor = next(number for number, rooms in enumerate(FLOORS) if room[0] in rooms)
+    below = {(other,) for rooms in FLOORS[:floor] for other in rooms}
+    if room[0] == "app":
+        return below | {("tasks", task) for task in TASKS} | {room}
+    tasks = TASKS[: TASKS.index(room[1]) + 1] if room[1:] else ()
+    return below | {("tasks", task) for task in tasks} | {room, room[:1]}
+
+
+@pytest.mark.parametrize("file", sorted(PACKAGE.rglob("*.py")), ids=lambda f: str(f.relative_to(PACKAGE)))
+def test_imports_run_one_way(file: Path) -> None:
+    room = room_of(file)
+    if room:
+        assert imported_rooms(file) <= allowed_rooms(room)
+
+
+def test_the_picture_names_every_room() -> None:
+    folders = {folder.name for folder in PACKAGE.iterdir() if (folder / "__init__.py").is_file()}
+    assert folders == set().union(*FLOORS)
+    assert {file.parent.name for file in PACKAGE.glob("tasks/*/__init__.py")} == set(TASKS)
+
+
+def files_of(name: str) -> set[Path]:
+    """Files that importing a dotted name of the package runs; the last part may be no module."""
+    parts = name.split(".")[1:]
+    folders = [PACKAGE.joinpath(*parts[:n]) for n in range(len(parts) + 1)]
+    return {
+        f for folder in folders for f in (folder / "__init__.py", folder.with_suffix(".py")) if f.is_file()
+    }
+
+
+@pytest.mark.parametrize("task", ["fea", "fatigue"])
+def test_the_check_never_reaches_what_it_checks(task: str) -> None:
+    """Neither by itself nor through any module it uses, late imports included."""
+    found, waiting = set(), set((PACKAGE / "tasks" / task).glob("*.py"))
+    while waiting:
+        file = waiting.pop()
+        found.add(file)
+        if file != PACKAGE / "__init__.py":
+            waiting |= {f for name in imported_names(file) for f in files_of(name)} - found
+    assert PACKAGE / "numerics" / "surfaces" / "mesh.py" in found
+    folders = {file.relative_to(PACKAGE).parent.as_posix() for file in found}
+    assert not folders & {"numerics/grid", "numerics/kernels", "tasks/density"}
+
+
+def imported_files(file: Path) -> set[Path]:
+    """Files that a file names in any import, late ones and those for types alone included."""
+    own = {folder / "__init__.py" for folder in file.parents}
+    return {f for name in imported_names(file) for f in files_of(name)} - own - {file}
+
+
+def test_no_circle_of_imports() -> None:
+    """Whichever module is read first, what it builds on does not build on it."""
+    waits = {file: imported_files(file) for file in PACKAGE.rglob("*.py") if file != PACKAGE / "__init__.py"}
+    while free := {file for file, others in waits.items() if not others & waits.keys()}:
+        waits = {file: others for file, others in waits.items() if file not in free}
+    assert not sorted(str(file.relative_to(PACKAGE)) for file in waits)
+
+
+SHOWING = ("page", "section", "text", "plot", "picture", "table", "tables")
+"""Last words of the names of modules that show finished results."""
+
+
+@pytest.mark.parametrize(
+    "file", sorted(PACKAGE.glob("tasks/*/*.py")), ids=lambda f: str(f.relative_to(PACKAGE))
+)
+def test_pages_only_show(file: Path) -> None:
+    """Pages, figures and tables are functions of finished results: nothing is solved, meshed or extracted."""
+    if file.stem.split("_")[-1] not in SHOWING:
+        return
+    folders = {f.relative_to(PACKAGE).parent.as_posix() for n in imported_names(file) for f in files_of(n)}
+    assert not folders & {"numerics/grid", "numerics/kernels", "bodies/solid", "bodies/mesh", "tasks/density"}
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys; from cranktopo.app.main import main; main(['--help']); "
+        f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "optimise" in result.stdout
+    assert result.stderr.strip() == "[]"

@@ -1,0 +1,140 @@
+"""Steps of the loop: thickness beside the journals, verdicts, the envelope of the next step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import Manifold
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.tasks.iterate import one_step
+from cranktopo.tasks.iterate.one_step import read_solids, transition_mm, write_envelope, write_solids
+from cranktopo.tasks.iterate.result import LoopStep, best_step, verdict
+from cranktopo.throw.envelope import StlEnvelope
+from tests.unit.extraction.surface_cases import scene_with
+from tests.unit.refit.remodel_cases import WHOLE, known_scene
+
+
+def block(*voids: Manifold) -> SurfaceMesh:
+    body = Manifold.cube((60, 100, 19)).translate((-30, -26, 20))
+    for void in voids:
+        body -= void
+    return mesh_of(body)
+
+
+@pytest.mark.parametrize(
+    ("void", "thickness"),
+    [
+        (Manifold.cube((1, 1, 1)).translate((100, 0, 0)), 19.0),
+        (Manifold.cube((8, 8, 9)).translate((12, 12, 30)), 10.0),  # a pocket beside the main journal, x > 0
+        (Manifold.cube((8, 8, 5)).translate((-20, 28, 20)), 14.0),  # beside the pin, x < 0, other face
+        (Manifold.cube((60, 10, 9)).translate((-30, -26, 20)), 19.0),  # behind the main journal: no load path
+        (Manifold.cylinder(60, 4, 4, 64).translate((0, 22, 0)), 0.0),  # a window
+        (Manifold.cylinder(60, 12, 12, 64), 19.0),  # the journal's own bore
+    ],
+    ids=["whole", "pocket", "pin", "behind", "window", "bore"],
+)
+def test_thickness_beside_the_journals(void: Manifold, thickness: float) -> None:
+    assert transition_mm(block(void), scene_with()) == pytest.approx(thickness, abs=1e-6)
+
+
+def step(number: int, mass: float, torsion: float, bending: float, transition: float = 12.0) -> LoopStep:
+    return LoopStep(
+        number=number,
+        throw_kg=mass,
+        web_kg=mass / 3,
+        torsion_Nm_per_rad=torsion,
+        bending_N_per_mm=bending,
+        torsion_error_percent=0.4,
+        bending_error_percent=0.6,
+        transition_mm=transition,
+        overlap_percent=95.0,
+        removed_percent=10.0,
+        seconds=1.0,
+    )
+
+
+ORIGINAL = step(0, 1.6, 1600.0, 230.0)
+
+
+def test_verdicts() -> None:
+    heavy, better = step(1, 2.0, 2100.0, 300.0), step(2, 1.5, 1650.0, 240.0)
+    assert verdict([ORIGINAL, heavy], 7.0) == "better"
+    assert verdict([ORIGINAL, heavy, better], 7.0) == "better"
+    assert verdict([ORIGINAL, heavy, better, step(3, 1.4, 1540.0, 231.0)], 7.0) == "no gain"
+    assert verdict([ORIGINAL, heavy, better.model_copy(update={"transition_mm": 6.9})], 7.0) == "too thin"
+
+
+def test_best_is_no_heavier_and_no_softer() -> None:
+    heavy, soft = step(1, 1.7, 2000.0, 300.0), step(2, 1.2, 1500.0, 229.0)
+    good, better = step(3, 1.55, 1650.0, 231.0), step(4, 1.5, 1640.0, 235.0)
+    thin = step(5, 1.3, 1600.0, 235.0, 3.0)
+    assert best_step([ORIGINAL, heavy, soft, good, better, thin], 7.0) == better
+    assert best_step([ORIGINAL, heavy, soft], 7.0) is None
+    share = better.percent_of(ORIGINAL)
+    assert share["mass"] == pytest.approx(93.75)
+    assert share["torsion_per_mass"] == pytest.approx(100 * (1640 / 1.5) / 1000)
+    assert share["bending_per_mass"] == pytest.approx(100 * (235 / 1.5) / (230 / 1.6))
+
+
+def test_a_symmetric_mesh_is_the_box_it_shows(tmp_path: Path, mikron: Scene) -> None:
+    box = trimesh.creation.box(bounds=[[-48, -34, 10], [48, 82, 45]])
+    box.export(tmp_path / "box.stl")
+    envelope = StlEnvelope(shape="stl", file=str(tmp_path / "box.stl"), symmetric=True)
+    domain = build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
+    expected = build_domain(mikron, 6.0)
+    assert domain.extent == "quarter"
+    np.testing.assert_allclose(domain.design_fraction, expected.design_fraction, atol=1e-9)
+
+
+def test_a_lopsided_mesh_said_to_be_symmetric_is_refused(tmp_path: Path, mikron: Scene) -> None:
+    trimesh.creation.box(bounds=[[-48, -34, 10], [47, 82, 45]]).export(tmp_path / "box.stl")
+    envelope = StlEnvelope(shape="stl", file=str(tmp_path / "box.stl"), symmetric=True)
+    with pytest.raises(CranktopoError, match=r"envelope\.symmetric .* differ by"):
+        build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
+
+
+def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mikron: Scene) -> None:
+    """Bevels, slots and holes: what is simplified after it was mirrored is not."""
+    path = write_envelope(write_solids(known_scene(mikron, WHOLE), tmp_path).web, tmp_path)
+    assert trimesh.load_mesh(path).is_watertight
+    assert mirror_difference(envelope_from_file(path)) < 1e-9
+
+
+def test_an_envelope_with_a_crack_is_simplified_otherwise(
+    tmp_path: Path, mikron: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    web = write_solids(known_scene(mikron, WHOLE), tmp_path).web
+    usual = write_envelope(web, tmp_path).rename(tmp_path / "usual.stl")
+    faults = ["touches itself", ""]
+    monkeypatch.setattr(one_step, "manifold_fault", lambda mesh: faults.pop(0))
+    path = write_envelope(web, tmp_path)
+    assert not faults
+    assert path.read_bytes() != usual.read_bytes()
+    assert trimesh.load_mesh(path).is_watertight
+    assert mirror_difference(envelope_from_file(path)) < 1e-9
+    assert trimesh.load_mesh(path).volume == pytest.approx(trimesh.load_mesh(usual).volume, rel=1e-4)
+
+
+def test_the_solid_of_a_step_is_the_next_envelope(tmp_path: Path, mikron: Scene) -> None:
+    """Volume of the envelope on the grid against the closed form of the web."""
+    path = write_envelope(write_solids(mikron, tmp_path).web, tmp_path)
+    mesh = trimesh.load_mesh(path)
+    assert mesh.is_watertight
+    assert mirror_difference(envelope_from_file(path)) < 1e-9
+    exact = web_volume_mm3(mikron)
+    assert mesh.volume == pytest.approx(exact, rel=2e-3)
+    envelope = StlEnvelope(shape="stl", file=str(path), symmetric=True)
+    domain = build_domain(mikron.model_copy(update={"envelope": envelope}), 3.0)
+    assert float(
+        (domain.design_fraction * domain.volume_mm3).sum()
+    ) / domain.symmetry_fraction / 2 == pytest.approx(exact, rel=4e-3)
+    assert transition_mm(read_solids(tmp_path).web, mikron) == pytest.approx(19.0, abs=1e-4)

@@ -1,0 +1,142 @@
+"""The stage without a solve: which web it ends in, a finish that fails, the fatigue safety as the goal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.progress import Work
+from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.wanted import wanted, with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.states import load_cases
+from cranktopo.tasks.shape import stage
+from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
+from cranktopo.tasks.shape.refining import Step
+from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+
+ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
+
+
+@dataclass
+class Told:
+    """What stands for every solve: percent of the original of the web of the cells and of each finish.
+
+    Attributes:
+        fails_at: number of the finish whose mesh collapses.
+        promised: what each finish promises, as the goal over the original's.
+        finishes: how many were begun.
+        goals: what the search on cells was asked for.
+    """
+
+    percent: list[dict[str, float]]
+    fails_at: int = 0
+    promised: float = -2.0
+    finishes: int = 0
+    goals: list[Any] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+
+    def evaluated(self, scene: Scene, fatigue: bool, size: Any, name: str, *_: Any) -> Any:
+        assert fatigue
+        share: Mapping[str, float] = {} if name == "original" else self.percent[int(name[-1])]
+        values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
+        return SimpleNamespace(scene=scene, values=values, evaluation={})
+
+    def stepped(self, cells: Any, layout: Any, at: Any, *_: Any) -> Step:
+        self.finishes += 1
+        if self.finishes == self.fails_at:
+            raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
+        return Step(at + 0.01, Quantities({}, {}), self.promised, 5)
+
+    def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
+        self.goals.append(goals[0])
+
+        def first(layout: Any, start: Any) -> Any:
+            return SimpleNamespace(layout=layout, values=start)
+
+        return SimpleNamespace(first=first, select=lambda found: found, trials=[])
+
+
+class Meshes(MeshedWebs):
+    """Webs that are known without a mesh."""
+
+    def responses(self, web: Any, values: Any, quantities: Any = None) -> MeshResponses:
+        return MeshResponses(dict(ORIGINAL), {name: np.zeros(len(values)) for name in ORIGINAL})
+
+
+Shaped = Callable[[Told], ShapeOptimum]
+
+
+@pytest.fixture
+def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
+    scene = with_goal(load_scene("mikron-iiic-plain"), maximise="fatigue_safety")
+
+    def run(told: Told) -> ShapeOptimum:
+        model = SimpleNamespace(cases=load_cases(scene))
+        web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
+        cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
+        monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
+        monkeypatch.setattr(stage, "web_model", lambda *_: cells)
+        monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
+        monkeypatch.setattr(stage, "FeatureSelection", told.growth)
+        monkeypatch.setattr(stage, "stepped", told.stepped)
+        monkeypatch.setattr(stage, "MeshedWebs", Meshes)
+        return optimise_shape(scene, goal_of(scene), None, Work(told.lines.append))
+
+    return run
+
+
+def goal_of(scene: Scene) -> Goal:
+    goal = wanted(scene)
+    assert goal is not None
+    return goal
+
+
+def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_cells(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 107.9}])
+    found = shaped(told)
+    assert [(r.quantity, r.sense) for r in found.stated.limits] == [
+        ("mass", "<="),
+        ("torsion", ">="),
+        ("bending", ">="),
+    ]
+    assert (found.stated.quantity, found.stated.sign) == ("fatigue_safety", -1.0)
+    (cells,) = told.goals
+    assert (cells.quantity, cells.sign, cells.limits) == ("bending", -1.0, found.stated.limits)
+    assert "cells know no fatigue" in told.lines[0]
+    assert "most bending stiffness" in told.lines[0]
+    assert (found.best, len(found.rounds)) == (1, 3)
+
+
+def test_a_web_that_keeps_the_limits_is_left_where_little_is_promised(shaped: Shaped) -> None:
+    near = {"fatigue_safety": 108.0}
+    assert len(shaped(Told([near, near], promised=-1.081)).rounds) == 1
+    missed = {"fatigue_safety": 108.0, "mass": 100.3}
+    found = shaped(Told([missed, near], promised=-1.079))
+    assert (found.best, len(found.rounds)) == (1, 2)
+
+
+def test_the_safest_web_counts_only_if_it_keeps_the_limits(shaped: Shaped) -> None:
+    heavy = {"fatigue_safety": 115.0, "mass": 101.0}
+    safer = {"fatigue_safety": 109.0}
+    found = shaped(Told([{"fatigue_safety": 101.0}, heavy, safer, safer]))
+    assert (found.best, len(found.rounds)) == (2, 4)
+    none = shaped(Told([heavy, {**heavy, "mass": 100.2}, *[heavy] * 3]))
+    assert (none.best, none.result.held) == (1, False)
+
+
+def test_a_finish_whose_mesh_collapses_leaves_the_web_before_it(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 105.0}], fails_at=2)
+    found = shaped(told)
+    assert (found.best, len(found.rounds)) == (1, 2)
+    (said,) = [line for line in told.lines if "ended early" in line]
+    assert "an element folds" in said

@@ -1,0 +1,186 @@
+"""What varies in a sweep, and the points that follow from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.tasks.sweep.plan import SweepPlan, is_plan, read_plan, sweep_plan
+from cranktopo.tasks.sweep.points import original_of, points_of
+from cranktopo.tasks.sweep.variation import read_entry, read_option
+
+WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("optimise.volume_fraction=0.2:0.4:5", (0.2, 0.25, 0.3, 0.35, 0.4)),
+        (f"{FILLET}=2,2.5,3", (2, 2.5, 3)),
+        ("engine.speed_rpm=1000:3000:3", (1000, 2000, 3000)),
+        ("engine.speed_rpm=1000:2000:4", (1000.0, 1333.33333333, 1666.66666667, 2000.0)),
+        ("goal.limits.torsion=>= 90 %,>= 100 %", (">= 90 %", ">= 100 %")),
+        ("goal.limits.torsion=>= 90:100:3 %", (">= 90 %", ">= 95 %", ">= 100 %")),
+        ("goal.limits.unbalance=<= -1.5:1.5:3 kg mm", ("<= -1.5 kg mm", "<= 0 kg mm", "<= 1.5 kg mm")),
+        ("optimise.connected=true", (True,)),
+    ],
+)
+def test_values_of_an_option(text: str, values: tuple[object, ...]) -> None:
+    assert read_option(text).values == values
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "=1",
+        WIDTH,
+        f"{WIDTH}=",
+        f"{WIDTH}=1:2:1",
+        f"{WIDTH}=1:2:1.5",
+        f"{WIDTH}=2:1",
+        f"{WIDTH}=50,inf",
+        "goal.limits.torsion=>= 90:80:1 %",
+        "a..b=1",
+        "a[x]=1",
+    ],
+)
+def test_other_forms_are_refused(text: str) -> None:
+    with pytest.raises(CranktopoError, match=r"must be|below the second"):
+        read_option(text)
+
+
+def test_a_grid_takes_all_combinations_once_each() -> None:
+    plan = sweep_plan(
+        ["mikron-iiic-plain"], [read_option(f"{WIDTH}=50,52"), read_option(f"{FILLET}=2,2.5,2")]
+    )
+    points = points_of(plan)
+    assert [tuple(point.varied.values()) for point in points] == [(50, 2), (50, 2.5), (52, 2), (52, 2.5)]
+    assert len({point.id for point in points}) == 4
+    assert points[1].sha256 == original_of(plan).sha256, "the design's own values are the original"
+    assert points_of(SweepPlan.of_json(plan.as_json(), "run")) == points
+
+
+def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
+    def first(width: str = "52", stage: str = "evaluate", element_size_mm: float | None = None) -> str:
+        vary = [read_option(f"{WIDTH}={width}")]
+        plan = sweep_plan(["mikron-iiic-plain"], vary, stage=stage, element_size_mm=element_size_mm)
+        return points_of(plan)[0].sha256
+
+    assert first() == first(width="52.0")
+    usual = sweep_plan(["mikron-iiic-plain"], [read_option("optimise.penalty=3")])
+    assert points_of(usual)[0].sha256 == original_of(usual).sha256, "a default that is written out"
+    assert len({first(), first(width="53"), first(stage="fatigue"), first(element_size_mm=9.0)}) == 4
+
+
+def test_a_limit_with_a_range_varies_and_one_without_stays() -> None:
+    limits = ["torsion >= 90:130:5 %", "bending >= 95 %"]
+    plan = sweep_plan(["mikron-iiic-plain"], stage="shape", minimise="mass", limits=limits)
+    points = points_of(SweepPlan.of_json(plan.as_json(), "run"))
+    assert [p.varied for p in points] == [
+        {"goal.limits.torsion": f">= {n} %"} for n in (90, 100, 110, 120, 130)
+    ]
+    assert points[1].tables["goal"] == {
+        "minimise": "mass",
+        "limits": {"bending": ">= 95 %", "torsion": ">= 100 %"},
+    }
+    with pytest.raises(CranktopoError, match="stage evaluate has no goal"):
+        sweep_plan(["mikron-iiic-plain"], minimise="mass", limits=limits)
+    with pytest.raises(CranktopoError, match="Did you mean 'torsion'"):
+        sweep_plan(["mikron-iiic-plain"], stage="shape", minimise="mass", limits=["torsoin >= 90:130:5 %"])
+
+
+def test_a_first_look_has_hashes_of_its_own() -> None:
+    plan = sweep_plan(
+        ["mikron-iiic-plain"], [read_option(f"{WIDTH}=50,52")], accuracy_percent=0.5, refine="front"
+    )
+    looks = points_of(plan, fineness=plan.fineness.first_look)
+    plain = sweep_plan(["mikron-iiic-plain"], [read_option(f"{WIDTH}=50,52")])
+    assert len({p.id for p in (*points_of(plan), *looks, *points_of(plain))}) == 6
+    assert points_of(plain)[0].id == "60af657b5af0", "points of earlier sweeps keep their names"
+    with pytest.raises(CranktopoError, match="--refine front"):
+        sweep_plan(["mikron-iiic-plain"], [read_option(f"{WIDTH}=50,52")], budget_s=60.0)
+
+
+def test_impossible_webs_are_points_with_a_reason() -> None:
+    good, thin, word = points_of(sweep_plan(["mikron-iiic-plain"], [read_option(f"{WIDTH}=52,3,wide")]))
+    assert (good.reason, thin.reason.split(" =")[0]) == ("", "throw.main_journal.bore_diameter_mm")
+    assert "web.width_mm = 'wide': must be a finite number" in word.reason
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ("web.widht_mm=1", "unknown key web.widht_mm. Did you mean 'width_mm'?"),
+        ("web.pocket[2].y_mm=1", r"no entry \[2\]; the design has 0"),
+        ("throw.radius_mm.x=1", "which is no table"),
+        ("stage=evaluate,shap", "Did you mean 'shape'?"),
+        (f"{WIDTH}=44:60", "two ends and no number"),
+    ],
+)
+def test_what_no_scene_has_stops_everything(vary: str, words: str) -> None:
+    with pytest.raises(CranktopoError, match=words.replace("?", r"\?")):
+        sweep_plan(["mikron-iiic-plain"], [read_option(vary)])
+
+
+@pytest.mark.parametrize("sampling", ["latin", "sobol"])
+def test_samples_fill_the_space_between_the_ends(sampling: str) -> None:
+    """One sample in each eighth of the width, every fillet about as often; the same again."""
+    vary = [read_option(f"{WIDTH}=44:60"), read_option(f"{FILLET}=2,2.5")]
+    plan = sweep_plan(["mikron-iiic-plain"], vary, sampling=sampling, samples=8)
+    points = points_of(plan)
+    assert sorted(int((float(p.varied[WIDTH]) - 44) / 2) for p in points) == list(range(8))
+    assert [p.varied[FILLET] for p in points].count(2) == 4
+    assert points == points_of(plan)
+    assert points[:5] != points_of(sweep_plan(["mikron-iiic-plain"], vary, sampling=sampling, samples=5))[:4]
+
+
+def test_a_file_says_the_same_as_options(tmp_path: Path) -> None:
+    file = tmp_path / "sweep.toml"
+    file.write_text(
+        'design = "mikron-iiic-plain"\nstage = "fatigue"\nelement_size_mm = 9\n'
+        f'[vary]\n"{WIDTH}" = "50:54:3"\nthrow.crankpin.fillet_mm = [2.0, 2.5]\n'
+    )
+    vary = [read_entry(WIDTH, [50, 52, 54]), read_entry(FILLET, [2.0, 2.5])]
+    assert is_plan(str(file))
+    assert points_of(read_plan(file)) == points_of(
+        sweep_plan(["mikron-iiic-plain"], vary, stage="fatigue", element_size_mm=9.0)
+    )
+    assert not is_plan("mikron-iiic-plain")
+
+
+def test_a_file_may_list_scenes_beside_it(tmp_path: Path) -> None:
+    for name, width in (("a", 50.0), ("b", 52.0)):
+        (tmp_path / f"{name}.toml").write_text(
+            Path("designs/mikron-iiic-plain.toml")
+            .read_text()
+            .replace("width_mm = 50.0", f"width_mm = {width}")
+        )
+    file = tmp_path / "sweep.toml"
+    file.write_text('scenes = ["a.toml", "b.toml"]\n')
+    points = points_of(read_plan(file))
+    assert [Path(point.design).name for point in points] == ["a.toml", "b.toml"]
+    assert original_of(read_plan(file)).sha256 == points[0].sha256
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("vary = 3\ndesign = 'mikron-iiic-plain'\n", "vary = 3: must be a table"),
+        ("design = 'mikron-iiic-plain'\nscenes = []\n", "either design or scenes"),
+        ("desing = 'x'\nvary = {}\n", "Did you mean 'design'"),
+        ("design = 'mikron-iiic-plain'\nsamples = 'x'\n", "samples = 'x': must be an integer"),
+        ("design = 'mikron-iiic-plain'\nsampling = 'sobol'\n", "needs a number of samples"),
+        ("design = 'mikron-iiic-plain'\nelement_size_mm = -1\n", "element_size_mm = -1: must be a number"),
+        ("design = 'mikron-iiic-plain'\nlimits = 'mass'\n", "limits = 'mass': must be a list"),
+        ("design = 'mikron-iiic-plain'\nrefine = 'frnt'\n", "Did you mean 'front'"),
+    ],
+)
+def test_bad_files_say_what_is_wrong(tmp_path: Path, text: str, words: str) -> None:
+    file = tmp_path / "sweep.toml"
+    file.write_text(text)
+    with pytest.raises(CranktopoError, match=words) as raised:
+        read_plan(file)
+    assert raised.value.code in (ExitCode.INVALID_INPUT, ExitCode.USAGE)
