@@ -125,7 +125,7 @@ _HOMES = {
     "extract_surface": "tasks.extraction.stage",
     "remodel_run": "tasks.refit.stage",
     "loop_scene": "tasks.iterate.loop",
-    "loop_settings": "tasks.iterate.settings",
+    "loop_settings": "tasks.iterate.result",
     "start_loop": "tasks.iterate.loop",
     "continue_loop": "tasks.iterate.loop",
     "loads_at_speeds": "tasks.loads.stage",
