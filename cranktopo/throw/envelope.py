@@ -167,7 +167,7 @@ class OutlineEnvelope(_EnvelopeBase):
 
 
 class StlEnvelope(_EnvelopeBase):
-    """Design space: the web region inside a closed body from a file, in the frame of `cranktopo.base.frames`.
+    """Design space: the web region inside a closed body from a file, in the frame of the design.
 
     With `symmetric` the body is its own mirror image in x = 0, which is checked, and half of it is enough.
     """

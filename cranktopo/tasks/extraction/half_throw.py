@@ -93,7 +93,7 @@ class _SoundThrow:
 
 
 @dataclass(frozen=True)
-class _Field:
+class _HalfThrowField:
     """What a surface is extracted from; `iso` is that of the usual way, `target_mm3` by the density."""
 
     cutter: Cutter
@@ -112,7 +112,7 @@ def _sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Sce
         CranktopoError: no iso-value with that volume, or journal and pin not connected.
     """
     iso = find_iso(lambda value: float(cutter.web(field, value).volume()), target_mm3)
-    source = _Field(cutter, field, iso, target_mm3, scene)
+    source = _HalfThrowField(cutter, field, iso, target_mm3, scene)
     first, places = _by(_USUAL, source, np.zeros((0, 3)))
     if places is None:
         return first
@@ -130,7 +130,7 @@ def _sound_throw(cutter: Cutter, field: FineField, target_mm3: float, scene: Sce
     return first
 
 
-def _by(way: ExtractionMethod, source: _Field, rough: Array) -> tuple[_SoundThrow, Array | None]:
+def _by(way: ExtractionMethod, source: _HalfThrowField, rough: Array) -> tuple[_SoundThrow, Array | None]:
     """Return the throw of a way; None where it is sound, else the places where it passes through itself."""
     cutter, field, iso = source.cutter, source.field, source.iso
     if way.blur:
@@ -154,7 +154,7 @@ def _web(
     return cutter.web(field, iso, rough, way.smoothed, way.on_mirror_mm)
 
 
-def _near(found: _SoundThrow, source: _Field) -> bool:
+def _near(found: _SoundThrow, source: _HalfThrowField) -> bool:
     """Tell whether a throw has the volume of the density, islands counted, and lies near its iso-surface."""
     web = web_region(found.body, source.scene)
     volume = web.volume() + sum(piece.volume() for piece in found.islands)
