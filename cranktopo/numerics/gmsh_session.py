@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
+import signal
 import sys
 import threading
 from collections.abc import Iterator
@@ -15,6 +17,9 @@ from numpy.typing import NDArray
 from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 
 _TRIANGLE = 2
+_ENDING = (signal.SIGINT, signal.SIGTERM)
+_SIGACTION = 512
+"""Bytes that hold a `struct sigaction` of any platform."""
 _ALONE = threading.RLock()
 """gmsh keeps one state for the whole process."""
 
@@ -31,7 +36,8 @@ def cad_session(what: str) -> Iterator[Any]:
 
 def _session(what: str) -> Iterator[Any]:
     gmsh = _gmsh()
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    with _kept_handlers():
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
@@ -49,6 +55,22 @@ def _session(what: str) -> Iterator[Any]:
         ) from None
     finally:
         gmsh.finalize()
+
+
+@contextmanager
+def _kept_handlers() -> Iterator[None]:
+    """Keep what the process does on SIGINT and SIGTERM; gmsh resets it below Python, which does not notice.
+
+    By the C library, not by `signal.signal`: that works in the main thread alone.
+    """
+    libc, kept = ctypes.CDLL(None), {number: (ctypes.c_char * _SIGACTION)() for number in _ENDING}
+    for number, action in kept.items():
+        libc.sigaction(number, None, action)
+    try:
+        yield
+    finally:
+        for number, action in kept.items():
+            libc.sigaction(number, action, None)
 
 
 @contextmanager

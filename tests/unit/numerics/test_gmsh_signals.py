@@ -1,0 +1,35 @@
+"""A process that meshes still ends as it was told to: gmsh resets the handler of SIGTERM when it starts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+
+import pytest
+
+from cranktopo.numerics.gmsh_session import cad_session
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("in_thread", [False, True])
+def test_handlers_outlive_a_session(number: signal.Signals, in_thread: bool) -> None:
+    heard: list[int] = []
+    before = signal.signal(number, lambda got, frame: heard.append(got))
+
+    def session() -> None:
+        with cad_session("signals"):
+            os.kill(os.getpid(), number)
+
+    try:
+        if in_thread:
+            thread = threading.Thread(target=session)
+            thread.start()
+            thread.join()
+        else:
+            session()
+        os.kill(os.getpid(), number)
+    finally:
+        signal.signal(number, before)
+    assert heard, "the handler was reset"
+    assert set(heard) == {number}
