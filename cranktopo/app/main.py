@@ -12,6 +12,7 @@ from typing import Any, TextIO
 import click
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
+from cranktopo.base.reproducible import time_of_writing
 from cranktopo.cli.group import LazyGroup, found_commands
 from cranktopo.cli.verbosity import coloured
 
@@ -137,6 +138,7 @@ def cli() -> None:
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
+    time_of_writing()  # a bad date is refused here, before libraries that read it, too, fail on it
 
 
 def main(args: list[str] | None = None) -> int:

@@ -169,3 +169,12 @@ def test_elements_too_fine_say_what_fits(
     assert "element size = 0.3: too fine: at least 2" in line
     finest = float(line.split("about ")[-1].split(" mm")[0])
     assert 0.6 < finest < 1.5
+
+
+def test_a_bad_date_of_writing_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every command ended in exit 1, by a library that reads the same variable."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "x")
+    assert main(["loads"]) == 3
+    assert capsys.readouterr().err.startswith("error: SOURCE_DATE_EPOCH = 'x': must be seconds since 1970")
