@@ -148,12 +148,21 @@ def escaped(text: str) -> str:
     return _LIST.sub(r"\1\\\2", _SPECIAL.sub(r"\\\1", " ".join(text.split())))
 
 
+def no_formula(value: Any) -> Any:
+    """Return a cell of a CSV file; a text that a spreadsheet would run as a formula gets an apostrophe first.
+
+    Source: OWASP, CSV injection.
+    """
+    risky = isinstance(value, str) and len(value) > 1 and value[0] in "=+-@\t\r"
+    return f"'{value}" if risky else value
+
+
 def comma_separated(table: ResultTable) -> str:
     """Return the table as CSV with machine names and full precision."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, table.columns, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(table.rows)
+    writer.writerows({name: no_formula(value) for name, value in row.items()} for row in table.rows)
     return stream.getvalue().rstrip("\n")
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.files import replacing, write_text
-from cranktopo.report.result_table import ResultTable, Row, terminal
+from cranktopo.report.result_table import ResultTable, Row, no_formula, terminal
 from cranktopo.tasks.sweep.result import COARSE, DONE, PointResult, SweepResult
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def write_tables(frame: pandas.DataFrame, folder: Path, stem: str) -> dict[str, 
     """Write the frame as CSV and Parquet, and return their names by kind."""
     files = {"table": f"{stem}.csv", "parquet": f"{stem}.parquet"}
     text = io.StringIO()
-    frame.to_csv(text, index=False, lineterminator="\n")
+    frame.map(no_formula).to_csv(text, index=False, lineterminator="\n")
     write_text(folder / files["table"], text.getvalue())
     with replacing(folder / files["parquet"]) as temporary:
         frame.to_parquet(temporary, index=False)
