@@ -78,7 +78,7 @@ def suggest(word: str, valid: list[str]) -> str:
 
 
 EXTRAS = {"sweep": "sweep", "fatigue": "fatigue by method 'fkm'"}
-"""What needs the packages of an extra, by its name in pyproject.toml."""
+"""Uses that need the packages of an extra, by its name in pyproject.toml."""
 
 
 def install_line(extra: str) -> str:

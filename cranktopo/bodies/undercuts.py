@@ -22,7 +22,7 @@ _TOUCH_MM = 1e-3
 
 @dataclass(frozen=True)
 class Undercuts:
-    """What the web's process cannot leave: `caught` of the rays through the web have void before solid.
+    """Undercuts of the web's process: `caught` of the rays through the web have void before solid.
 
     The deepest is the longest such void along one ray and side; `by` names the die, mould or mill.
     """

@@ -127,14 +127,6 @@ class DiskChain:
         relative = twist_rad[..., :-1] - twist_rad[..., 1:]
         return np.asarray(self.section_stiffness_Nm_per_rad(frequency_rad_s) * relative)
 
-    def dissipated_J(self, frequency_rad_s: Array, twist_rad: ComplexArray) -> Array:
-        """Return the energy that all damping takes in one period of a harmonic vibration, J."""
-        relative = np.abs(twist_rad[..., :-1] - twist_rad[..., 1:]) ** 2
-        springs = (self.section_stiffness_Nm_per_rad(frequency_rad_s).imag * relative).sum(axis=-1)
-        absolute = _filled(self.absolute_damping_Nms_per_rad, len(self.inertia_kg_m2))
-        disks = np.asarray(frequency_rad_s) * (absolute * np.abs(twist_rad) ** 2).sum(axis=-1)
-        return np.asarray(math.pi * (springs + disks))
-
     def as_opentorsion(self) -> dict[str, Any]:
         """Return arguments of openTorsion's `Disk(node, I)` and `Shaft(nl, nr, k=..., I=0)`, SI units.
 

@@ -1,4 +1,4 @@
-"""What a run keeps of a long computation: a checkpoint that is whole or absent, and every design.
+"""Keep of a long computation: a checkpoint that is whole or absent, and every design.
 
 The new file replaces the old one by a rename, so a process killed at any moment leaves one of the two. The
 zip format's own checksums are verified on loading.

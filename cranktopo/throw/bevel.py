@@ -142,7 +142,7 @@ class EndBevel(Feature):
 
 @dataclass(frozen=True)
 class _BevelTool(Body):
-    """What a bevel takes off at its face, over the whole width; `into` is +1 if the web lies toward +z."""
+    """Cut of a bevel at its face, over the whole width; `into` is +1 if the web lies toward +z."""
 
     arc: BevelArc
     face_mm: float

@@ -47,8 +47,9 @@ class FacePocket(Feature):
             check_cut(scene, body)
 
     @property
+    @abstractmethod
     def _edge(self) -> Circle | Polyline:
-        raise NotImplementedError
+        """Outline on the face."""
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:

@@ -1,4 +1,4 @@
-"""What every feature of a web can say about itself, and what it sees of the scene that holds it.
+"""Interface of the features of a web, and their view of the scene that holds them.
 
 A feature knows neither meshes nor cells nor pages: rooms above loop over features and ask. Scene and throw
 come later, being built from features.

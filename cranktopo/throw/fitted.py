@@ -84,7 +84,7 @@ class Region(Protocol):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What the constraints on a feature refer to; points (n, 2) are of the outline's right half."""
+    """Surroundings of a feature for its constraints; points (n, 2) are of the outline's right half."""
 
     scene: ThrowView
     limits: ManufacturingLimits

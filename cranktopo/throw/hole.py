@@ -1,4 +1,4 @@
-"""What pockets and bores take from the web: holes along the crank axis, slots from both sides, rules."""
+"""Holes along the crank axis, slots from both sides, and their rules."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Frustum, Solid
 
 BEYOND_MM = 1.0
-"""How far the tool of a sloped slot reaches beyond the outline, and a groove beyond both of its ends."""
+"""Reach of the tool of a sloped slot beyond the outline, and of a groove beyond both of its ends."""
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 

@@ -1,4 +1,4 @@
-"""How much of each cell a section across the crank axis fills, and what oil drillings take out of it.
+"""Fill of each cell by a section across the crank axis, less what oil drillings take out of it.
 
 The section's lateral intervals are exact; along the throw a quadrature goes over parts of a cell, which
 are halved where both halves differ from the whole. A drilling is void that no optimiser fills, its wall solid
@@ -138,7 +138,7 @@ def drill_cells(
 
 @dataclass(frozen=True)
 class _Slab:
-    """What lies between two heights in a layer of cells: share of their height, cells that are reached."""
+    """Part of a layer of cells between two heights: share of their height, cells that are reached."""
 
     z_mm: tuple[float, float]
     share: float

@@ -31,7 +31,7 @@ _SOLID = re.compile(rf"(=\s*MANIFOLD_SOLID_BREP\s*\(\s*){_TEXT}")
 
 @dataclass(frozen=True)
 class StepLabel:
-    """What a reader shows of a STEP file: its product and one solid, described in a line; written in UTC."""
+    """Labels that a reader shows of a STEP file: its product and one solid, in a line; written in UTC."""
 
     product: str
     description: str

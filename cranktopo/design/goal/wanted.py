@@ -195,14 +195,14 @@ def _written(scene: Scene, name: QuantityName) -> str:
 
 
 def _cannot_tell(scene: Scene, name: QuantityName) -> str:
-    """Why the scene does not give a quantity its size; empty where it does."""
+    """Tell why the scene does not give a quantity its size; empty where it does."""
     if not QUANTITIES[name].engine_load:
         return ""
     return _no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)
 
 
 def _no_load(scene: Scene, case: str) -> str:
-    """Why a load case carries a unit load; empty where the engine gives its size."""
+    """Tell why a load case carries a unit load; empty where the engine gives its size."""
     if scene.engine is None:
         return "needs an [engine]: without one the load is a unit load"
     key = "max_gas_force_N" if case == "bending" else "max_torque_Nm"

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +22,6 @@ from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_bala
 from cranktopo.engine.kinematics import acceleration_harmonics
 
 Complex = NDArray[np.complex128]
-_Kind = Literal["rotating", "oscillating"]
 ORDERS = (1, 2, 4, 6)
 """Orders of the oscillating masses; odd ones above 1 do not exist, those above 6 are below lam^7."""
 _NOTHING = 1e-12

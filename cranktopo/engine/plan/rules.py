@@ -49,7 +49,7 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
 
 
 def _wants_safety(goal: Goal | None) -> str:
-    """Why the goal needs the fatigue safety; empty when it does not."""
+    """Tell why the goal needs the fatigue safety; empty when it does not."""
     if goal is None:
         return ""
     limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]

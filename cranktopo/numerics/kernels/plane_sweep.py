@@ -45,7 +45,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Layer:
-    """What an operator couples in one go: the planes of every case.
+    """Planes of every case that an operator couples in one go.
 
     The addresses of the far plane must not be used where it is not `inside`.
     """

@@ -38,7 +38,7 @@ from cranktopo.tasks.extraction.cutter import (
 from cranktopo.tasks.extraction.isosurface import REFINE, FineField, blurred
 
 SLIVERS_MM = (1e-3, 1e-4, 1e-5, 0.0)
-"""How far taking out the slivers of a boolean may move the surface, from attempt to attempt."""
+"""Distances by which taking out the slivers of a boolean may move the surface, from attempt to attempt."""
 VOLUME_SHARE = 2.5e-3
 """Largest difference from the volume of the density by any way but the usual."""
 DISTANCE_CELLS = 1.0
@@ -94,7 +94,7 @@ class _SoundThrow:
 
 @dataclass(frozen=True)
 class _HalfThrowField:
-    """What a surface is extracted from; `iso` is that of the usual way, `target_mm3` by the density."""
+    """Source of a surface; `iso` is that of the usual way, `target_mm3` by the density."""
 
     cutter: Cutter
     field: FineField

@@ -15,7 +15,7 @@ _KEPT = 0.9
 
 @dataclass(frozen=True)
 class DesignUndercuts:
-    """What keeps a design from being made: closed hollows, and undercuts of a die that parts in x = 0."""
+    """Obstacles to making a design: closed hollows, and undercuts of a die that parts in x = 0."""
 
     name: str
     hollows: int

@@ -1,4 +1,4 @@
-"""What a mesh misses of the energy of condensed blocks: by its displacements, and by its shape.
+"""Energy of condensed blocks that a mesh misses: by its displacements, and by its shape.
 
 The hierarchical estimate (Bank and Smith, A posteriori error estimates based on hierarchical bases, SIAM J.
 Numer. Anal. 30, 1993): one cubic function per edge and one per face of the same mesh make the quadratic

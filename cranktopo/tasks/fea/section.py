@@ -102,7 +102,7 @@ def _figure(solved: Sequence[_Solved], number: int, scale: StressScale) -> Figur
 _LIMITS = {"crankcase": "#7a5195", "piston skirt": "#d1632a"}
 _BODIES = ("#1f6fb4", GREY)
 _FAR = 1.12
-"""How far it is drawn over the farthest point of the bodies."""
+"""Length that it is drawn over the farthest point of the bodies."""
 
 
 def _draw_clearance(

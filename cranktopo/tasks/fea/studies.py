@@ -72,7 +72,7 @@ SCHEMA_VERSION = 2
 
 @dataclass(frozen=True)
 class StoredStudy:
-    """What `accuracy --json` printed of a design; `slowdown`: how much slower the machine is now."""
+    """Study of a design as `accuracy --json` printed it; `slowdown`: of the machine since then."""
 
     design: str
     slowdown: float

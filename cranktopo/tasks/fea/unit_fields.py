@@ -172,7 +172,7 @@ UNIT_LOADS: dict[FieldKind, Callable[[LoadCase], float]] = {
     "torsion": lambda case: case.torque_Nm * NMM_PER_NM,
     "centrifugal": lambda case: angular_speed_rad_s(case.speed_rpm) ** 2,
 }
-"""How many unit loads of each field a load case holds."""
+"""Number of unit loads of each field in a load case."""
 
 
 @dataclass(frozen=True)

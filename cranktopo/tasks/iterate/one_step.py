@@ -46,7 +46,7 @@ WEB = "web_only.stl"
 HALF = "web"
 _X_AXIS = (1.0, 0.0, 0.0)
 _SIMPLIFY_MM = (2e-3, 4e-3, 1e-3, 8e-3)
-"""How far simplification may move the surface, from attempt to attempt."""
+"""Distances by which simplification may move the surface, from attempt to attempt."""
 
 
 class Solids(NamedTuple):

@@ -142,7 +142,7 @@ def _nearest(points: Array, x_mm: Array, y_mm: Array) -> tuple[Array, NDArray[np
 _STEP = 1e-6
 """Step of central differences of the half-width by its stations, mm."""
 _DEPTH = 4.0
-"""How far behind its arc the fillet's distance counts, over the radius; web and sector go on."""
+"""Depth behind its arc to which the fillet's distance counts, over the radius; web and sector go on."""
 FITS = "the flank of the counterweight holds its fillet"
 
 

@@ -36,7 +36,7 @@ _LEAST_RISE = 0.01
 _BEND_MARGIN = 0.99
 _RADIUS, _RISE = "least radius of the outline", "the outline does not fold back"
 NO_LENGTHS = _RADIUS, _RISE
-"""How the names of rules begin whose excess is no length."""
+"""Beginnings of the names of rules whose excess is no length."""
 
 
 def outline_rules(flank: Flank, scene: Scene, limits: ManufacturingLimits) -> list[Rule]:

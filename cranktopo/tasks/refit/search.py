@@ -119,7 +119,7 @@ _REACH = 15.0
 
 @dataclass(frozen=True)
 class FitProblem:
-    """What to match and to keep; `free` is the share of each cell, (nx, ny), that no bore takes."""
+    """Fill to match and rules to keep; `free` is the share of each cell, (nx, ny), that no bore takes."""
 
     target: VoxelFill
     free: Array

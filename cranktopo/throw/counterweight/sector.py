@@ -18,7 +18,7 @@ from cranktopo.throw.primitives import Arc, Extrusion, LineSegment, Point, Solid
 
 @dataclass(frozen=True)
 class CornerFillet(MirroredPrism):
-    """What lies between two arcs, from where they leave the flanks to where they reach the outline.
+    """Area between two arcs, from where they leave the flanks to where they reach the outline.
 
     Its inside lies in counterweight and web, with which it is one body. The circle is that of the right arc.
     """

@@ -52,7 +52,7 @@ class DrillingSecondEnd(DrillingEnd):
 
 @dataclass(frozen=True)
 class DrillOutlet:
-    """Where a drilling meets the surface of a journal or the wall of a bore.
+    """Meeting of a drilling with the surface of a journal or the wall of a bore.
 
     Attributes:
         point_mm: (x, y, z) where the axis meets the surface.

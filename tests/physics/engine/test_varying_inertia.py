@@ -23,6 +23,7 @@ from cranktopo.engine.vibration.torque_harmonics import (
     varying_share_percent,
 )
 from cranktopo.numerics.disk_chain import ComplexArray, DiskChain
+from tests.physics.engine.dissipation import dissipated_J
 
 SCENE = load_scene("mikron-iiic-plain")
 OWN, HELD, ORDERS = 0.002, 1e7, 40
@@ -123,7 +124,7 @@ def test_power_of_torques_and_varying_inertia_is_what_the_damping_takes() -> Non
     w = angular_speed_rad_s(3300.0)
     shaft, orders, torque, varying, twist = two_throws(3300.0)
     often = orders * w / (2 * math.pi)
-    taken = (often * shaft.chain.dissipated_J(orders * w, twist)).sum()
+    taken = (often * dissipated_J(shaft.chain, orders * w, twist)).sum()
     given = (often * np.pi * (torque * twist.conj()).imag.sum(axis=-1)).sum()
     angle = np.arange(1440) / 1440 * 4 * math.pi
     moving = twist[:, shaft.driven]
