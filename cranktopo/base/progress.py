@@ -24,7 +24,6 @@ class Work:
         check: called between parts; raises KeyboardInterrupt where Ctrl-C was pressed.
     """
 
-    info: Callable[[str], None] = lambda _: None
     kept: MutableMapping[str, Json] = field(default_factory=dict)
     check: Callable[[], None] = lambda: None
 

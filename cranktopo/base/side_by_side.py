@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from typing import Generic, TypeVar
 
 First = TypeVar("First")
@@ -24,7 +25,7 @@ class Ahead(Generic[First]):
         """Begin, unless it has begun."""
         if self._found is None:
             with_one = ThreadPoolExecutor(1)
-            self._found = with_one.submit(self._work)
+            self._found = with_one.submit(copy_context().run, self._work)
             with_one.shutdown(wait=False)
         return self._found
 
@@ -36,6 +37,6 @@ class Ahead(Generic[First]):
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
     """Return the results of two functions, computed in two threads; raises what one of them raises."""
     with ThreadPoolExecutor(1) as pool:
-        other = pool.submit(second)
+        other = pool.submit(copy_context().run, second)
         result = first()
         return result, other.result()

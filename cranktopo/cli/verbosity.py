@@ -14,10 +14,11 @@ import click
 
 _LEVEL = "cranktopo.verbosity"
 QUIET, NORMAL, VERBOSE = -1, 0, 1
+_LOGGED = {QUIET: logging.ERROR, NORMAL: logging.INFO, VERBOSE: logging.DEBUG}
 
 
 def verbosity_options(function: Any) -> Any:
-    """Add --quiet and --verbose to a long command; `info` and `detail` obey them."""
+    """Add --quiet and --verbose to a long command, whose notes go to stderr as they say."""
     options = (
         ("-v", "--verbose", VERBOSE, "More detail on stderr."),
         ("-q", "--quiet", QUIET, "No progress or notes on stderr; results and errors only."),
@@ -29,21 +30,31 @@ def verbosity_options(function: Any) -> Any:
 
     @wraps(function)
     def command(*arguments: Any, **options: Any) -> Any:
-        with _notes_silenced() if level() == QUIET else nullcontext():
+        with _notes_on_stderr():
             return function(*arguments, **options)
 
     return command
 
 
+class _Stderr(logging.Handler):
+    """Write a record as one line on stderr, above a progress bar where there is one."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        bars = sys.modules.get("tqdm")
+        with bars.tqdm.external_write_mode(file=sys.stderr) if bars else nullcontext():
+            click.echo(record.getMessage(), err=True)
+
+
 @contextmanager
-def _notes_silenced() -> Iterator[None]:
-    """Keep notes of the package's own off stderr: those that no `info` reaches."""
-    logger = logging.getLogger("cranktopo")
+def _notes_on_stderr() -> Iterator[None]:
+    logger, handler = logging.getLogger("cranktopo"), _Stderr()
     before = logger.level
-    logger.setLevel(logging.ERROR)
+    logger.addHandler(handler)
+    logger.setLevel(_LOGGED[level()])
     try:
         yield
     finally:
+        logger.removeHandler(handler)
         logger.setLevel(before)
 
 
@@ -51,18 +62,6 @@ def level() -> int:
     """Return the level that the running command was given."""
     context = click.get_current_context(silent=True)
     return NORMAL if context is None else int(context.meta.get(_LEVEL, NORMAL))
-
-
-def info(line: str) -> None:
-    """Write one line on stderr, unless the command is quiet."""
-    if level() > QUIET:
-        click.echo(line, err=True)
-
-
-def detail(line: str) -> None:
-    """Write one line on stderr where the command is verbose."""
-    if level() >= VERBOSE:
-        click.echo(line, err=True)
 
 
 def coloured(text: str, colour: str, err: bool = False) -> str:

@@ -12,6 +12,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import redirected
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -181,7 +182,7 @@ def test_a_run_without_a_remodel_gets_one_first(
     monkeypatch.setattr(shape, "optimise_shape", stop)
     target = web_target(str(run.path))
     scene = with_goal(target.design, minimise="mass")
-    with pytest.raises(AskedError) as asked:
-        shape.shape_design(scene, COARSE, tmp_path / "out", info=lines.append, begun=target.begun)
+    with pytest.raises(AskedError) as asked, redirected(lines.append):
+        shape.shape_design(scene, COARSE, tmp_path / "out", begun=target.begun)
     assert asked.value.args == (full_web()[1],)
     assert any("so it is made first" in line for line in lines)

@@ -21,6 +21,7 @@ import pytest
 from cranktopo import sweep
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import redirected
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.compare.stage import with_picks
 from tests import sweep_cases
@@ -64,7 +65,8 @@ def swept(scheduler: str, out: Path, **settings: Any) -> pd.DataFrame:
 def test_table_front_and_files(scheduler: str, tmp_path: Path, trace: Path) -> None:
     out, lines = tmp_path / "out", list[str]()
     vary = {WIDTH: [50, 52, 3], FILLET: [2.0, 2.5]}
-    frame = swept(scheduler, out, design="mikron-iiic-plain", vary=vary, info=lines.append)
+    with redirected(lines.append):
+        frame = swept(scheduler, out, design="mikron-iiic-plain", vary=vary)
     assert frame["status"].tolist() == ["done"] * 4 + ["impossible"] * 2
     assert frame["mass_kg"].tolist()[:4] == pytest.approx([50 / 30, 50 / 30, 52 / 30, 52 / 30])
     assert frame[FILLET].tolist() == [2.0, 2.5] * 3
@@ -232,8 +234,9 @@ def test_an_interrupted_sweep_says_how_to_go_on(scheduler: str, tmp_path: Path) 
             raise KeyboardInterrupt
 
     out = tmp_path / "out"
-    with pytest.raises(CranktopoError, match=f"cranktopo sweep --resume {out}") as raised:
-        swept(scheduler, out, vary={WIDTH: [50, 52]}, info=interrupted)
+    advice = f"cranktopo sweep --resume {out}"
+    with redirected(interrupted), pytest.raises(CranktopoError, match=advice) as raised:
+        swept(scheduler, out, vary={WIDTH: [50, 52]})
     assert raised.value.code == ExitCode.INTERRUPTED
     assert (
         sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)["status"].tolist() == ["done"] * 2
@@ -352,7 +355,7 @@ def test_a_real_scheduler_with_kills(tmp_path: Path, trace: Path, monkeypatch: p
     """
     monkeypatch.setenv(HELD, "2")
     vary, out, place = {WIDTH: "48:60:145", FILLET: [2.0, 2.5]}, tmp_path / "out", Cluster(tmp_path, 28786)
-    body = f"sweep(vary={vary}, out={str(out)!r}, scheduler={place.address!r}, function=empty, info=print)"
+    body = f"sweep(vary={vary}, out={str(out)!r}, scheduler={place.address!r}, function=empty)"
     place.keep_up()
     time.sleep(5.0)
     log = (tmp_path / "sweep.log").open("w")

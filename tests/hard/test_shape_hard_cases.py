@@ -82,10 +82,10 @@ def stated(goal: Goal, model: WebModel) -> SearchGoal:
     return search_goal_of(goal, model.original, model.original, model.model.cases)
 
 
-def growth(model: WebModel, goal: Goal, told: list[str]) -> FeatureSelection:
+def growth(model: WebModel, goal: Goal) -> FeatureSelection:
     """On cells that err in nothing, so that they stand for the elements as well."""
     both = stated(goal, model)
-    return FeatureSelection(model, model.webs(), (both, both), model.original, Work(told.append))
+    return FeatureSelection(model, model.webs(), (both, both), model.original, Work())
 
 
 @pytest.mark.parametrize("name", STARTS)
@@ -123,7 +123,7 @@ def test_limits_that_no_web_meets_name_what_the_nearest_reaches(
     """Each feature is tried by a few webs: which of them is the nearest is not the subject."""
     monkeypatch.setattr("cranktopo.tasks.shape.feature_selection.EVALUATIONS", 4)
     goal, asked = GOALS[name]
-    growing = growth(model, goal, [])
+    growing = growth(model, goal)
     start = outline_start(mikron, usual_limits(mikron))
     with pytest.raises(CranktopoError) as error:
         growing.select(growing.first(Layout(7), start))
@@ -144,7 +144,7 @@ def test_an_envelope_that_holds_no_web_names_the_rule(mikron: Scene) -> None:
     with double_precision():
         cells = web_model(narrow, usual_limits(narrow), 12.0)
     limits = ManufacturingLimits(min_wall_mm=14.0)
-    growing = growth(replace(cells, limits=limits), LIGHT, [])
+    growing = growth(replace(cells, limits=limits), LIGHT)
     with pytest.raises(CranktopoError, match=f"'{ENVELOPE}' is broken by [0-9.]+ mm") as error:
         growing.first(Layout(7), outline_start(narrow, limits))
     assert error.value.code == ExitCode.CRITERION_NOT_MET

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.errors import ExitCode
+from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, seconds
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.tasks.fea.studies import StudyResult
@@ -52,11 +53,11 @@ def command(design: str, budget_s: float, journals: str | None, out: Path | None
     """
     from cranktopo.tasks.accuracy.stage import study_accuracy
 
-    found = study_accuracy(design, budget_s, out, journals, info)
+    found = study_accuracy(design, budget_s, out, journals)
     shown = found.result.model_copy(update={"files": found.files})
     click.echo(json.dumps(shown.as_json()) if as_json else _text(found.result))
     for path in (*found.files.values(), *([str(found.kept)] if found.kept else [])):
-        info(path)
+        note(path)
     return ExitCode.INTERRUPTED if found.result.interrupted else ExitCode.DONE
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
+from cranktopo.base.notes import silent
 from cranktopo.bodies.cells.domain import laterally_symmetric
 from cranktopo.bodies.memory import (
     WALL_CELLS,
@@ -169,7 +170,10 @@ def _solve(scene: Scene, model: OptimiserModel) -> Level:
     with tempfile.TemporaryDirectory() as folder:
         found = optimise_once(scene, model, Path(folder))
         seconds, peak = time.perf_counter() - began, peak_memory_MiB()
-        shape = found.target and evaluate(found.target, default_element_size_mm(found.target.scene) * RATIO)
+        with silent():
+            shape = found.target and evaluate(
+                found.target, default_element_size_mm(found.target.scene) * RATIO
+            )
     return Level(
         study=OPTIMISER,
         name=model.name,

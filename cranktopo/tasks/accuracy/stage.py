@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -156,7 +156,6 @@ def study_accuracy(
     budget_s: float = BUDGET_S,
     out: Path | None = None,
     design: str | None = None,
-    info: Callable[[str], None] = lambda _: None,
 ) -> AccuracyStudy:
     """Return error against seconds, from cheap levels to exact ones, until the time is used or Ctrl-C.
 
@@ -168,8 +167,8 @@ def study_accuracy(
     resolved = resolve_target(target, design, whole=True) if isinstance(target, str) else target
     folder = out or _folder(resolved)
     check_folder(folder)
-    print_assumed([resolved], EVALUATED, info)
-    result = pareto_front(run_studies(resolved, budget_s, info))
+    print_assumed([resolved], EVALUATED)
+    result = pareto_front(run_studies(resolved, budget_s))
     kept = store_study(key_of(resolved), result)
     result = result.model_copy(update={"assumed": list(filter_by_table(resolved.assumed, EVALUATED))})
     return AccuracyStudy(result, _write(result, folder), kept)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
+from cranktopo.base.notes import note
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.tetrahedra.stress import von_mises
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.levels import evaluation_levels
 from cranktopo.tasks.fea.studies import (
     EVALUATION,
@@ -108,7 +108,7 @@ def planned_studies(target: Target) -> dict[StudyName, list[PlannedLevel]]:
     return {name: levels for name, levels in found.items() if levels}
 
 
-def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None) -> Study:
+def run_studies(target: Target, budget_s: float) -> Study:
     """Solve level after level within a wall time; Ctrl-C ends it early and keeps what is done."""
     began = time.perf_counter()
     machine = this_machine()
@@ -120,7 +120,7 @@ def run_studies(target: Target, budget_s: float, progress: Info = lambda _: None
 
     def run(name: StudyName, planned: Sequence[PlannedLevel], share: float) -> None:
         def announce(text: str) -> None:
-            progress(f"{spent_s():.0f} of {budget_s:g} s: {TITLES[name]}, {text}")
+            note(f"{spent_s():.0f} of {budget_s:g} s: {TITLES[name]}, {text}")
 
         if spent_s() < budget_s:
             for found in _solved(planned, share * (budget_s - spent_s()), announce):
@@ -144,7 +144,9 @@ def _left_out(target: Target) -> list[str]:
     return [f"{TITLES[OPTIMISER]}: models half of a throw, and {key} makes its halves differ"] if key else []
 
 
-def _solved(planned: Sequence[PlannedLevel], allowed_s: float, announce: Info) -> Iterator[Level | str]:
+def _solved(
+    planned: Sequence[PlannedLevel], allowed_s: float, announce: Callable[[str], None]
+) -> Iterator[Level | str]:
     """Solved levels, or why one failed, until the next would not fit; the first is always tried."""
     start, rate = time.perf_counter(), None
     for number, level in enumerate(planned):

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import click
 
+from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command(name="balance")
@@ -47,8 +48,8 @@ def command(design: str, as_json: bool, page: Path | None) -> None:
     balance = engine_balance(scene)
     if page is not None:
         report_balance(balance, page)
-        info(f"report: {page}")
+        note(f"report: {page}")
     data = balance_result(balance)
     click.echo(json.dumps(data.as_json(), indent=2) if as_json else balance_text(data))
     if data.assumed and not as_json:
-        info(assumed_text(data.assumed))
+        note(assumed_text(data.assumed))

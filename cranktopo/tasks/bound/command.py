@@ -19,7 +19,7 @@ from cranktopo.cli.options import (
     web_option,
     with_goal_options,
 )
-from cranktopo.cli.verbosity import detail, info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
@@ -57,6 +57,6 @@ def command(
     if scene.goal is None and minimise is None and maximise is None:
         minimise = "mass"
     scene = with_goal_options(scene, minimise, maximise, limits)
-    found = bound_of(scene, resolution_mm, info, detail)
+    found = bound_of(scene, resolution_mm)
     click.echo(json.dumps(found.as_json()) if as_json else bound_summary(found))
     return ExitCode.DONE if found.bound.possible else ExitCode.CRITERION_NOT_MET

@@ -9,7 +9,7 @@ mass: optimality criteria).
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jax
@@ -18,6 +18,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import detail
 from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
@@ -94,7 +95,6 @@ def next_densities(
     return densities(weights)[0], weights
 
 
-_Progress = Callable[[str], None]
 _STEPS = 40
 _TOLERANCE = 1e-2
 """Relative residual of the solves: loose, as the proof asks for any displacements."""
@@ -191,9 +191,7 @@ class Bound:
         return None if self.value is None else 100 * self.value / self.original
 
 
-def prove(
-    model: BoundModel, goal: Goal, progress: _Progress = lambda _: None, start: Array | None = None
-) -> Bound:
+def prove(model: BoundModel, goal: Goal, start: Array | None = None) -> Bound:
     """Return the bound of a goal, from densities (nx, ny, nw) or uniform ones; inside `double_precision()`.
 
     Raises:
@@ -204,7 +202,7 @@ def prove(
     while not search.settled:
         search.step()
         reached = problem.goal_value(search.values[-1], original)
-        progress(f"step {len(search.values)}: {goal.quantity} {reached:.5g} with cells of any stiffness")
+        detail(f"step {len(search.values)}: {goal.quantity} {reached:.5g} with cells of any stiffness")
     certificate = search.certificate()
     if certificate.value <= 0 and goal.sense == "maximise":
         raise CranktopoError(

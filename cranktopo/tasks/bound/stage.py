@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
 from cranktopo.bodies.cells.domain import laterally_symmetric
 from cranktopo.bodies.memory import available_memory_MiB, check_resolution
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
@@ -37,7 +38,6 @@ from cranktopo.tasks.density.manufacturing import is_manufactured
 from cranktopo.tasks.density.problem import model_error_percent
 from cranktopo.tasks.refit.family import free_dimensions
 
-Info = Callable[[str], None]
 Cells = Callable[[], BoundModel]
 _CASES = 2
 _FINE = 8
@@ -50,8 +50,6 @@ _MASSES, _BEYOND = 9, 0.08
 def bound_of(
     scene: Scene,
     resolution_mm: float | None = None,
-    info: Info = lambda _: None,
-    detail: Info = lambda _: None,
 ) -> BoundResult:
     """Prove what no web of a scene's envelope can beat; cells are by default the scene's own.
 
@@ -59,7 +57,7 @@ def bound_of(
         CranktopoError: no goal, one about which nothing can be proven, no envelope, or a failed solve.
     """
     goal, assumed = require_goal(scene, "bound", "torsion"), assumptions(scene, _TABLES)
-    info(assumed_text(assumed))
+    note(assumed_text(assumed))
     cell_mm = resolution_mm or scene.optimise.resolution_mm
     check_resolution(scene, cell_mm, laterally_symmetric(scene, "envelope"), _CASES, available_memory_MiB())
     with double_precision():
@@ -69,8 +67,8 @@ def bound_of(
             coarse = bound_model(scene, 2 * cell_mm, goal)
             start = densities_on_cells(coarse, prove(coarse, goal).density, model)
         nx, ny, nz = model.domain.grid.cells
-        info(f"{scene.name}: {nx} x {ny} x {nz} cells, {int((model.webs.design > 0).sum())} to fill")
-        return _result(model, prove(model, goal, detail, start), assumed_json(assumed))
+        note(f"{scene.name}: {nx} x {ny} x {nz} cells, {int((model.webs.design > 0).sum())} to fill")
+        return _result(model, prove(model, goal, start), assumed_json(assumed))
 
 
 def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> BoundResult:
@@ -105,26 +103,26 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
     )
 
 
-def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float, info: Info) -> BoundStatement | NoBound:
+def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float) -> BoundStatement | NoBound:
     """Prove the entry `bound` of shape.json but for what was reached; call inside `double_precision()`."""
     if free_dimensions(scene):
         why = "dimensions of the throw are free, and the bound is about webs between its journals"
         return NoBound(none=why)
     try:
-        model = _model(scene, goal, cell_mm, info)
+        model = _model(scene, goal, cell_mm)
         return _statement(model, prove(model, goal))
     except CranktopoError as error:
         return NoBound(none=error.message)
 
 
-def model_for_result(scene: Scene, goal: Goal | None, info: Info) -> BoundModel:
+def model_for_result(scene: Scene, goal: Goal | None) -> BoundModel:
     """Build the cells that `bounds_for_result` computes on; the web itself need not be known."""
     with double_precision():
-        return _model(scene, goal, bound_cell_mm(scene), info)
+        return _model(scene, goal, bound_cell_mm(scene))
 
 
 def bounds_for_result(
-    scene: Scene, reached: Mapping[str, float], goal: Goal | None, info: Info, cells: Cells | None = None
+    scene: Scene, reached: Mapping[str, float], goal: Goal | None, cells: Cells | None = None
 ) -> BoundStatements | NoBound:
     """Prove the same beside a web whose goal may be no more than stiffness: statements, curves over the mass.
 
@@ -134,7 +132,7 @@ def bounds_for_result(
         cells: gives those of `model_for_result`, where they have been made before.
     """
     try:
-        model = cells() if cells else model_for_result(scene, goal, info)
+        model = cells() if cells else model_for_result(scene, goal)
         with double_precision():
             return _bounds(model, reached, goal)
     except CranktopoError as error:
@@ -182,8 +180,8 @@ def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) 
     )
 
 
-def _model(scene: Scene, goal: Goal | None, cell_mm: float, info: Info) -> BoundModel:
-    info(f"bound: what no web of the envelope can beat, on cells of {cell_mm:.3g} mm")
+def _model(scene: Scene, goal: Goal | None, cell_mm: float) -> BoundModel:
+    note(f"bound: what no web of the envelope can beat, on cells of {cell_mm:.3g} mm")
     return bound_model(scene.with_optimise(process="free", draft_deg=0.0), cell_mm, goal)
 
 

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.formats import PLOTS
+from cranktopo.base.notes import note
 from cranktopo.cli.options import Choice, bound_option, designs, mesh_options
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
 
@@ -93,17 +94,17 @@ def command(
     from cranktopo.tasks.fea.stage import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, wanted, method, design, info, align)
+    found = compare_targets(targets, baseline, wanted, method, design, align)
     click.echo(_text(found.comparison, "json" if as_json else form))
-    bound = None if no_bound or (plot or page) is None else comparison_bound(found, info)
+    bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:
         from cranktopo.tasks.compare.page import plot_stiffness_over_mass
 
         plot_stiffness_over_mass(found.comparison, plot, bound)
-        info(f"plot: {plot}")
+        note(f"plot: {plot}")
     if page is not None:
-        report_comparison(found, page, ["cranktopo", *sys.argv[1:]], info if stress else None, bound)
-        info(f"report: {page}")
+        report_comparison(found, page, ["cranktopo", *sys.argv[1:]], stress, bound)
+        note(f"report: {page}")
     warn_missed(found.missed, accuracy)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
@@ -30,7 +31,6 @@ from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
@@ -96,7 +96,6 @@ def compare_targets(
     wanted: MeshRequest | None = None,
     fatigue: FatigueMethod | None = None,
     design: str | None = None,
-    info: Info = lambda _: None,
     align: bool = False,
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
@@ -118,8 +117,8 @@ def compare_targets(
     safety = None
     if fatigue is not None:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        safety = assess_fatigue(filleted, fatigue, baseline=index, info=info).compared()
-    found = evaluate_targets(targets, wanted, info)
+        safety = assess_fatigue(filleted, fatigue, baseline=index).compared()
+    found = evaluate_targets(targets, wanted)
     published = [None if target.file else target.scene.published for target in targets]
     safeties = iter(safety.safeties if safety else ())
     entries = [
@@ -149,7 +148,7 @@ def _values(target: Target, entry: Entry) -> dict[str, float]:
     )
 
 
-def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> AnyBound | None:
+def comparison_bound(found: ComparedTargets) -> AnyBound | None:
     """Return what no web of the envelope can beat, beside the web that is stiffest in torsion per mass.
 
     None where the baseline is no design with an envelope, the targets have other throws or envelopes, the
@@ -163,32 +162,34 @@ def comparison_bound(found: ComparedTargets, info: Info = lambda _: None) -> Any
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
-    return bounds_for_result(scene, reached, None, info)
+    return bounds_for_result(scene, reached, None)
 
 
 def report_comparison(
     found: ComparedTargets,
     path: Path,
     command: Sequence[str] = (),
-    stress_progress: Info | None = None,
+    stresses: bool = False,
     bound: AnyBound | None = None,
 ) -> None:
     """Write the page of a comparison as HTML or Markdown, with the `bound` drawn over the mass.
 
-    With `stress_progress` all are solved for the baseline's load cases, unless the halves of one differ.
+    With `stresses` all are solved for the baseline's load cases, unless the halves of one differ.
     """
     check_report_path(path)
     scene = found.targets[found.comparison.baseline].scene
     effects = plan(scene)
     cases = load_cases(scene, effects.enabled)
     lonely = [target.name for target in found.targets if difference(target.scene)]
-    if stress_progress is not None and lonely:
-        stress_progress(f"no stresses: the halves of {', '.join(lonely)} differ")
-        stress_progress = None
+    if stresses and lonely:
+        note(f"no stresses: the halves of {', '.join(lonely)} differ")
     shown = [half for target in found.targets for half in half_throws(target)]
     record = ComparisonRecord(
         comparison=found.comparison,
-        bodies=tuple(_body(half, mesh, partner, cases, stress_progress) for half, mesh, partner in shown),
+        bodies=tuple(
+            _body(half, mesh, partner, cases if stresses and not lonely else ())
+            for half, mesh, partner in shown
+        ),
         undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
         effects=effects,
         cases=cases,
@@ -220,10 +221,8 @@ def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> Design
     return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene, step_mm))
 
 
-def _body(
-    target: Target, mesh: SurfaceMesh, partner: int, cases: Sequence[LoadCase], stress_progress: Info | None
-) -> ShownBody:
-    stress = case_stress(target, cases, progress=stress_progress) if stress_progress else None
+def _body(target: Target, mesh: SurfaceMesh, partner: int, cases: Sequence[LoadCase]) -> ShownBody:
+    stress = case_stress(target, cases) if cases else None
     return ShownBody(target.name, mesh, target.scene.web_z_mm, target.scene.pitch_mm / 2, stress, partner)
 
 

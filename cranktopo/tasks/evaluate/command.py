@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.errors import ExitCode
+from cranktopo.base.notes import detail
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, web_option
-from cranktopo.cli.verbosity import detail, info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
@@ -60,9 +61,9 @@ def command(
     if sensitivities:  # only these need the search of dimensions
         from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
 
-        worth = [evaluate_sensitivities(text, element_size_mm, info, web) for text in texts]
+        worth = [evaluate_sensitivities(text, element_size_mm, web) for text in texts]
     resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
-    found = evaluate_targets(resolved, wanted, info)
+    found = evaluate_targets(resolved, wanted)
     for evaluation in found.evaluations:
         fine = evaluation.fine
         detail(

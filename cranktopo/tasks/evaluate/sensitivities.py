@@ -8,6 +8,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json
+from cranktopo.base.notes import note
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.design.free_dimensions import own_dimension_mm
 from cranktopo.design.halves import default_element_size_mm
@@ -18,7 +19,6 @@ from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.kind import LOOP, SHAPE, kind_of
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.tasks.fatigue.safety_field import check_inputs
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.result import Settings
 from cranktopo.tasks.refit.family import free_dimensions, with_free
@@ -62,7 +62,7 @@ class Sensitivities:
 
 
 def evaluate_sensitivities(
-    target: str, element_size_mm: float | None = None, info: Info = lambda _: None, web: WebName | None = None
+    target: str, element_size_mm: float | None = None, web: WebName | None = None
 ) -> Sensitivities:
     """Return what a millimetre of each dimension of a parametric web is worth, by exact gradients.
 
@@ -79,12 +79,12 @@ def evaluate_sensitivities(
     planned = planned_scene(scene, _FILLETS)
     size = element_size_mm or _COARSER * default_element_size_mm(planned)
     check_element_size(planned, size)
-    info(f"{scene.name}: gradients of {len(values)} dimensions on elements of {size:.3g} mm")
-    webs = MeshedWebs(planned, limits, size, _fraction(planned, info))
+    note(f"{scene.name}: gradients of {len(values)} dimensions on elements of {size:.3g} mm")
+    webs = MeshedWebs(planned, limits, size, _fraction(planned))
     parametric = webs.web(layout)
     rules = rules_at(planned, parametric, values)
     if rules.violated:
-        info(f"{scene.name}: keeps these rules not: {'; '.join(rules.violated)}")
+        note(f"{scene.name}: keeps these rules not: {'; '.join(rules.violated)}")
     responses = webs.responses(parametric, values)
     holders = active_constraints(planned, parametric, values, rules)
     worth = dimension_sensitivities(parametric, values, responses, responses.values, holders)
@@ -119,10 +119,10 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     return ManufacturingLimits(**options[SHAPE]["limits"])
 
 
-def _fraction(scene: Scene, info: Info) -> float | None:
+def _fraction(scene: Scene) -> float | None:
     try:
         check_inputs(Target(scene.name, scene), "lsa", "extremes")
     except CranktopoError as error:
-        info(f"{scene.name}: no fatigue safety in the table: {error}")
+        note(f"{scene.name}: no fatigue safety in the table: {error}")
         return None
     return _FILLET_FRACTION

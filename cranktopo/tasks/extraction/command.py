@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.formats import SURFACES, SurfaceFormat
+from cranktopo.base.notes import detail
 from cranktopo.cli.options import Choice, runs
-from cranktopo.cli.verbosity import detail, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.tasks.extraction.result import Extraction

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, Choice, Number, body_options, designs
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
@@ -92,10 +93,10 @@ def command(
     if report is not None:
         check_dossier(method, len(names), report)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
-    found = assess_fatigue(names, method, loads, index, fraction, out, info, design, align)
+    found = assess_fatigue(names, method, loads, index, fraction, out, design, align)
     if report is not None:
         write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
-        info(str(report))
+        note(str(report))
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import drilled_alike, halves
 from cranktopo.design.schema import Scene
@@ -29,7 +30,6 @@ from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 
 
@@ -79,7 +79,6 @@ def check_rule(
     target: Target,
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
-    progress: Info = lambda _: None,
 ) -> tuple[RuleCheck, ...]:
     """Check a throw against the rule: once, or each of two different webs.
 
@@ -94,7 +93,7 @@ def check_rule(
     sides = [("first web", near, share), ("second web", far, 1 - share)]
     if near is far:
         sides = [("", near, 0.5)]
-    found = [_check(target, *side, kind, fillet_fraction, progress) for side in sides]
+    found = [_check(target, *side, kind, fillet_fraction) for side in sides]
     throw_kg = sum(check.throw_kg for check in found) / len(found)
     return tuple(replace(check, throw_kg=throw_kg) for check in found)
 
@@ -106,7 +105,6 @@ def _check(
     share: float,
     kind: HistoryKind,
     fillet_fraction: float,
-    progress: Info,
 ) -> RuleCheck:
     """Check one web, under the loads of the target's throw.
 
@@ -124,7 +122,7 @@ def _check(
     size = dimensions(scene)
     moment = force * share * web_lever_mm(scene)
     nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
-    progress(f"{target.name}: four-point bending, three-point bending and torsion")
+    note(f"{target.name}: four-point bending, three-point bending and torsion")
     model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
     scf_rule, scf_fem = concentration_factors(size), element_factors(model)
     return RuleCheck(

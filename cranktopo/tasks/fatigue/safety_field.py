@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
@@ -21,7 +22,6 @@ from cranktopo.tasks.fatigue.fillets import place
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_range
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
@@ -111,7 +111,6 @@ def fatigue_field(
     method: str,
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
-    progress: Info = lambda _: None,
 ) -> FatigueField:
     """Fatigue safety of a throw by a method of local stresses.
 
@@ -121,7 +120,7 @@ def fatigue_field(
     check_method(target.scene, method)
     enabled, kinds = load_kinds(target.scene, kind)
     history = load_history(target.scene, kind, enabled)
-    progress(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
+    note(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
     return safety_field(solve_stresses(target, kinds, fillet_fraction), method, history)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json
+from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.runs.destination import check_folder
@@ -31,7 +32,6 @@ from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fat
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import USED, Target, resolve_targets
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
@@ -109,7 +109,6 @@ def assess_fatigue(
     baseline: int | None = None,
     fillet_fraction: float = RULE_FRACTION,
     out: Path | None = None,
-    info: Info = lambda _: None,
     design: str | None = None,
     align: bool = False,
 ) -> FatigueAssessment:
@@ -121,7 +120,6 @@ def assess_fatigue(
         baseline: position of the target that counts as 100 %.
         fillet_fraction: element size in a fillet over its radius.
         out: folder for fatigue.json, and VTU and picture of each target.
-        info: called with lines of progress, and with notes about the mesh.
         design: design for the journals, loads and material of STEP targets.
         align: move STEP bodies that lie elsewhere to where the journals are.
 
@@ -135,24 +133,24 @@ def assess_fatigue(
     resolved = given or resolve_targets(typed, design, fillets=True, align=align, whole=True)
     for target in resolved:
         check_inputs(target, method, loads)
-    print_assumed(resolved, USED, info)
+    print_assumed(resolved, USED)
     for target in resolved:
         if target.scene.fatigue.treatment:
-            info(f"{target.name}: {target.scene.fatigue.treatment}")
-    resolved = [with_throw_stiffness(target, info) for target in resolved]
+            note(f"{target.name}: {target.scene.fatigue.treatment}")
+    resolved = [with_throw_stiffness(target) for target in resolved]
     assumed = tuple(filter_by_table(target.assumed, USED) for target in resolved)
     if method == "m53":
-        return _by_rule(resolved, loads, baseline, fillet_fraction, assumed, info)
+        return _by_rule(resolved, loads, baseline, fillet_fraction, assumed)
     fields = []
     for target in resolved:
-        field = fatigue_field(target, method, loads, fillet_fraction, info)
+        field = fatigue_field(target, method, loads, fillet_fraction)
         fields.append(field)
-        _note_quality(field, info)
+        _note_quality(field)
         if field.web_safety:
             told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
-            info(f"{target.name}: least safety of the fillets: {told}")
+            note(f"{target.name}: least safety of the fillets: {told}")
         if out is not None:
-            _write_field(out, field, info)
+            _write_field(out, field)
     found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed, tuple(resolved))
     if out is not None:
         write_json(out / "fatigue.json", found.as_json())
@@ -165,10 +163,9 @@ def _by_rule(
     baseline: int | None,
     fillet_fraction: float,
     assumed: Sequence[tuple[Assumption, ...]],
-    info: Info,
 ) -> FatigueAssessment:
     """Checks of all targets; one with two different webs has two, and as the baseline it is its worse web."""
-    found = [check_rule(target, loads, fillet_fraction, info) for target in targets]
+    found = [check_rule(target, loads, fillet_fraction) for target in targets]
     if baseline is not None:
         before, own = sum(map(len, found[:baseline])), found[baseline]
         baseline = before + min(range(len(own)), key=lambda web: own[web].safety)
@@ -263,18 +260,18 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
     check_folder(out)
 
 
-def _note_quality(field: FatigueField, info: Info) -> None:
+def _note_quality(field: FatigueField) -> None:
     quality = field.model.quality
     if not quality.within_limits:
-        info(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
+        note(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
     if field.elsewhere.safety < field.critical.safety:
-        info(
+        note(
             f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "
             f"{field.elsewhere.place}; sharp edges there make it depend on the mesh."
         )
 
 
-def _write_field(out: Path, field: FatigueField, info: Info) -> None:
+def _write_field(out: Path, field: FatigueField) -> None:
     out.mkdir(parents=True, exist_ok=True)
     writers: tuple[tuple[str, Callable[[Path, FatigueField], None]], ...] = (
         (".vtu", write_fatigue_vtu),
@@ -283,4 +280,4 @@ def _write_field(out: Path, field: FatigueField, info: Info) -> None:
     for suffix, write in writers:
         path = out / f"fatigue-{field.method}-{field.model.name}{suffix}"
         write(path, field)
-        info(str(path))
+        note(str(path))

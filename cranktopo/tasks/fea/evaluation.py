@@ -9,6 +9,7 @@ from functools import partial
 from typing import TypeVar
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
 from cranktopo.bodies.memory import check_element_size
@@ -51,7 +52,6 @@ _VOLUME_TOLERANCE = 0.02
 _TORSION: tuple[TorsionSupport, ...] = ("free", "held", "spring")
 _BENDING: tuple[BendingSupport, ...] = ("pinned", "clamped", "spring")
 
-Info = Callable[[str], None]
 _ByName = dict[str, float | None]
 Support = TypeVar("Support", bound=str)
 
@@ -164,9 +164,7 @@ class MeshResult:
         return self.stiffness.mesh_seconds + self.stiffness.solve_seconds
 
 
-def evaluate(
-    target: Target, element_size_mm: float | None = None, progress: Info = lambda _: None
-) -> Evaluation:
+def evaluate(target: Target, element_size_mm: float | None = None) -> Evaluation:
     """Evaluate a target on a mesh of the given size.
 
     Triangles are remeshed, which moves their surface: a mesh 1.5 times coarser tells how much that matters.
@@ -176,8 +174,8 @@ def evaluate(
     """
     size = element_size_mm or default_element_size_mm(target.scene)
     check_element_size(target.scene, size)
-    coarse = evaluate_on_mesh(target, size * RATIO, progress=progress) if target.triangles else None
-    fine = evaluate_on_mesh(target, size, progress=progress)
+    coarse = evaluate_on_mesh(target, size * RATIO) if target.triangles else None
+    fine = evaluate_on_mesh(target, size)
     return evaluation(fine, coarse, fine.seconds + (coarse.seconds if coarse else 0.0))
 
 
@@ -187,7 +185,6 @@ def evaluate_on_mesh(
     *,
     graded: bool = True,
     order: Order = 2,
-    progress: Info = lambda _: None,
 ) -> MeshResult:
     """Return a target on one mesh; `graded` refines at fillets and sharp rings, and always in surface files.
 
@@ -195,11 +192,11 @@ def evaluate_on_mesh(
         CranktopoError: impossible geometry or a failed solve.
     """
     check_element_size(target.scene, element_size_mm)
-    progress(f"{target.name}: element size {element_size_mm:.3g} mm")
+    note(f"{target.name}: element size {element_size_mm:.3g} mm")
     start = time.perf_counter()
     meshed = mesh_target(target, element_size_mm, graded)
     if meshed.note:
-        progress(f"{target.name}: {meshed.note}")
+        note(f"{target.name}: {meshed.note}")
     seconds = time.perf_counter() - start
     return MeshResult(
         target, meshed, condensed_stiffness(meshed, target.scene, element_size_mm, seconds, order), graded

@@ -6,9 +6,10 @@ import time
 from dataclasses import dataclass
 
 from cranktopo.base.machine import forget_peak_memory, peak_memory_MiB
+from cranktopo.base.notes import silent
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.numerics.tetrahedra.elasticity import Order
-from cranktopo.tasks.fea.evaluation import RATIO, Evaluation, Info, MeshResult, evaluate_on_mesh, evaluation
+from cranktopo.tasks.fea.evaluation import RATIO, Evaluation, MeshResult, evaluate_on_mesh, evaluation
 from cranktopo.tasks.fea.studies import (
     BENDING,
     EVALUATION,
@@ -82,7 +83,8 @@ def evaluation_levels(target: Target) -> list[PlannedLevel]:
 
 def _solve(target: Target, mesh: EvaluationMesh) -> Level:
     forget_peak_memory()
-    found = evaluate_on_mesh(target, mesh.size_mm(target), graded=mesh.graded, order=mesh.order)
+    with silent():
+        found = evaluate_on_mesh(target, mesh.size_mm(target), graded=mesh.graded, order=mesh.order)
     size = found.stiffness.element_size_mm
     settings = {"element_size_mm": size, "steps": mesh.steps, "graded": mesh.graded, "order": mesh.order}
     return Level(
@@ -123,7 +125,7 @@ class ErrorTarget:
 
 
 def evaluate_to(
-    target: Target, wanted: ErrorTarget, measured: StoredStudy | None = None, progress: Info = lambda _: None
+    target: Target, wanted: ErrorTarget, measured: StoredStudy | None = None
 ) -> tuple[Evaluation, bool]:
     """Return the last evaluation on ever finer meshes, and whether it has the accuracy.
 
@@ -142,7 +144,7 @@ def evaluate_to(
             break
         for mesh in todo:
             size = mesh.size_mm(target)
-            solved[mesh] = evaluate_on_mesh(target, size, graded=mesh.graded, progress=progress)
+            solved[mesh] = evaluate_on_mesh(target, size, graded=mesh.graded)
         coarse = solved[meshes[0]] if target.triangles else None
         found = evaluation(solved[fine], coarse, time.perf_counter() - began)
         if wanted.percent is not None and found.error_percent <= wanted.percent:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
-from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
+from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.studies import EVALUATION, key_of, load_study
 from cranktopo.tasks.fea.targets import Target, resolve_target
@@ -42,50 +43,44 @@ class Evaluations:
     missed: tuple[str, ...] = ()
 
 
-def evaluate_target(
-    target: Target | str, wanted: MeshRequest | None = None, info: Info = lambda _: None
-) -> Evaluation:
+def evaluate_target(target: Target | str, wanted: MeshRequest | None = None) -> Evaluation:
     """Return the evaluation of one target, given as such or as the user types it (a design, a run).
 
     Raises:
         CranktopoError: no such target, no valid mesh, or a failed solve.
     """
     resolved = resolve_target(target) if isinstance(target, str) else target
-    return evaluate_targets([resolved], wanted, info).evaluations[0]
+    return evaluate_targets([resolved], wanted).evaluations[0]
 
 
-def evaluate_targets(
-    targets: Sequence[Target], wanted: MeshRequest | None = None, info: Info = lambda _: None
-) -> Evaluations:
-    """Evaluate targets one after the other; `info` is called with lines of progress.
+def evaluate_targets(targets: Sequence[Target], wanted: MeshRequest | None = None) -> Evaluations:
+    """Evaluate targets one after the other.
 
     Raises:
         CranktopoError: no valid mesh, or a failed solve.
     """
     evaluations, missed = [], []
-    print_assumed(targets, EVALUATED, info)
+    print_assumed(targets, EVALUATED)
     for target in targets:
-        evaluation, reached = _evaluate(target, wanted or MeshRequest(), info)
+        evaluation, reached = _evaluate(target, wanted or MeshRequest())
         evaluations.append(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]
     return Evaluations(tuple(evaluations), tuple(missed))
 
 
-def print_assumed(targets: Sequence[Target], tables: Sequence[str], info: Info) -> None:
+def print_assumed(targets: Sequence[Target], tables: Sequence[str]) -> None:
     """Print one line per target of what it does not say and a command uses of these tables of its scene."""
     for target in targets:
         found = filter_by_table(target.assumed, tables)
         if found:
-            info(f"{target.name}: {assumed_text(found)}")
+            note(f"{target.name}: {assumed_text(found)}")
 
 
-def _evaluate(target: Target, wanted: MeshRequest, info: Info) -> tuple[Evaluation, bool]:
+def _evaluate(target: Target, wanted: MeshRequest) -> tuple[Evaluation, bool]:
     if wanted.accuracy_percent is None and wanted.budget_s is None:
-        return evaluate(target, wanted.element_size_mm, info), True
+        return evaluate(target, wanted.element_size_mm), True
     measured = load_study(key_of(target), EVALUATION)
-    found, reached = evaluate_to(
-        target, ErrorTarget(wanted.accuracy_percent, wanted.budget_s), measured, info
-    )
+    found, reached = evaluate_to(target, ErrorTarget(wanted.accuracy_percent, wanted.budget_s), measured)
     if wanted.budget_s is not None and found.total_seconds > wanted.budget_s:
-        info(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
+        note(f"note: {target.name}: took {found.total_seconds:.1f} s, --budget was {wanted.budget_s:g} s.")
     return found, reached

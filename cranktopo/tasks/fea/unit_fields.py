@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
+from cranktopo.base.notes import note
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_tonne_per_mm3
 from cranktopo.design.halves import default_element_size_mm, require_equal_halves
@@ -33,7 +34,7 @@ from cranktopo.tasks.fea.condense import (
     torque_ends,
     torsion_motion,
 )
-from cranktopo.tasks.fea.evaluation import Info, mesh_target
+from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target
 
 FieldKind = LoadKind | Literal["moment"]
@@ -210,7 +211,6 @@ def case_stress(
     target: Target,
     cases: Sequence[LoadCase],
     element_size_mm: float | None = None,
-    progress: Info = lambda _: None,
 ) -> CaseStress:
     """Return the von Mises stress of a target under load cases, one condensation per symmetry that they need.
 
@@ -223,7 +223,7 @@ def case_stress(
     """
     require_equal_halves(target.scene)
     size = element_size_mm or default_element_size_mm(target.scene)
-    progress(f"{target.name}: stresses, element size {size:.3g} mm")
+    note(f"{target.name}: stresses, element size {size:.3g} mm")
     meshed = mesh_target(target, size)
     youngs, poisson = target.scene.material.E_GPa * MPA_PER_GPA, target.scene.material.poisson
     model = assemble(meshed.mesh, youngs, poisson)

@@ -25,7 +25,7 @@ from cranktopo.cli.options import (
     web_option,
     with_bound_option,
 )
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
@@ -94,7 +94,7 @@ def command(
     from cranktopo.tasks.refit.fit import usual_limits
 
     if resume:
-        done = continue_loop(resume, info)
+        done = continue_loop(resume)
     else:
         from cranktopo.design.loading import design_text, load_scene, one_web
 
@@ -112,7 +112,7 @@ def command(
             shape=not no_shape,
         )
         command_line = ["cranktopo", *sys.argv[1:]]
-        done = start_loop(scene, settings, out, design_text(name), command_line, info)
+        done = start_loop(scene, settings, out, design_text(name), command_line)
     files = {what: str(done.folder / name) for what, name in LOOP_FILES.items()}
     told = {**done.result.as_json(), "files": files}
     click.echo(json.dumps(told) if as_json else loop_summary(done.result, done.folder))

@@ -9,6 +9,7 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
+from cranktopo.base.notes import note
 from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -24,7 +25,6 @@ from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.density import stage
 from cranktopo.tasks.density.stage import baseline_notice
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.iterate.one_step import StepWeb, finished_step, make_step, original_web
 from cranktopo.tasks.iterate.page import iterate_page, save_steps_plot
@@ -55,7 +55,6 @@ def start_loop(
     out: Path | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
-    info: Info = lambda _: None,
 ) -> LoopRun:
     """Run the loop in a new directory.
 
@@ -74,18 +73,18 @@ def start_loop(
     _check_goal(scene, settings)
     check_original(scene)
     assumed = assumptions(scene, RUN_TABLES)
-    announce(stage.prepare(_without_goal(scene)), assumed, info)
+    announce(stage.prepare(_without_goal(scene)), assumed)
     run = new_run(scene, assumed, out, design_toml, command, {LOOP: settings.as_json()})
-    return _worked(run, scene, settings, info)
+    return _worked(run, scene, settings)
 
 
-def continue_loop(reference: str, info: Info = lambda _: None) -> LoopRun:
+def continue_loop(reference: str) -> LoopRun:
     """Continue an interrupted loop: finished steps are read, not repeated; raises as `start_loop`."""
     run = open_run(reference)
     require_kind(run, LOOP)
     run.require_same_inputs()
     scene, settings = design_from_run(run), Settings.from_json(run.manifest()["options"][LOOP])
-    return _worked(run, scene, settings, info, resume=True)
+    return _worked(run, scene, settings, resume=True)
 
 
 def _check_goal(scene: Scene, settings: Settings) -> None:
@@ -103,18 +102,18 @@ def _without_goal(scene: Scene) -> Scene:
     return scene.model_copy(update={"goal": None})
 
 
-def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume: bool = False) -> LoopRun:
+def _worked(run: RunStore, scene: Scene, settings: Settings, resume: bool = False) -> LoopRun:
     with working_in(run, "finished steps are kept") as check:
         if resume:
             run.resume()
         bare = _without_goal(scene)
-        webs, reason, lost = _steps(run, bare, settings, info, check)
+        webs, reason, lost = _steps(run, bare, settings, check)
         result = _result(run, bare, webs, reason, settings, lost)
         _write_page(run, result, webs)
         if settings.shape:
             check()
-            result = _handed_over(run, scene, webs, result, settings, info)
-        result = result.model_copy(update={"bound": _bound(bare, result, info)})
+            result = _handed_over(run, scene, webs, result, settings)
+        result = result.model_copy(update={"bound": _bound(bare, result)})
         _write_page(run, result, webs)
         write_json(run.path / RESULT_FILES[LOOP], result.as_json())
         write_text(run.path / LOOP_FILES["csv"], comma_separated(steps_table(result.steps)) + "\n")
@@ -124,35 +123,35 @@ def _worked(run: RunStore, scene: Scene, settings: Settings, info: Info, resume:
 
 
 def _handed_over(
-    run: RunStore, scene: Scene, webs: Sequence[StepWeb], result: LoopResult, settings: Settings, info: Info
+    run: RunStore, scene: Scene, webs: Sequence[StepWeb], result: LoopResult, settings: Settings
 ) -> LoopResult:
     """Optimise the shape of the best web; return the result with it."""
     best = None if result.best_step is None else webs[result.best_step]
-    info(f"shape: begins with {f'the web of step {best.step.number}' if best else 'the original web'}")
+    note(f"shape: begins with {f'the web of step {best.step.number}' if best else 'the original web'}")
     start = None if best is None else best.scene
-    found = shape_step(run, scene, best.step if best else None, len(webs), start, settings, info)
+    found = shape_step(run, scene, best.step if best else None, len(webs), start, settings)
     result = result.model_copy(update={"shape": found.outcome})
     if found.row is not None:
         row = StepRow.of(found.row, webs[0].step, SHAPE)
         result = result.model_copy(update={"steps": [*result.steps, row]})
     line = shape_line(result)
-    info(line)
+    note(line)
     run.log(line)
     return result
 
 
-def _bound(scene: Scene, result: LoopResult, info: Info) -> NoBound | BoundStatements | None:
+def _bound(scene: Scene, result: LoopResult) -> NoBound | BoundStatements | None:
     """Return what no web of the envelope can beat, beside the best web of the loop."""
     if result.best is None or plan(scene)["bound"].state == "off":
         return None
-    return bounds_for_result(scene, result.best.percent_of_original, None, info)
+    return bounds_for_result(scene, result.best.percent_of_original, None)
 
 
 def _steps(
-    run: RunStore, scene: Scene, settings: Settings, info: Info, check: Callable[[], None]
+    run: RunStore, scene: Scene, settings: Settings, check: Callable[[], None]
 ) -> tuple[list[StepWeb], str, str]:
     """Return the webs of all steps, the original one first, why they ended, and why one was lost."""
-    webs = [finished_step(run.path / "original") or original_web(run, scene, settings, info)]
+    webs = [finished_step(run.path / "original") or original_web(run, scene, settings)]
     durations: list[float] = []
     for number in range(1, settings.steps + 1):
         folder = run.path / f"step-{number:02d}"
@@ -160,21 +159,21 @@ def _steps(
         web = finished_step(folder)
         if web is None:
             guess = f", about {sum(durations) / len(durations) * left:.0f} s left" if durations else ""
-            info(f"step {number} of {settings.steps}{guess}")
+            note(f"step {number} of {settings.steps}{guess}")
             began = time.monotonic()
             try:
-                web = make_step(run, folder, number, webs, settings, info)
+                web = make_step(run, folder, number, webs, settings)
             except CranktopoError as error:
                 if number == 1 or error.code == ExitCode.INTERRUPTED:
                     raise
                 lost = f"step {number} was lost, the steps before it stand: {error}"
-                info(lost)
+                note(lost)
                 return webs, lost, lost
             durations.append(time.monotonic() - began)
         webs.append(web)
         steps = [web.step for web in webs]
         found = verdict(steps, settings.least_transition_mm)
-        info(f"step {number}: {_line(steps)}: {found}")
+        note(f"step {number}: {_line(steps)}: {found}")
         if found != "better":
             return webs, _reason(found, steps, settings), ""
         check()

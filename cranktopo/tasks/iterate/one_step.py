@@ -14,6 +14,7 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import read_json, write_json, write_text
 from cranktopo.base.frames import X, Y, Z
+from cranktopo.base.notes import note, silent
 from cranktopo.bodies.prisms import snapped_to_mirror_plane, web_region
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.bodies.volume import web_volume_mm3
@@ -27,7 +28,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_o
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.tasks.density import stage
-from cranktopo.tasks.fea.evaluation import Evaluation, Info, evaluate
+from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import half_throw_of, half_throw_surface, read_half_throw
 from cranktopo.tasks.importing.original import original_file
@@ -177,9 +178,9 @@ def _kept(web: StepWeb, folder: Path) -> StepWeb:
     return web
 
 
-def original_web(run: RunStore, scene: Scene, settings: Settings, info: Info) -> StepWeb:
+def original_web(run: RunStore, scene: Scene, settings: Settings) -> StepWeb:
     """Write and evaluate the original web, which is step 0."""
-    info("evaluating the original web")
+    note("evaluating the original web")
     folder = run.path / "original"
     folder.mkdir(exist_ok=True)
     file = original_file(scene)
@@ -189,22 +190,22 @@ def original_web(run: RunStore, scene: Scene, settings: Settings, info: Info) ->
 
 
 def make_step(
-    run: RunStore, folder: Path, number: int, webs: Sequence[StepWeb], settings: Settings, info: Info
+    run: RunStore, folder: Path, number: int, webs: Sequence[StepWeb], settings: Settings
 ) -> StepWeb:
     """Optimise in the last solid, extract, re-model, evaluate; step.json is written last."""
     began, design = time.monotonic(), webs[0].scene
     folder.mkdir(exist_ok=True)
     bounded, fraction = _bounded(folder, number, webs, settings)
-    info(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
-    surface = optimised_surface(folder / "optimise", bounded, info)
-    info("  re-modelling")
+    note(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
+    surface = optimised_surface(folder / "optimise", bounded)
+    note("  re-modelling")
     fitted = fit_web(surface, bounded, settings.limits)
     near = shape_error(fitted.scene, surface)
     own = {"web": fitted.scene.web, "name": f"{design.name}-step-{number}"}
     scene = design.model_copy(update={**own, "published": None, "original": None})
     write_text(folder / "web.toml", toml_text(scene, f"Step {number} of the loop over {design.name}"))
     solids = write_solids(scene, folder, run.started())
-    info("  evaluating")
+    note("  evaluating")
     found = _evaluated(scene, settings)
     thickness, removed = transition_mm(solids.web, scene), 100 * (1 - fraction)
     step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began)
@@ -232,7 +233,7 @@ def _envelope_mm3(scene: Scene) -> float:
     return float((domain.design_fraction * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
 
 
-def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
+def optimised_surface(folder: Path, scene: Scene) -> SurfaceMesh:
     """Return the surface of the half throw of an optimisation, continued or read where it was begun or done.
 
     It is as its file holds it: a loop that is continued gives the same webs as one in a single go.
@@ -244,10 +245,11 @@ def optimised_surface(folder: Path, scene: Scene, info: Info) -> SurfaceMesh:
             raise _no_surface(folder, refusal)
         return read_half_throw(path, scene)
     if (folder / "manifest.json").is_file():
-        done = resume_optimisation(str(folder), info=info)
+        done = resume_optimisation(str(folder))
     else:
         text = toml_text(scene, "One step of a loop")
-        done = optimise_design(scene, folder, text, ["cranktopo", "iterate"])
+        with silent():
+            done = optimise_design(scene, folder, text, ["cranktopo", "iterate"])
     if done.half_throw is None:
         raise _no_surface(folder, done.metrics.refusal)
     return half_throw_of(done.half_throw, path, scene)
@@ -263,4 +265,5 @@ def _no_surface(folder: Path, refusal: str) -> CranktopoError:
 
 def _evaluated(scene: Scene, settings: Settings, file: Path | None = None) -> Evaluation:
     kept: tuple[Feature, ...] = ("bores", "fillets") if file else ()
-    return evaluate(Target(scene.name, planned_scene(scene, kept), file), settings.element_size_mm)
+    with silent():
+        return evaluate(Target(scene.name, planned_scene(scene, kept), file), settings.element_size_mm)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import clearly_more
+from cranktopo.base.notes import indented
 from cranktopo.bodies.solid.files import coarse_facet_mm, surface_of
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
@@ -16,7 +17,6 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.iterate.one_step import transition_mm
 from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.shape.result import ShapeResult
@@ -43,7 +43,6 @@ def shape_step(
     number: int,
     begun: Scene | None,
     settings: Settings,
-    info: Info,
 ) -> ShapeStep:
     """Optimise the dimensions of the best web in `shape/`, or read what was done; the loop stands anyway.
 
@@ -54,7 +53,8 @@ def shape_step(
     assert goal is not None
     asked = GoalWords.model_validate({goal.sense: goal.quantity})
     try:
-        data = _shaped(run.path / SHAPE, wanted_scene, begun, settings, info)
+        with indented():
+            data = _shaped(run.path / SHAPE, wanted_scene, begun, settings)
     except CranktopoError as error:
         if error.code == ExitCode.INTERRUPTED:
             raise
@@ -65,17 +65,14 @@ def shape_step(
     return _compared(row, best, goal, data)
 
 
-def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings, info: Info) -> ShapeResult:
-    def indented(text: str) -> None:
-        info(f"  {text}")
-
+def _shaped(folder: Path, scene: Scene, begun: Scene | None, settings: Settings) -> ShapeResult:
     if not (folder / "manifest.json").is_file():
         own = replace(shape_settings(scene, settings.limits), element_size_mm=settings.element_size_mm)
         command = ["cranktopo", "iterate"]
-        return shape_design(scene, own, folder, None, command, indented, begun).result
+        return shape_design(scene, own, folder, None, command, begun).result
     if open_run(str(folder)).manifest()["status"] == "done":
         return ShapeResult.read(folder / RESULT_FILES[SHAPE])
-    return resume_shape(str(folder), indented).result
+    return resume_shape(str(folder)).result
 
 
 def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:

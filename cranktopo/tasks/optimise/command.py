@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cranktopo.base.errors import ExitCode
+from cranktopo.base.notes import detail, note
 from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
@@ -31,7 +32,7 @@ from cranktopo.cli.options import (
     with_bound_option,
     with_goal_options,
 )
-from cranktopo.cli.verbosity import NORMAL, QUIET, detail, info, level, verbosity_options
+from cranktopo.cli.verbosity import NORMAL, level, verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
@@ -101,14 +102,14 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
 
     with _Bar() as bar:
         if resume:
-            run = resume_optimisation(resume, options["max_iterations"], bar.info, bar, began)
+            run = resume_optimisation(resume, options["max_iterations"], bar, began)
         else:
             from cranktopo.design.loading import design_text
 
             name = design or DEFAULT_DESIGN
             scene = _scene(name, **options)
             command_line = ["cranktopo", *sys.argv[1:]]
-            run = optimise_design(scene, out, design_text(name), command_line, bar.info, bar, began)
+            run = optimise_design(scene, out, design_text(name), command_line, bar, began)
     click.echo(json.dumps(run.metrics.as_json()) if as_json else run_summary(run.metrics, run.folder))
     return _exit_code(run.metrics)
 
@@ -141,7 +142,7 @@ def _scene(
         raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
     if no_evaluation and scene.goal is None:
         raise click.UsageError("--no-evaluation needs a goal: only its limits are evaluated")
-    return with_cells_for(scene, accuracy, budget, info) if accuracy or budget else scene
+    return with_cells_for(scene, accuracy, budget) if accuracy or budget else scene
 
 
 def _exit_code(metrics: RunMetrics) -> ExitCode:
@@ -171,11 +172,6 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         self._bar.close()
 
-    def info(self, line: str) -> None:
-        """Write a line above the bar, unless the command is quiet."""
-        if level() > QUIET:
-            self._bar.write(line, file=sys.stderr)
-
     def __call__(self, problem: DensityProblem, state: State) -> None:
         from cranktopo.tasks.density.loop import iterations_left
 
@@ -194,6 +190,6 @@ class _Bar:
         text = f"{wanted}, grey {row.greyness:.3f}"
         self._bar.set_postfix_str(text, refresh=False)
         detail(f"iteration {row.iteration}: {text}, {row.cg_iterations} cycles, {row.seconds:.2f} s")
-        if row.notice and level() > QUIET:
-            self._bar.write(f"iteration {row.iteration}: {row.notice}", file=sys.stderr)
+        if row.notice:
+            note(f"iteration {row.iteration}: {row.notice}")
         self._bar.update(done - self._bar.n)

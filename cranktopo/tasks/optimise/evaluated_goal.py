@@ -12,6 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.constraint import ACTIVE, TOLERANCE, bound_in_model
 from cranktopo.design.goal.limit import Goal
@@ -121,7 +122,7 @@ class EvaluatedGoal:
     def _values(self, name: str, file: str, target: Callable[[Path], Target]) -> Values:
         def make() -> Json:
             with TemporaryDirectory() as folder:
-                return evaluate(target(Path(folder) / file), progress=self.work.info).result.as_json()
+                return evaluate(target(Path(folder) / file)).result.as_json()
 
         return goal_values(self.scene, _evaluation(self.work.once(name, make)))
 
@@ -161,12 +162,12 @@ def enforce_limits_by_fea(
         except CranktopoError as error:
             if error.code == ExitCode.INTERRUPTED:
                 raise
-            case.work.info(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
+            note(f"iteration {state.last.iteration} could not be evaluated: {error.message}")
             return replace(state, reason=f"{state.reason}; its limits are not judged"), error.message
         told = goal_outcome(case.goal, case.reached(state), case.original())
         done = len(state.rounds) == _ROUNDS or all(limit.met for limit in limits)
         more = "" if done else "; the limits in the cells are moved by their error"
-        case.work.info(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
+        note(f"iteration {state.last.iteration} by the evaluation: {percent_line(told)}{more}")
         if done:
             return replace(state, reason=f"{state.reason}; {_verdict(told, len(state.rounds))}"), ""
         state = with_bounds(state, [limit.moved for limit in limits])

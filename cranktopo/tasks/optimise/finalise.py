@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import redirected
 from cranktopo.base.side_by_side import Ahead, side_by_side
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
@@ -42,8 +43,9 @@ def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
     """Return what gives the cells of the bound, begun in a thread; None where the plan leaves it out."""
     if prepared.plan["bound"].state != "on":
         return None
-    cells = Ahead(lambda: model_for_result(prepared.scene, wanted(prepared.scene), run.log))
-    cells.begin()
+    cells = Ahead(lambda: model_for_result(prepared.scene, wanted(prepared.scene)))
+    with redirected(run.log):
+        cells.begin()
     return cells.result
 
 
@@ -139,7 +141,8 @@ def _bound(
         return NoBound(none="the run has not converged")
     own = original.quantities
     reached = {name: 100 * value / own[name] for name, value in result.quantities.items() if own[name]}
-    return bounds_for_result(scene, reached, wanted(scene), run.log, cells)
+    with redirected(run.log):
+        return bounds_for_result(scene, reached, wanted(scene), cells)
 
 
 def _goal(

@@ -33,7 +33,6 @@ from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
@@ -43,11 +42,11 @@ from cranktopo.tasks.refit.result import RefitResult
 _FILE = "stress.npz"
 
 
-def solve_run_stress(run: RunStore, scene: Scene, surface: str, progress: Info) -> CaseStress:
+def solve_run_stress(run: RunStore, scene: Scene, surface: str) -> CaseStress:
     """Solve a run's surface for its load cases on body-fitted elements, and keep the stresses in the run."""
     cases = load_cases(scene, plan(scene).enabled)
     path = run.path / surface
-    found = case_stress(Target(run.name, scene, path), cases, progress=progress)
+    found = case_stress(Target(run.name, scene, path), cases)
     about = {
         "cases": [case.model_dump(by_alias=False) for case in found.cases],
         "element_size_mm": found.element_size_mm,
@@ -116,7 +115,7 @@ class RunRecord:
     refit: RefitResult | None = None
 
 
-def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord:
+def read_record(run: RunStore, stresses: bool = False) -> RunRecord:
     """Return the record of a finished run from its directory."""
     require_kind(run, "optimise")
     metrics = read_metrics(run)
@@ -128,7 +127,7 @@ def read_record(run: RunStore, stress_progress: Info | None = None) -> RunRecord
     scene = planned_scene(design_from_run(run))
     surface = metrics.files.get("stl")
     mesh = read_stl(run.path / surface) if surface else None
-    stress = _stress(run, scene, surface, stress_progress) if surface else None
+    stress = _stress(run, scene, surface, stresses) if surface else None
     return record_of(run, metrics, run.read_history(), scene, mesh, _snapshots(run, scene), stress)
 
 
@@ -166,9 +165,9 @@ def _snapshots(run: RunStore, scene: Scene) -> tuple[DesignSnapshot, ...]:
         return snapshots(run, domain, build_chain(scene, domain))
 
 
-def _stress(run: RunStore, scene: Scene, surface: str, progress: Info | None) -> CaseStress | None:
+def _stress(run: RunStore, scene: Scene, surface: str, solved: bool) -> CaseStress | None:
     found = read_run_stress(run, surface)
-    return solve_run_stress(run, scene, surface, progress) if found is None and progress else found
+    return solve_run_stress(run, scene, surface) if found is None and solved else found
 
 
 def _optional(path: Path) -> dict[str, Any] | None:

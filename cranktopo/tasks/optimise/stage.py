@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cranktopo.base.notes import note
 from cranktopo.base.progress import KeptWork, Work
 from cranktopo.base.side_by_side import Ahead
 from cranktopo.design.assumed import (
@@ -40,7 +41,6 @@ from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_optimality_criteria
 from cranktopo.tasks.density.stage import Prepared, describe, first_state, iterate, prepare
 from cranktopo.tasks.density.state import State, from_checkpoint, to_checkpoint
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.studies import OPTIMISER, load_study
 from cranktopo.tasks.importing.original import check_original
 from cranktopo.tasks.optimise.evaluated_goal import enforce_limits_by_fea, evaluated_goal
@@ -76,7 +76,6 @@ class _Job:
     prepared: Prepared
     problem: DensityProblem
     clock: CompileClock
-    info: Info
     progress: Progress
     began: float
 
@@ -86,7 +85,6 @@ def optimise_design(
     out: Path | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
-    info: Info = lambda _: None,
     progress: Progress = lambda *_: None,
     began: float | None = None,
 ) -> OptimisedRun:
@@ -108,40 +106,37 @@ def optimise_design(
     Ahead(compile_kernels).begin()
     prepared = prepare(scene)
     assumed = assumptions(scene, RUN_TABLES)
-    announce(prepared, assumed, info)
+    announce(prepared, assumed)
     with double_precision():
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
         check_limits(problem, prepared.scene, prepared.domain)
     run = new_run(scene, assumed, out, design_toml, command, {})
-    return _optimise(_Job(run, scene, prepared, problem, clock, info, progress, began))
+    return _optimise(_Job(run, scene, prepared, problem, clock, progress, began))
 
 
-def announce(prepared: Prepared, assumed: Sequence[Assumption], info: Info) -> None:
+def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
     """Pass on what is going to be solved, what a user may not expect of it, and what is assumed."""
-    info(describe(prepared))
+    note(describe(prepared))
     goal = wanted(prepared.scene)
     if goal is not None:
-        info(goal_text(goal, "density"))
+        note(goal_text(goal, "density"))
     for notice in prepared.notices:
-        info(f"note: {notice}.")
+        note(f"note: {notice}.")
     if assumed:
-        info(assumed_text(assumed))
+        note(assumed_text(assumed))
 
 
-def with_cells_for(
-    scene: Scene, accuracy_percent: float | None, budget_s: float | None, info: Info = lambda _: None
-) -> Scene:
-    """Return the scene with the cell size that an accuracy or a time asks for; `info` tells the choice."""
+def with_cells_for(scene: Scene, accuracy_percent: float | None, budget_s: float | None) -> Scene:
+    """Return the scene with the cell size that an accuracy or a time asks for."""
     choice = choose_cells(scene, accuracy_percent, budget_s, load_study(scene.name, OPTIMISER))
-    info(str(choice))
+    note(str(choice))
     return scene.with_optimise(resolution_mm=choice.cell_mm)
 
 
 def resume_optimisation(
     reference: str,
     max_iterations: int | None = None,
-    info: Info = lambda _: None,
     progress: Progress = lambda *_: None,
     began: float | None = None,
 ) -> OptimisedRun:
@@ -156,11 +151,11 @@ def resume_optimisation(
     run.require_same_inputs()
     scene = design_from_run(run).with_optimise(max_iterations=max_iterations)
     prepared = prepare(scene)
-    announce(prepared, stored_assumptions(run.manifest().get("assumed", ())), info)
+    announce(prepared, stored_assumptions(run.manifest().get("assumed", ())))
     with double_precision():
         clock = CompileClock()
         problem = build_problem(prepared.scene, prepared.domain, prepared.cases)
-    return _optimise(_Job(run, scene, prepared, problem, clock, info, progress, began), resume=True)
+    return _optimise(_Job(run, scene, prepared, problem, clock, progress, began), resume=True)
 
 
 def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
@@ -173,7 +168,7 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
         end = Ahead(lambda: _ready_for_the_end(job))
         shown = _checked(job.progress, check, end)
         kept = _kept(run, shown)
-        prepared, work = job.prepared, Work(job.info, KeptWork(run.path / EVALUATIONS), check)
+        prepared, work = job.prepared, Work(KeptWork(run.path / EVALUATIONS), check)
         state = (_saved_state(job) if resume else None) or first_state(
             problem, prepared.scene, prepared.domain, prepared.cases, shown
         )

@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from cranktopo.cli.options import limit_options, runs
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command()
@@ -35,5 +35,5 @@ def command(run: str, out: Path | None, no_evaluation: bool, as_json: bool, **li
     from cranktopo.tasks.refit.page import refit_text
     from cranktopo.tasks.refit.stage import remodel_run
 
-    data = remodel_run(run, out, limits, not no_evaluation, info)
+    data = remodel_run(run, out, limits, not no_evaluation)
     click.echo(json.dumps(data.as_json()) if as_json else refit_text(data))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import write_json, write_text
+from cranktopo.base.notes import note
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.schema import Scene
@@ -25,7 +26,7 @@ from cranktopo.runs.kind import interruptible
 from cranktopo.runs.manifest import timestamp, versions
 from cranktopo.tasks.drawing.sheet import write_drawing
 from cranktopo.tasks.drawing.views import Sheet
-from cranktopo.tasks.fea.evaluation import Info, evaluate
+from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
@@ -49,7 +50,6 @@ def remodel_run(
     out: Path | None = None,
     given: Mapping[str, float | None] | None = None,
     evaluated: bool = True,
-    info: Info = lambda _: None,
 ) -> RefitResult:
     """Re-model the web of a finished run and write every file.
 
@@ -69,14 +69,14 @@ def remodel_run(
     scene = design_from_run(run)
     limits = usual_limits(scene, **(given or {}))
     surface = _surface(target, scene)
-    info(f"{run.name}: fitting a parametric web")
+    note(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, limits)
     near = shape_error(without(fitted.scene, "fillets"), surface)
     with interruptible() as check, unfinished_folder(folder.parent) as unfinished:
         half_throw = as_stored(surface_of(fitted.scene, "half"))
-        files = write_refit(fitted, near, half_throw, surface, unfinished, info, run.started())
+        files = write_refit(fitted, near, half_throw, surface, unfinished, run.started())
         check()
-        stiffness = _evaluated(target, fitted.scene, info) if evaluated else None
+        stiffness = _evaluated(target, fitted.scene) if evaluated else None
         result = _result(run.name, fitted, near, limits, stiffness, files, time.perf_counter() - began)
         write_json(unfinished / files["json"], result.as_json())
         _write_page(result, fitted.scene, half_throw, surface, unfinished)
@@ -91,7 +91,6 @@ def write_refit(
     half_throw: SurfaceMesh,
     surface: SurfaceMesh,
     folder: Path,
-    info: Info,
     started: datetime | None = None,
 ) -> dict[str, str]:
     """Write the scene, STEP and STL of the half throw and the drawing of a fitted web.
@@ -112,7 +111,7 @@ def write_refit(
         "json": "remodel.json",
         "report": REPORT,
     }
-    info(f"{scene.name}: writing the solid and the drawing")
+    note(f"{scene.name}: writing the solid and the drawing")
     heading = f"Web fitted to the optimised body of {scene.name}; overlap {100 * near.web_iou:.1f} %."
     write_text(folder / files["design"], toml_text(scene, heading))
     export_solid(scene, "half", folder / files["step"], started=started)
@@ -141,10 +140,10 @@ def _surface(target: Target, scene: Scene) -> SurfaceMesh:
     return read_half_throw(target.file, scene)
 
 
-def _evaluated(target: Target, scene: Scene, info: Info) -> RefitStiffness:
+def _evaluated(target: Target, scene: Scene) -> RefitStiffness:
     """Evaluate the body, which has no fillets, the web without its own for a like comparison, and the web."""
     bare = Target(f"{scene.name}, no fillets", without(scene, "fillets"))
-    body, sharp, whole = (evaluate(what, None, info) for what in (target, bare, Target(scene.name, scene)))
+    body, sharp, whole = (evaluate(what, None) for what in (target, bare, Target(scene.name, scene)))
     torsion = sharp.torsion_Nm_per_rad / body.torsion_Nm_per_rad
     return RefitStiffness(
         body=body.result,

@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from cranktopo.cli.options import runs
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command(name="report")
@@ -46,4 +46,4 @@ def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None
         check_report_path(out)
     store = open_run(run)
     target = out or (store.path / "report.md" if as_markdown else None)
-    click.echo(report_run(store, target, info if stress else None))
+    click.echo(report_run(store, target, stress))

@@ -7,17 +7,16 @@ from pathlib import Path
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import shown_results
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.optimise.page import run_page
 from cranktopo.tasks.optimise.run_record import read_record
 
 
-def report_run(run: RunStore | str, path: Path | None = None, stress_progress: Info | None = None) -> Path:
+def report_run(run: RunStore | str, path: Path | None = None, stresses: bool = False) -> Path:
     """Write the report of a finished run, .html or .md, by default report.html in it, and return its file.
 
     Args:
         run: the run directory, or how the user names it.
-        stress_progress: where given, stresses that the run does not keep yet are solved.
+        stresses: solve those that the run does not keep yet.
 
     Raises:
         CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
@@ -25,6 +24,6 @@ def report_run(run: RunStore | str, path: Path | None = None, stress_progress: I
     store = open_run(run) if isinstance(run, str) else run
     target = path or store.path / REPORT
     with shown_results(store):
-        page = run_page(read_record(store, stress_progress))
+        page = run_page(read_record(store, stresses))
     write_report(page, target)
     return target

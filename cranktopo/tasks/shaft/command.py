@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, get_args
 
 import click
 
+from cranktopo.base.notes import note
 from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, bearings_option, body_options, designs
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.tasks.shaft.assembly import Bearings
@@ -48,8 +49,8 @@ def command(
 
     resolved = resolve_target(target, design, align=align, whole=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
-    print_assumed([resolved], shaft_tables(resolved.scene, support), info)
-    info(f"{resolved.name}: condensing one throw")
+    print_assumed([resolved], shaft_tables(resolved.scene, support))
+    note(f"{resolved.name}: condensing one throw")
     shaft = evaluate_shaft(resolved, support, element_size_mm)
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))
 

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
+from cranktopo.base.notes import note
 from cranktopo.base.result import Result
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.memory import check_element_size
@@ -23,7 +24,6 @@ from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent
 from cranktopo.tasks.fea.evaluation import (
     RATIO,
     SCHEMA_VERSION,
-    Info,
     mesh_target,
     meshed_throw_kg,
     throw_inertia_kg_mm2,
@@ -130,7 +130,7 @@ def evaluate_shaft(
     )
 
 
-def with_throw_stiffness(target: Target, info: Info = lambda _: None) -> Target:
+def with_throw_stiffness(target: Target) -> Target:
     """The target with the stiffness of its throw in its shaft table, where load cases would take an estimate.
 
     Only a shaft whose vibration the plan has on needs it; any other target is returned as it is.
@@ -145,7 +145,7 @@ def with_throw_stiffness(target: Target, info: Info = lambda _: None) -> Target:
         return target
     throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
     stiffness = sum(throws) / len(throws)
-    info(
+    note(
         f"{target.name}: torque of the vibrating shaft with {stiffness:,.0f} N m/rad for a throw, by elements"
     )
     shaft = scene.shaft.model_copy(update={"throw_stiffness_Nm_per_rad": stiffness})

@@ -25,7 +25,7 @@ from cranktopo.cli.options import (
     with_bound_option,
     with_goal_options,
 )
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
@@ -71,7 +71,7 @@ def command(
     from cranktopo.tasks.shape.text import shape_summary
 
     if resume:
-        run = resume_shape(resume, info)
+        run = resume_shape(resume)
     else:
         from cranktopo.design.loading import design_text
         from cranktopo.tasks.designs.run_webs import web_target
@@ -84,6 +84,6 @@ def command(
         scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
         settings = shape_settings(scene, usual_limits(scene, **rules))
         line = ["cranktopo", *sys.argv[1:]]
-        run = shape_design(scene, settings, out, text, line, info, found.begun)
+        run = shape_design(scene, settings, out, text, line, found.begun)
     click.echo(json.dumps(run.result.as_json()) if as_json else shape_summary(run.result, run.folder))
     return ExitCode.DONE if run.result.held else ExitCode.CRITERION_NOT_MET

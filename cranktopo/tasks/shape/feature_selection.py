@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
 from cranktopo.tasks.refit.family import Layout, with_free, with_part
@@ -175,7 +176,7 @@ class FeatureSelection:
         try:
             yield
         except CranktopoError as error:
-            self._work.info(f"{step}: left out, as a web could not be solved: {error}")
+            note(f"{step}: left out, as a web could not be solved: {error}")
 
     def _on_cells(
         self, layout: Layout, start: Array, evaluations: int, errors: Mapping[str, float]
@@ -248,7 +249,7 @@ class FeatureSelection:
             missed_percent=100 * found.violation if found else 0.0,
         )
         self.trials.append(trial)
-        self._work.info(_trial_text(trial))
+        note(_trial_text(trial))
 
 
 def _reached(limit: Constraint, told: Mapping[str, float], original: Mapping[str, float]) -> str:

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
@@ -92,13 +93,15 @@ def evaluated_web(
     target = Target(scene.name, planned_scene(scene, kept), file)
 
     def make() -> Json:
-        work.info(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
+        note(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
         if not fatigue:
-            return evaluate(target, element_size_mm).result.as_json()
+            with silent():
+                return evaluate(target, element_size_mm).result.as_json()
         # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
-        field, found = side_by_side(
-            lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
-        )
+        with silent():
+            field, found = side_by_side(
+                lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
+            )
         return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
 
     began = time.perf_counter()
@@ -297,7 +300,8 @@ class MeshedWebs:
 def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
     """Return factors by quantity that bring the original web on a coarse mesh to its finer evaluation."""
     target = Target(scene.name, planned_scene(scene, kept_features(scene)))
-    found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
+    with silent():
+        found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
     torsion, bending = found.torsion[supports.torsion], found.bending[supports.bending]
     assert torsion is not None
     assert bending is not None

@@ -14,6 +14,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
 from cranktopo.base.progress import Work
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -172,7 +173,7 @@ def refined(
         try:
             found = meshed.responses(web, step.values, goal.quantities)
         except CranktopoError as error:
-            work.info(f"a web on the way could not be solved ({error}): a shorter step instead")
+            note(f"a web on the way could not be solved ({error}): a shorter step instead")
             reach *= SHORTER
             continue
         solved += 1
@@ -196,7 +197,7 @@ def stepped(
 ) -> Step:
     """Return the best web by cells brought to the truth of one web; that web where none is better."""
     rough = cells.responses(cells.web(layout), at, goal.quantities)
-    matched, private = CorrectedSurrogate(cells, at, rough, exact), Work(work.info, {}, work.check)
+    matched, private = CorrectedSurrogate(cells, at, rough, exact), Work({}, work.check)
     values, solved = best_values(lambda: matched, layout, at, goal, "step", private, effort)
     if values is None:
         return Step(at, exact, merit(goal, exact.values), solved + 1)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import write_json, write_text
+from cranktopo.base.notes import note
 from cranktopo.base.progress import KeptWork, Work
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.design.assumed import (
@@ -39,7 +40,6 @@ from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, working_in
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.sheet import export_drawing
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.refit.family import free_dimensions, parameter_unit, with_free
@@ -93,7 +93,6 @@ def shape_design(
     out: Path | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
-    info: Info = lambda _: None,
     begun: Scene | RunStore | None = None,
 ) -> ShapedRun:
     """Optimise the dimensions of a scene's web in a new run; nothing is written before all is validated.
@@ -116,18 +115,18 @@ def shape_design(
     settings = settings or shape_settings(scene)
     assumed = assumptions(scene, _TABLES)
     if assumed:
-        info(assumed_text(assumed))
+        note(assumed_text(assumed))
     if isinstance(begun, RunStore):
-        begun = _remodelled(begun, settings.limits, info)
+        begun = _remodelled(begun, settings.limits)
     start = scene_start(scene, settings.limits, begun)
     if start.left_out:
-        info(f"left out of the start: {'; '.join(start.left_out)}")
+        note(f"left out of the start: {'; '.join(start.left_out)}")
     begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
     run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings), **begin})
-    return _worked(run, scene, settings, start, info)
+    return _worked(run, scene, settings, start)
 
 
-def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
+def resume_shape(reference: str) -> ShapedRun:
     """Continue an interrupted shape optimisation: finished searches and evaluations are read, not repeated.
 
     Raises:
@@ -142,13 +141,13 @@ def resume_shape(reference: str, info: Info = lambda _: None) -> ShapedRun:
     scene = design_from_run(run)
     first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
-    return _worked(run, scene, settings, scene_start(scene, settings.limits, first), info)
+    return _worked(run, scene, settings, scene_start(scene, settings.limits, first))
 
 
-def _remodelled(run: RunStore, limits: ManufacturingLimits, info: Info) -> Scene:
+def _remodelled(run: RunStore, limits: ManufacturingLimits) -> Scene:
     """Return the parametric web fitted to a density optimisation that has none yet."""
-    info(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
-    made = remodel_run(str(run.path), given=vars(limits), evaluated=False, info=info)
+    note(f"{run.name}: has no re-model yet, so it is made first: cranktopo remodel {run.path}")
+    made = remodel_run(str(run.path), given=vars(limits), evaluated=False)
     return load_scene(str(Path(made.folder or ".") / made.files["design"]))
 
 
@@ -156,16 +155,16 @@ def _goal(scene: Scene) -> Goal:
     return require_goal(scene, "shape optimisation", "torsion_per_mass")
 
 
-def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead, info: Info) -> ShapedRun:
+def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
     began, goal = time.perf_counter(), _goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
-        work = Work(info, KeptWork(run.path / _KEPT), check)
+        work = Work(KeptWork(run.path / _KEPT), check)
         optimum = optimise_shape(scene, goal, settings, work, start)
         judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}
         bound = _bound(scene, goal, settings.cell_mm, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
-        info("writing the solid and the drawing")
+        note("writing the solid and the drawing")
         _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
@@ -188,7 +187,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
 def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
     if plan(scene, goal=goal)["bound"].state != "on":
         return None
-    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm, work.info).as_json())
+    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm).as_json())
     return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
 
 

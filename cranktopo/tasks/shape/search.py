@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
@@ -160,7 +161,7 @@ def best_values(
         broken = None if best else rules_at(model.scene, task.web, task.sound).violation_text
         why = _refused(model.scene, layout, best[2]) if best else broken
         if why and best is not None:
-            work.info(f"left out: {why}")
+            note(f"left out: {why}")
         kept = best is not None and not why and (effort.nearest or best[0] == 0)
         values = [float(value) for value in best[2]] if best and kept else None
         return {"values": values, "evaluations": task.evaluations, "why": why}
@@ -238,9 +239,7 @@ def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) 
         except CranktopoError as error:
             if task.evaluations == 0:
                 raise
-            work.info(
-                f"a web on the way could not be solved ({error}): on from the last one, in smaller steps"
-            )
+            note(f"a web on the way could not be solved ({error}): on from the last one, in smaller steps")
             start, reach = task.sound, reach / 4
 
 

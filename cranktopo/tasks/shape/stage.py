@@ -15,6 +15,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
@@ -140,7 +141,7 @@ def optimise_shape(
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases, chosen_for = cells.model.cases, goal_on_cells(goal)
     if chosen_for != goal:
-        work.info(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
+        note(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
     known = {name: original.values[name] for name in cells.original if name in original.values}
     goals = (
         search_goal_of(chosen_for, cells.original, original.values, cases),
@@ -199,7 +200,7 @@ class _LocalRefinement:
             try:
                 found = self._finished(before, number, effort, violation)
             except CranktopoError as error:
-                self._work.info(f"finish {number} ended early, the best web before it stands: {error}")
+                note(f"finish {number} ended early, the best web before it stands: {error}")
                 break
             if found is None:
                 break
@@ -230,7 +231,7 @@ class _LocalRefinement:
         kept = self._work.once(f"finish-{number}", make)
         gain = merit(self._goal, before.web.values) - kept["merit"]
         if kept["values"] == before.values.tolist() or (before.held and gain < _SETTLED):
-            self._work.info(f"finish {number}: no web beside promises {100 * _SETTLED:.1f} % more")
+            note(f"finish {number}: no web beside promises {100 * _SETTLED:.1f} % more")
             return None
         return self._evaluated(np.array(kept["values"]), number, kept["solved"])
 
@@ -238,7 +239,7 @@ class _LocalRefinement:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
         web = evaluated_web(scene, self._fatigue, size, f"evaluation-{number}", self._work)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
-        self._work.info(_round_text(number, found, self._original))
+        note(_round_text(number, found, self._original))
         return found
 
 

@@ -25,7 +25,7 @@ from cranktopo.cli.options import (
     run_options,
     seconds,
 )
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.tasks.sweep.plan import SweepPlan
@@ -107,7 +107,7 @@ def command(
     from cranktopo.tasks.sweep.run import resume_sweep, run_sweep
     from cranktopo.tasks.sweep.text import sweep_summary
 
-    place = Workplace(workers, scheduler, info)
+    place = Workplace(workers, scheduler)
     if resume:
         done = resume_sweep(resume, place)
     else:

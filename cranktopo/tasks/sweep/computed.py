@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
+from cranktopo.base.notes import note
 from cranktopo.bodies.memory import available_memory_MiB, evaluation_memory_MiB, optimiser_memory_MiB
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.executor import WorkerPool, compute
 from cranktopo.tasks.sweep.front import worth_refining
 from cranktopo.tasks.sweep.job import Job, PointFunction, keep_result, kept_result, point_result
@@ -25,13 +25,13 @@ _EVERY_S = 5.0
 class _Progress:
     """Lines of progress, one every few seconds; time left by the pace since the start."""
 
-    def __init__(self, points: int, kept: int, info: Info) -> None:
-        self._points, self._done, self._info = points, kept, info
+    def __init__(self, points: int, kept: int) -> None:
+        self._points, self._done = points, kept
         self._ends: Counter[str] = Counter()
         self._told = time.perf_counter()
         self._first = 0.0
         if kept:
-            info(f"{kept} of {points} points need no computing")
+            note(f"{kept} of {points} points need no computing")
 
     def add(self, status: str) -> None:
         """Count the end of a point."""
@@ -42,7 +42,7 @@ class _Progress:
         if now - self._told >= _EVERY_S or self._done == self._points:
             self._told = now
             bad = [f"{count} {end}" for end, count in sorted(self._ends.items()) if end != DONE]
-            self._info(", ".join([f"{self._done} of {self._points} points", *bad, *self._time_left(now)]))
+            note(", ".join([f"{self._done} of {self._points} points", *bad, *self._time_left(now)]))
 
     def _time_left(self, now: float) -> list[str]:
         """Count the points that ended since the first one, which waited for the workers to start."""
@@ -79,13 +79,11 @@ class Workplace:
 
     Attributes:
         scheduler: address of a Dask scheduler, in place of workers of this machine.
-        info: called with lines of progress.
         function: in place of the stages: numbers of a scene, by name.
     """
 
     workers: int | None = None
     scheduler: str | None = None
-    info: Info = lambda _: None
     function: PointFunction | None = None
 
     @property
@@ -133,7 +131,7 @@ class Session:
         self, points: Sequence[SweepPoint], looks: Sequence[SweepPoint], original: SweepPoint
     ) -> Computed:
         """Compute rounds of full accuracy until no other point may be on the front, or the time is used."""
-        self.place.info("first look: all points, coarse")
+        note("first look: all points, coarse")
         coarse = self._results([*looks, original])
         pairs = [(point, coarse[look.id]) for point, look in zip(points, looks, strict=True)]
         full = {point.id: row for point, row in pairs if point.reason}
@@ -142,7 +140,7 @@ class Session:
         while todo := worth_refining(pairs, full, reference):
             if time.monotonic() >= end:
                 break
-            self.place.info(f"full accuracy: {len(todo)} points that may be on the front")
+            note(f"full accuracy: {len(todo)} points that may be on the front")
             full |= self._results(todo, end)
         rows = [
             _row(point, full.get(point.id, look), accuracy=FULL if point.id in full else COARSE)
@@ -163,7 +161,7 @@ class Session:
             kept = point_result(job, IMPOSSIBLE, job.point.reason) if job.point.reason else kept_result(job)
             if kept is not None:
                 found[job.point.id] = kept
-        progress = _Progress(len(jobs), len(found), self.place.info)
+        progress = _Progress(len(jobs), len(found))
 
         def done(job: Job, result: PointResult) -> None:
             if result.status != FAILED or result.number("seconds") is not None:
@@ -173,7 +171,7 @@ class Session:
 
         left = [job for job in jobs if job.point.id not in found]
         if left:
-            compute(left, self._engine(len(left)), done, self.place.info, lambda: time.monotonic() >= end)
+            compute(left, self._engine(len(left)), done, lambda: time.monotonic() >= end)
         return found
 
     def _engine(self, points: int) -> WorkerPool:

@@ -15,7 +15,7 @@ from importlib import import_module
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, packages_of
-from cranktopo.tasks.fea.evaluation import Info
+from cranktopo.base.notes import note
 from cranktopo.tasks.sweep.job import Job, do_job, point_result
 from cranktopo.tasks.sweep.result import FAILED, PointResult
 
@@ -70,7 +70,6 @@ def compute(
     jobs: Sequence[Job],
     engine: WorkerPool,
     done: _Done,
-    info: Info = lambda _: None,
     enough: Callable[[], bool] = lambda: False,
 ) -> None:
     """Compute jobs, telling the end of each as it comes; once `enough` says so, the rest is left.
@@ -90,12 +89,12 @@ def compute(
 
     while left and not enough():
         try:
-            with _client(engine, patience, info) as client:
+            with _client(engine, patience) as client:
                 _submit(client, list(left.values()), told, enough, own=engine.scheduler is None)
         except _LostError:
             patience = _RETURN_S
             gone = f"the scheduler is lost; waiting up to {_RETURN_S:.0f} s for it to come back"
-            info(gone if engine.scheduler else "all workers are gone; starting new ones")
+            note(gone if engine.scheduler else "all workers are gone; starting new ones")
             time.sleep(1.0)
 
 
@@ -155,7 +154,7 @@ def _cancel_without_workers(client: Any, futures: Sequence[Any], over: threading
 
 
 @contextmanager
-def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
+def _client(engine: WorkerPool, patience_s: float) -> Iterator[Any]:
     import dask
     import distributed
 
@@ -176,7 +175,7 @@ def _client(engine: WorkerPool, patience_s: float, info: Info) -> Iterator[Any]:
             client = stack.enter_context(_connected(distributed, engine.scheduler, patience_s))
         known = "dashboard" in client.scheduler_info().get("services", {})
         dashboard = f", dashboard: {client.dashboard_link}" if known else ""
-        info(f"scheduler: {client.scheduler.address}{dashboard}")
+        note(f"scheduler: {client.scheduler.address}{dashboard}")
         yield client
 
 

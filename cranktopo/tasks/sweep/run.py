@@ -16,7 +16,6 @@ from cranktopo.design.writing import new_run
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind, working_in
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.sweep.computed import ALL_CORES, Computed, Session, Workplace
 from cranktopo.tasks.sweep.executor import check_packages, check_scheduler
 from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
@@ -166,7 +165,6 @@ def sweep(
     out: str | Path | None = None,
     resume: str | Path | None = None,
     function: PointFunction | None = None,
-    info: Info = lambda _: None,
 ) -> pandas.DataFrame:
     """Compute many variants of a design and return one row for each.
 
@@ -186,7 +184,6 @@ def sweep(
         out: run directory; by default a new one under runs/.
         resume: run directory to continue; `design`, `vary` and the like are then read there.
         function: called with the `Scene` of every point in place of a stage; returns numbers by name.
-        info: called with lines of progress.
 
     Returns:
         A frame, units in the column names; its `attrs` hold the run directory, the front and the picks.
@@ -194,7 +191,7 @@ def sweep(
     Raises:
         CranktopoError: bad input, a package missing, or interruption.
     """
-    place = Workplace(workers, scheduler, info, function)
+    place = Workplace(workers, scheduler, function)
     if resume is not None:
         done = resume_sweep(str(resume), place)
     else:

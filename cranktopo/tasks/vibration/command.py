@@ -12,7 +12,7 @@ from typing import get_args
 import click
 
 from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, bearings_option, body_options, designs, seconds
-from cranktopo.cli.verbosity import info, verbosity_options
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command()
@@ -67,9 +67,7 @@ def command(
 
     resolved = resolve_target(target, design, align=align, whole=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
-    study = shaft_vibration(
-        resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s, info=info
-    )
+    study = shaft_vibration(resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s)
     assumed = filter_by_table(resolved.assumed, (*SHAFT, LOADS, VIBRATION))
     if as_json:
         click.echo(json.dumps(vibration_result(study, assumed).as_json(), indent=2))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.files import replacing
+from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
@@ -14,7 +15,6 @@ from cranktopo.engine.vibration.study import VibrationStudy, study_vibration
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
-from cranktopo.tasks.fea.evaluation import Info
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
@@ -31,7 +31,6 @@ def shaft_vibration(
     design: str | None = None,
     align: bool = False,
     run_up_s: float | None = None,
-    info: Info = lambda _: None,
 ) -> VibrationStudy:
     """Steady torsional vibration of a shaft over its range of speeds, by finite elements of its throw.
 
@@ -53,21 +52,21 @@ def shaft_vibration(
         check_file(csv, "--csv")
     resolved = resolve_target(target, design, align=align, whole=True) if isinstance(target, str) else target
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
-    print_assumed([resolved], (*shaft_tables(resolved.scene, bearings), LOADS, VIBRATION), info)
-    study = _studied(resolved, bearings, element_size_mm, run_up_s, info)
+    print_assumed([resolved], (*shaft_tables(resolved.scene, bearings), LOADS, VIBRATION))
+    study = _studied(resolved, bearings, element_size_mm, run_up_s)
     for line in study.warnings:
-        info(f"warning: {resolved.name}: {line}")
+        note(f"warning: {resolved.name}: {line}")
     if report is not None:
         write_report(vibration_page(study, timestamp()[:10]), report)
-        info(str(report))
+        note(str(report))
     if csv is not None:
         _write_orders(study, csv)
-        info(str(csv))
+        note(str(csv))
     return study
 
 
 def _studied(
-    target: Target, bearings: Bearings, size_mm: float | None, run_up_s: float | None, info: Info
+    target: Target, bearings: Bearings, size_mm: float | None, run_up_s: float | None
 ) -> VibrationStudy:
     scene = target.scene
     given = scene.shaft.throw_stiffness_Nm_per_rad if scene.shaft else None
@@ -75,7 +74,7 @@ def _studied(
         inertia = throw_balance(scene).inertia_kg_mm2
         source = "shaft.throw_stiffness_Nm_per_rad"
         return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)
-    info(f"{target.name}: condensing one throw")
+    note(f"{target.name}: condensing one throw")
     shaft = evaluate_shaft(target, bearings, size_mm)
     stiffness, inertia = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertia_kg_mm2
     source = f"finite elements, {bearings} bearings, +-{shaft.error_percent:.2g} %"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import redirected
 from cranktopo.base.progress import Work
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.loading import load_scene
@@ -52,7 +53,8 @@ def test_a_search_goes_on_in_smaller_steps_where_a_web_cannot_be_solved() -> Non
     webs, told = Brittle(load_scene("mikron-iiic-plain"), 31.0), list[str]()
     goal = SearchGoal("torsion", -1.0, 30.0, ())
     effort = SearchBudget(40, 8.0)
-    found, _ = best_values(lambda: webs, LAYOUT, START, goal, "a", Work(told.append), effort)
+    with redirected(told.append):
+        found, _ = best_values(lambda: webs, LAYOUT, START, goal, "a", Work(), effort)
     assert found is not None
     assert 30.0 < found[4] <= 31.0
     assert "an element folds" in told[0]

@@ -13,6 +13,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
+from cranktopo.base.notes import redirected
 from cranktopo.bodies.memory import estimated_cells
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
@@ -206,7 +207,8 @@ def run(
     planned = {EVALUATION: clock.planned(results)}
     monkeypatch.setattr("cranktopo.tasks.accuracy.study.planned_studies", lambda target: planned)
     monkeypatch.setattr("cranktopo.tasks.accuracy.study.this_machine", lambda: MACHINE)
-    return run_studies(Target("mikron", scene), budget_s, lines.append), lines
+    with redirected(lines.append):
+        return run_studies(Target("mikron", scene), budget_s), lines
 
 
 def test_a_study_ends_before_the_level_that_would_not_fit(

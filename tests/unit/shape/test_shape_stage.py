@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import redirected
 from cranktopo.base.progress import Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
@@ -90,7 +91,8 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         monkeypatch.setattr(stage, "FeatureSelection", told.growth)
         monkeypatch.setattr(stage, "stepped", told.stepped)
         monkeypatch.setattr(stage, "MeshedWebs", Meshes)
-        return optimise_shape(scene, goal_of(scene), None, Work(told.lines.append))
+        with redirected(told.lines.append):
+            return optimise_shape(scene, goal_of(scene), None, Work())
 
     return run
 
