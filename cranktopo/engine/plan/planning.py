@@ -10,6 +10,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetry
 from cranktopo.design.schema import Effects, Scene
+from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import FileState, file_state
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.plan.context import PlanningContext
@@ -47,6 +48,7 @@ _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
     "fatigue": fatigue,
     "bound": bound,
 }
+_LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, "torsional_vibration"}
 _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
 
@@ -63,6 +65,25 @@ def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None)
             the goal relies on, or leaves no load case; gas data that cannot be used.
     """
     return _plan(scene, rates or CostRates(), goal, _file_states(scene))
+
+
+def plan_for_stress(scene: Scene) -> PhysicsPlan:
+    """Decide every effect for stress and fatigue, where a load counts by its size.
+
+    The weights of the optimiser's objective say nothing about stress: a load of weight 0 acts all the same.
+    """
+    return plan(scene.with_optimise(weights=dict.fromkeys(LOAD_TYPES, 1.0)))
+
+
+def left_off(scene: Scene, effects: PhysicsPlan) -> str:
+    """Name the loads that are off although they are above the scene's threshold; empty where none is."""
+    threshold = 100 * scene.effects.threshold
+    off = [
+        f"{effect.name} {effect.estimate_percent:.3g} % ({effect.reason.split('; ')[0]})"
+        for effect in effects.effects
+        if effect.name in _LOADS and effect.state == "off" and (effect.estimate_percent or 0.0) >= threshold
+    ]
+    return f"left out although above the threshold of {threshold:g} %: {', '.join(off)}" if off else ""
 
 
 def _file_states(scene: Scene) -> tuple[FileState, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,6 +110,8 @@ Index = NDArray[np.intp]
 
 _CORNERS = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 _PLANE_MM = 1e-6
+_SHARP = math.cos(math.radians(30.0))
+"""Cosine between normals at an edge below which it is sharp; curved faces of an arc stay above it."""
 
 
 @dataclass(frozen=True)
@@ -181,6 +184,34 @@ def boundary_faces(elements: Index) -> tuple[Index, Index]:
     edge = {tuple(sorted(pair)): 4 + i for i, pair in enumerate(EDGES)}
     full = np.array([[a, b, c, edge[a, b], edge[b, c], edge[a, c]] for a, b, c in _CORNERS], dtype=np.intp)
     return full[side].T, owners
+
+
+def near_sharp_edges(surface: Surface) -> NDArray[np.bool_]:
+    """Return which nodes (n,) lie within two faces of a sharp inner edge, where stress is singular.
+
+    An edge is sharp where the curved faces beside it meet at more than 30 degrees; it is an inner one where
+    the material fills more than half of the space around it (Williams, 1952: no other edge is singular).
+    """
+    faces = surface.faces
+    at = surface.points_mm[:, faces]  # (3, 6, f)
+    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients()[3:])
+    normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)
+    normal /= np.linalg.norm(normal, axis=0)
+    outward = surface.normals[faces].mean(axis=0).T
+    normal *= np.sign(np.einsum("ipf,if->pf", normal, outward))
+    middles = faces[3:].ravel()
+    order = np.argsort(middles, kind="stable")
+    pairs = np.flatnonzero(middles[order][1:] == middles[order][:-1])
+    one, other = order[pairs], order[pairs + 1]
+    normals, centres = normal.reshape(3, -1), np.tile(at[:, :3].mean(axis=1), 3)
+    turned = (normals[:, one] * normals[:, other]).sum(axis=0) < _SHARP
+    beyond = centres[:, other] - surface.points_mm[:, middles[one]]
+    inner = turned & ((beyond * normals[:, one]).sum(axis=0) > 0)
+    near = np.zeros(len(surface.nodes), dtype=bool)
+    near[middles[one[inner]]] = True
+    for _ in range(2):
+        near[faces[:, near[faces].any(axis=0)]] = True
+    return near
 
 
 def _normals(

@@ -75,7 +75,7 @@ def command(
     fillets are found on the body.
 
     The unit loads are solved once; every load state is a sum of them. The safety is that of the worst point
-    of the fillets, anywhere on the throw.
+    of fillets, oil outlets, rounded edges and faces; sharp inner edges, where the mesh decides, are named.
 
     With --method m53 --report FILE the check is written as a dossier for a classification society, with its
     assumptions to be signed.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import FilletSection
 
 Fillet = Literal["journal", "pin"]
@@ -30,6 +31,7 @@ class Place:
             the circle that it is when stretched along the crank.
         point_mm: (x, y, z) in the frame of `cranktopo.base.frames`.
         web: "first" or "second" of a throw with two different halves, else "".
+        outlet: journal whose oil outlet it lies at, else "".
     """
 
     fillet: str
@@ -37,11 +39,14 @@ class Place:
     along_deg: float
     point_mm: tuple[float, float, float]
     web: str = ""
+    outlet: str = ""
 
     def __str__(self) -> str:
         x, y, z = self.point_mm
         where = f"x {x:.1f}, y {y:.1f}, z {z:.1f} mm"
         web = f" of the {self.web} web" if self.web else ""
+        if self.outlet:
+            return f"oil outlet on the {self.outlet}{web}, {where}"
         if not self.fillet:
             return where
         return f"{self.fillet} fillet{web}, {self.around_deg:+.0f} deg around, {self.along_deg:.0f} deg along"
@@ -69,7 +74,17 @@ def place(scene: Scene, point_mm: Array) -> Place:
             around = math.degrees(math.atan2(x, y - axis))
             along = math.degrees(math.atan2(section.flattening * float(height[0]), -float(across[0])))
             return Place(fillet, around, along, (x, y, z), web)
-    return Place("", math.nan, math.nan, (x, y, z), web)
+    return Place("", math.nan, math.nan, (x, y, z), web, _outlet(half, point[:, 0]))
+
+
+def _outlet(half: Scene, point_mm: Array) -> str:
+    """Return the journal of the oil outlet that a point of a half throw lies at, else ""."""
+    for bore in drill_bores(half):
+        for outlet in bore.outlets:
+            reach = 1.5 * bore.radius_mm / math.cos(math.radians(outlet.obliquity_deg)) + outlet.rounding_mm
+            if not outlet.in_bore and np.linalg.norm(point_mm - np.array(outlet.point_mm)) < reach:
+                return outlet.journal.replace("_", " ")
+    return ""
 
 
 def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:

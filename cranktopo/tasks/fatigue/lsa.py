@@ -24,7 +24,7 @@ class LsaStrength:
     Attributes:
         fatigue_tension_MPa, fatigue_bending_MPa: fully reversed strengths of the specimen.
         specimen_diameter_mm: of the bending specimen.
-        treatment_factor: credit for a treated surface (1.3 for hardened fillets).
+        treatment_factor: credit for a treated surface (1.3 for hardened fillets), or one for each point.
     """
 
     fatigue_tension_MPa: float
@@ -34,7 +34,7 @@ class LsaStrength:
     specimen_diameter_mm: float = 7.5
     size_factor: float = 0.89
     survival_factor: float = 0.75
-    treatment_factor: float = 1.0
+    treatment_factor: float | Array = 1.0
 
 
 @dataclass(frozen=True)

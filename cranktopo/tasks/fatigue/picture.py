@@ -99,9 +99,9 @@ def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> Sh
 
 
 def _draw_haigh(axes: Any, field: FatigueField) -> None:
-    """Amplitude over mean stress: the critical point, every fillet node, and the line of safety 1."""
+    """Amplitude over mean stress: the critical point, every node that counts, and the line of safety 1."""
     c, scene = field.critical, field.model.scene
-    on = field.model.on_fillet
+    on = field.model.judged
     axes.plot(field.mean_MPa[:, on].ravel(), field.amplitude_MPa[:, on].ravel(), ",", color="0.6")
     means = np.linspace(
         min(0.0, float(field.mean_MPa[:, on].min())), scene.material.ultimate_MPa or np.nan, 200

@@ -62,7 +62,7 @@ class JudgedQuality(Quality):
 
 
 class CriticalPoint(Result):
-    """The point of least safety, of the fillets or of the surface off them."""
+    """The point of least safety of a part of the surface."""
 
     place: str
     """Where it lies, in words."""
@@ -111,7 +111,7 @@ class _TargetFatigue(Result):
     throw_kg: float
     """Mass of one throw."""
     safety: float
-    """Least safety of the fillets; by the rule, least acceptability factor of all places."""
+    """Least safety of fillets, oil outlets, rounded edges and faces; by the rule, acceptability."""
 
 
 class FieldFatigue(_TargetFatigue):
@@ -120,11 +120,11 @@ class FieldFatigue(_TargetFatigue):
     fillet_safety: dict[str, float]
     """Least safety of the journals' and of the pin's fillets."""
     web_safety: dict[str, float] | None = UNLESS_NONE
-    """Least safety of the fillets of the first and of the second web, where they differ."""
+    """Least safety of the first and of the second web, where they differ."""
     critical: CriticalPoint
-    """The point of least safety of the fillets."""
-    off_the_fillets: CriticalPoint
-    """The point of least safety off the fillets, where the mesh does not resolve edges and pockets."""
+    """The point of least safety of fillets, oil outlets, rounded edges and faces."""
+    at_sharp_edges: CriticalPoint | None
+    """The point of least safety at sharp inner edges, which the mesh decides; null without any."""
     load_states: int
     """Number of load states."""
     unit_loads: tuple[str, ...]

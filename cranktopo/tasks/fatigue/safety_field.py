@@ -15,7 +15,7 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.engine.load_case import LoadKind
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fillets import place
@@ -40,9 +40,10 @@ class FatigueField:
 
     Attributes:
         safety, amplitude_MPa, mean_MPa: at each node of each image, shape (images, n).
-        elsewhere: point of least safety off them, on edges and pockets that the mesh does not resolve.
+        critical: point of least safety of all that has a radius: fillets, outlets, rounded edges, faces.
+        at_sharp_edges: point of least safety at inner edges without a radius, where it follows from the mesh.
         fillet_safety: least safety of the journals' and of the pin's fillets.
-        web_safety: least safety of the fillets of the first and of the second web where the halves differ.
+        web_safety: least safety of the first and of the second web where the halves differ.
     """
 
     model: StressModel
@@ -52,7 +53,7 @@ class FatigueField:
     amplitude_MPa: Array
     mean_MPa: Array
     critical: CriticalPoint
-    elsewhere: CriticalPoint
+    at_sharp_edges: CriticalPoint | None
     fillet_safety: dict[str, float]
     web_safety: dict[str, float]
 
@@ -95,11 +96,11 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
 
 
 def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
-    """Effects that the plan of a scene switches on, and the loads to be solved.
+    """Effects that the plan of a scene switches on for stress, and the loads to be solved.
 
     The extreme states hold radial force and torque; the tangential force only acts in the cycle.
     """
-    enabled = plan(scene).enabled
+    enabled = plan_for_stress(scene).enabled
     possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
     if kind == "cycle":
         possible = ("bending", "tangential", "torsion", "centrifugal")
@@ -128,13 +129,13 @@ def safety_field(model: StressModel, method: str, history: LoadHistory) -> Fatig
     """Safety at every surface node of every image of the model."""
     loads = unit_loads(history, model.kinds)
     found = [signed_von_mises_range(model.stress, loads * image.signs) for image in model.images]
-    safety = np.stack([criterion(method).point_safety(model.scene, e.local).safety for e in found])
+    safety = np.stack([_safety(model, method, extremes.local) for extremes in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
     }
     sides = {"first": ~model.on_second, "second": model.on_second} if model.whole else {}
-    webs = {web: float(safety[:, model.on_fillet & side].min()) for web, side in sides.items()}
+    webs = {web: float(safety[:, model.judged & side].min()) for web, side in sides.items()}
     return FatigueField(
         model,
         method,
@@ -142,10 +143,24 @@ def safety_field(model: StressModel, method: str, history: LoadHistory) -> Fatig
         safety,
         np.stack([e.local.amplitude_MPa for e in found]),
         np.stack([e.local.mean_MPa for e in found]),
-        _critical(model, method, history, found, safety, model.on_fillet),
-        _critical(model, method, history, found, safety, ~model.on_fillet),
+        _critical(model, method, history, found, safety, model.judged),
+        None if model.judged.all() else _critical(model, method, history, found, safety, ~model.judged),
         fillet,
         webs,
+    )
+
+
+def _safety(model: StressModel, method: str, local: LocalStress) -> Array:
+    judged = criterion(method).point_safety
+    everywhere = judged(_off_the_fillets(model.scene), local).safety
+    return np.where(model.on_fillet, judged(model.scene, local).safety, everywhere)
+
+
+def _off_the_fillets(scene: Scene) -> Scene:
+    """Return the scene with the strength that counts off the fillets, where no treatment raises it."""
+    plain = min(scene.fatigue.surface_treatment_factor, 1.0)
+    return scene.model_copy(
+        update={"fatigue": scene.fatigue.model_copy(update={"surface_treatment_factor": plain})}
     )
 
 
@@ -167,7 +182,8 @@ def _critical(
     e = found[image]
     local = e.local
     one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-    made = criterion(method).point_safety(model.scene, one)
+    scene = model.scene if model.on_fillet[node] else _off_the_fillets(model.scene)
+    made = criterion(method).point_safety(scene, one)
     point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
     at, share = place(model.scene, point), float(made.amplitude_share[0])
     return CriticalPoint(

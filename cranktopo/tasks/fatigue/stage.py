@@ -12,6 +12,7 @@ from cranktopo.base.files import write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.plan.planning import left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
@@ -135,6 +136,8 @@ def assess_fatigue(
         check_inputs(target, method, loads)
     print_assumed(resolved, USED)
     for target in resolved:
+        if missing := left_off(target.scene, plan_for_stress(target.scene)):
+            note(f"{target.name}: {missing}")
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
@@ -148,7 +151,7 @@ def assess_fatigue(
         _note_quality(field)
         if field.web_safety:
             told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
-            note(f"{target.name}: least safety of the fillets: {told}")
+            note(f"{target.name}: least safety: {told}")
         if out is not None:
             _write_field(out, field)
     found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed, tuple(resolved))
@@ -201,7 +204,7 @@ def _field_fatigue(
         fillet_safety=field.fillet_safety,
         web_safety=field.web_safety or None,
         critical=field.critical,
-        off_the_fillets=field.elsewhere,
+        at_sharp_edges=field.at_sharp_edges,
         load_states=len(field.history.labels),
         unit_loads=model.kinds,
         quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),
@@ -264,10 +267,11 @@ def _note_quality(field: FatigueField) -> None:
     quality = field.model.quality
     if not quality.within_limits:
         note(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
-    if field.elsewhere.safety < field.critical.safety:
+    sharp = field.at_sharp_edges
+    if sharp is not None and sharp.safety < field.critical.safety:
         note(
-            f"note: {field.model.name}: {field.elsewhere.safety:.3f} off the fillets at "
-            f"{field.elsewhere.place}; sharp edges there make it depend on the mesh."
+            f"note: {field.model.name}: {sharp.safety:.3f} at a sharp inner edge ({sharp.place}) is not "
+            "counted: it falls with every finer mesh. Give the edge a radius."
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
+    near_sharp_edges,
     nodal_stress,
     outer_surface,
     principal_stresses,
@@ -91,6 +93,11 @@ class StressModel:
     def on_second(self) -> NDArray[np.bool_]:
         """Which surface nodes are beyond the middle of the crankpin."""
         return self.surface.points_mm[2] > halves(self.scene)[0].pitch_mm / 2
+
+    @cached_property
+    def judged(self) -> NDArray[np.bool_]:
+        """Which surface nodes have a stress of their own: all but those at inner edges without a radius."""
+        return self.on_fillet | ~near_sharp_edges(self.surface)
 
     @property
     def on_fillet(self) -> NDArray[np.bool_]:

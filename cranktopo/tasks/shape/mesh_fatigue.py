@@ -1,14 +1,15 @@
-"""Fatigue safety of the fillets on one mesh as a smooth quantity, and its derivative by the nodes.
+"""Fatigue safety of a throw on one mesh as a smooth quantity, and its derivative by the nodes.
 
-The least safety jumps from node to node, so the used strength, 1 / safety, is summed up over all fillet nodes
-and images of the throw by a p-norm. One adjoint solve per unit field, with the matrix that is factorised
-already, brings the derivative back to the nodes: every step of `numerics.tetrahedra.stress` and of
-`stressed_surface` in reverse order.
+The least safety jumps from node to node, so the used strength, 1 / safety, is summed up by a p-norm over all
+images of the throw and all nodes but those at sharp inner edges. One adjoint solve per unit field, with the
+matrix that is factorised already, brings the derivative back to the nodes: every step of
+`numerics.tetrahedra.stress` and of `stressed_surface` in reverse order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -36,6 +37,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
     hooke,
+    near_sharp_edges,
     nodal_stress,
     nodes_from_points,
     outer_surface,
@@ -43,7 +45,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     triangle_gradients,
 )
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
-from cranktopo.tasks.fatigue.lsa import lsa, lsa_strength
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
 from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
@@ -195,7 +197,7 @@ class FilletFatigue:
     def safety(
         self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
     ) -> tuple[float, float, Array]:
-        """Return the safety of the fillets on a mesh, by symmetric and antisymmetric condensation.
+        """Return the least safety on a mesh, by symmetric and antisymmetric condensation.
 
         Returns:
             The least; 1 over the p-norm of 1 / safety, which is below it by a factor that hardly changes; the
@@ -233,9 +235,11 @@ class FilletFatigue:
         self, scene: Scene, surface: Surface, stress: SurfaceStress, loads: list[Array]
     ) -> tuple[float, float, tuple[Array, Array]]:
         """Return minimum and smooth safety, and the latter's derivatives by stresses and depth slopes."""
-        on = np.flatnonzero(sum(fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")))
-        here = _at(stress, on)
-        used = np.stack([self._used(here, load) for load in loads])
+        journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
+        fillets = journal | pin
+        on = np.flatnonzero(fillets | ~near_sharp_edges(surface))
+        here, strength = _at(stress, on), self._strength(fillets[on])
+        used = np.stack([_used(here, load, strength) for load in loads])
         worst = used.max()
         powers = (used / worst) ** _POWER
         norm = worst * powers.sum() ** (1 / _POWER)
@@ -243,12 +247,16 @@ class FilletFatigue:
         adjoint = np.zeros((2, *stress.stress_MPa.shape))
         for load, weight, power in zip(loads, weights, powers, strict=True):
             heavy = np.flatnonzero(power > _NEGLIGIBLE)
-            gradients = _gradients_by_stress(partial(self._used, loads=load), _at(here, heavy))
+            there = partial(_used, loads=load, strength=self._strength(fillets[on[heavy]]))
+            gradients = _gradients_by_stress(there, _at(here, heavy))
             adjoint[:, :, on[heavy]] += gradients * weight[heavy, None]
         return float(1 / worst), float(1 / norm), (adjoint[0], adjoint[1])
 
-    def _used(self, stress: SurfaceStress, loads: Array) -> Array:
-        return 1 / lsa(signed_von_mises_range(stress, loads).local, lsa_strength(self.scene)).safety
+    def _strength(self, on_fillet: NDArray[np.bool_]) -> LsaStrength:
+        """Return the strength at nodes; a treatment of the fillets raises it nowhere else."""
+        strength = lsa_strength(self.scene)
+        factor = strength.treatment_factor
+        return replace(strength, treatment_factor=np.where(on_fillet, factor, np.minimum(factor, 1.0)))
 
     def _through_field(
         self, model: Elasticity, bend: Superelement, twist: Superelement, field: UnitField, force: Array
@@ -277,6 +285,10 @@ class FilletFatigue:
         gradients += section_slopes(model, load - model.stiffness @ moved, adjoint)
         gradients += section_slopes(model, force - model.stiffness @ adjoint, moved)
         return gradients
+
+
+def _used(stress: SurfaceStress, loads: Array, strength: LsaStrength) -> Array:
+    return 1 / lsa(signed_von_mises_range(stress, loads).local, strength).safety
 
 
 def _at(stress: SurfaceStress, nodes: NDArray[np.intp]) -> SurfaceStress:

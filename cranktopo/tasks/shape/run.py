@@ -30,7 +30,7 @@ from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run, toml_text
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.report.report_file import REPORT, write_report
@@ -113,6 +113,8 @@ def shape_design(
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)
+    if missing := left_off(scene, plan_for_stress(scene)):
+        note(f"{scene.name}: {missing}")
     assumed = assumptions(scene, _TABLES)
     if assumed:
         note(assumed_text(assumed))

@@ -23,8 +23,12 @@ YOUNGS, POISSON = 2.1e5, 0.3
 
 
 def cube() -> TetMesh:
-    """A box of ten-node tetrahedra, none inverted."""
-    mesh = MeshTet2.from_mesh(MeshTet.init_tensor(*(np.linspace(0, s, 4) for s in (2.0, 3.0, 1.5))))
+    """A box of ten-node tetrahedra."""
+    return upright(MeshTet2.from_mesh(MeshTet.init_tensor(*(np.linspace(0, s, 4) for s in (2.0, 3.0, 1.5)))))
+
+
+def upright(mesh: MeshTet2) -> TetMesh:
+    """A mesh of ten-node tetrahedra, none inverted."""
     cells = mesh.dofs.element_dofs.copy()
     edges = (mesh.doflocs[:, cells[1:4]] - mesh.doflocs[:, cells[:1]]).transpose(2, 0, 1)
     inverted = np.linalg.det(edges) < 0

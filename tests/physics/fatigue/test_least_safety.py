@@ -1,0 +1,107 @@
+"""The least safety counts oil outlets and every edge with a radius, and names sharp inner edges."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import MeshTet, MeshTet2
+
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
+from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.stress import near_sharp_edges, nodal_stress, outer_surface
+from cranktopo.tasks.fatigue.safety_field import fatigue_field
+from cranktopo.tasks.fea.targets import Target
+from tests.physics.fatigue.stepped_shaft import Shaft, shaft_mesh
+from tests.physics.numerics.test_surface_stress import POISSON, YOUNGS, upright
+
+
+def drilled() -> Scene:
+    """A throw of a fast V-twin whose oil outlet, 5 mm wide and rounded by 1 mm, is the worst place."""
+    journal = {"outer_diameter_mm": 48.0, "length_mm": 30.0, "fillet_mm": 2.5}
+    pin = {"outer_diameter_mm": 44.0, "length_mm": 44.0, "fillet_mm": 2.5}
+    drilling = {
+        "diameter_mm": 5.0,
+        "outlet_radius_mm": 1.0,
+        "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 5.0},
+        "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 11.0},
+    }
+    return scene_from_dict(
+        {
+            "name": "v-twin",
+            "throw": {"radius_mm": 33.75, "main_journal": journal, "crankpin": pin, "drilling": [drilling]},
+            "web": {
+                "thickness_mm": 22.0,
+                "outline": "obround",
+                "width_mm": 64.0,
+                "counterweight": {"outer_radius_mm": 75.0, "half_angle_deg": 80.0},
+            },
+            "material": {"name": "42CrMo4"},
+            "engine": {
+                "bore_mm": 100.0,
+                "rod_length_mm": 124.0,
+                "speed_rpm": 11500.0,
+                "cylinders": 2,
+                "firing_order": [1, 2],
+                "gas": {"peak_pressure_MPa": 9.5, "peak_angle_deg": 14.0, "compression_ratio": 12.5},
+                "masses": {"piston_group_kg": 0.4, "rod_reciprocating_kg": 0.13, "rod_rotating_kg": 0.3},
+                "arrangement": {"layout": "V", "bank_angle_deg": 90.0, "throw_angles_deg": [0]},
+            },
+        },
+        "v-twin",
+    )
+
+
+def test_the_outlet_is_the_worst_place_on_two_meshes() -> None:
+    fields = [fatigue_field(Target("v-twin", drilled()), "lsa", fillet_fraction=size) for size in (0.5, 0.34)]
+    for field in fields:
+        assert field.critical.place.startswith("oil outlet on the crankpin")
+        assert field.critical.safety < 0.99 * min(field.fillet_safety.values())
+        assert field.critical.safety == field.safety[:, field.model.judged].min()
+        assert field.at_sharp_edges is not None
+        assert not field.model.judged.all()
+    assert fields[0].critical.safety == pytest.approx(fields[1].critical.safety, rel=0.03)
+
+
+def test_a_treatment_of_the_fillets_raises_nothing_else() -> None:
+    scene = drilled()
+    treated = scene.model_copy(
+        update={"fatigue": scene.fatigue.model_copy(update={"surface_treatment_factor": 1.3})}
+    )
+    plain, hard = (fatigue_field(Target("", one), "lsa", fillet_fraction=0.5) for one in (scene, treated))
+    assert hard.critical.safety == pytest.approx(plain.critical.safety, rel=1e-12)
+    assert min(hard.fillet_safety.values()) > 1.15 * min(plain.fillet_safety.values())
+
+
+def test_only_inner_edges_without_a_radius_are_sharp() -> None:
+    """An L has one inner edge, along z at (1, 1); its outer edges are not singular."""
+    box = MeshTet.init_tensor(*(np.linspace(0, size, 9) for size in (2.0, 2.0, 2.0)))
+    middles = box.p[:, box.t].mean(axis=1)
+    angle = box.remove_elements(np.flatnonzero((middles[0] > 1) & (middles[1] > 1)))
+    model = assemble(upright(MeshTet2.from_mesh(angle)), YOUNGS, POISSON)
+    found = nodal_stress(model, np.zeros((1, model.nodes_mm.size)), YOUNGS, POISSON)
+    surface = outer_surface(model, found.elements, ((2, 0.0),))
+    away = np.abs(surface.points_mm[:2] - 1).max(axis=0)
+    sharp = near_sharp_edges(surface)
+    assert sharp[away < 1e-9].all()
+    assert away[sharp].max() == pytest.approx(2 * 0.25)
+
+
+def test_a_fillet_is_not_sharp() -> None:
+    model = assemble(shaft_mesh(Shaft(60, 40, 4), 12.0, 0.5), YOUNGS, POISSON)
+    found = nodal_stress(model, np.zeros((1, model.nodes_mm.size)), YOUNGS, POISSON)
+    assert not near_sharp_edges(outer_surface(model, found.elements, ((1, 0.0),))).any()
+
+
+def test_fatigue_counts_every_load_above_the_threshold() -> None:
+    """The weights of the optimiser's objective say nothing about stress."""
+    scene = drilled()
+    assert plan(scene)["centrifugal"].state == "off"
+    assert "optimise.weights.centrifugal is 0" in left_off(scene, plan(scene))
+    stress = plan_for_stress(scene)
+    assert stress["centrifugal"].state == "on"
+    assert "centrifugal" not in left_off(scene, stress)
+    without = scene.with_effect("centrifugal", "off")
+    assert "centrifugal 3" in left_off(without, plan_for_stress(without))
+    assert "(set off in the scene)" in left_off(without, plan_for_stress(without))
