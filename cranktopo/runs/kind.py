@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import shutil
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -28,6 +29,9 @@ RESULT_FILES: dict[RunKind, str] = {
     "sweep": "sweep.json",
 }
 """Name of the file that a run of each kind writes last."""
+
+
+_BEGINNING = {".lock", "design.toml", "manifest.json", "run.log"}
 
 
 def kind_of(run: RunStore) -> RunKind:
@@ -112,7 +116,8 @@ def interruptible() -> Iterator[Callable[[], None]]:
 def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
     """Lock a run and record its end; yields what raises KeyboardInterrupt where Ctrl-C was pressed.
 
-    `kept` says what an interruption leaves, for the message.
+    `kept` says what an interruption leaves, for the message. Input that is refused before anything is found
+    leaves nothing, so that the same command can be given again.
 
     Raises:
         CranktopoError: what failed in the block, or interruption (exit code 130).
@@ -124,6 +129,9 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
             run.set_status("done")
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
+                if _is_refusal(error) and _has_only_begun(run):
+                    shutil.rmtree(run.path)
+                    raise
                 run.set_status("failed")
                 run.log(f"failed: {error}")
                 raise
@@ -134,6 +142,15 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
                 hint=f"Continue with: {resume_command(run)}",
                 code=ExitCode.INTERRUPTED,
             ) from None
+
+
+def _is_refusal(error: BaseException) -> bool:
+    return isinstance(error, CranktopoError) and error.code == ExitCode.INVALID_INPUT
+
+
+def _has_only_begun(run: RunStore) -> bool:
+    """Tell whether a run holds nothing yet but what it began with, so that a refusal may leave nothing."""
+    return {path.name for path in run.path.iterdir()} <= _BEGINNING
 
 
 def _is_interruption(error: BaseException) -> bool:

@@ -85,7 +85,8 @@ def check_goal_cases(context: PlanningContext, goal: Goal, cases: Collection[str
     original = context.balance.throw_unbalance_kg_mm
     size = context.balance.mass_kg * context.scene.throw.radius_mm
     for limit in goal.limits_of("unbalance"):
-        if limit.percent and original < _NEGLIGIBLE * size:
+        as_it_is = limit.value == 100  # which has a meaning whatever the sign
+        if limit.percent and not as_it_is and original < _NEGLIGIBLE * size:
             raise invalid(
                 "goal.limits.unbalance",
                 limit.condition,

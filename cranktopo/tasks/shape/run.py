@@ -109,7 +109,7 @@ def shape_design(
     check_destination(out)
     check_device()
     check_original(scene)
-    _goal(scene)
+    plan(scene, goal=_goal(scene))
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)

@@ -91,3 +91,8 @@ def test_a_plan_that_cannot_serve_its_goal_is_refused(scene, options, message):
     with pytest.raises(CranktopoError) as caught:
         goal_plan(scene, **options)
     assert message in str(caught.value)
+
+
+def test_an_unbalance_below_zero_may_stay_as_it_is():
+    """More than balanced: 100 % of it has a meaning whatever its sign, other shares have none."""
+    assert goal_plan(balanced(), minimise="mass", limits=["unbalance <= 100 %"]).enabled

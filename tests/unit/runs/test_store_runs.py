@@ -15,7 +15,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, check_destination, create_run, list_runs, open_run
-from cranktopo.runs.kind import read_result
+from cranktopo.runs.kind import read_result, working_in
 from cranktopo.runs.manifest import settings_hash
 
 SCENE = {"name": "demo", "throw": {"radius_mm": 48.0}, "optimise": {"volume_fraction": 0.3}}
@@ -229,3 +229,19 @@ def test_second_process_on_a_run_is_refused(tmp_path: Path) -> None:
         pass
     with locked(run.path):
         pass
+
+
+def test_a_refused_run_leaves_nothing(tmp_path: Path) -> None:
+    run = _create(tmp_path)
+    with pytest.raises(CranktopoError, match="impossible"), working_in(run, "nothing"):
+        raise CranktopoError("impossible")
+    assert not run.path.exists()
+    assert _create(tmp_path).path.exists(), "the same command may be given again"
+
+
+def test_a_refusal_keeps_what_was_found(tmp_path: Path) -> None:
+    run = _create(tmp_path)
+    (run.path / "work.json").write_text("{}")
+    with pytest.raises(CranktopoError, match="impossible"), working_in(run, "nothing"):
+        raise CranktopoError("impossible")
+    assert run.manifest()["status"] == "failed"
