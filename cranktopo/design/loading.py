@@ -17,7 +17,7 @@ from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import difference, halves, of_second, require_equal_halves
 from cranktopo.design.messages import explain, explain_unknown
 from cranktopo.design.schema import Scene
-from cranktopo.runs.directories import runs_named
+from cranktopo.runs.directories import RUNS, runs_named
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
@@ -145,11 +145,13 @@ def builtin_designs() -> list[str]:
 
 
 def resolve_design(design: str) -> Path:
-    """Return the path of a design given as a TOML path or a built-in name."""
+    """Return the path of a design: a TOML path, a built-in name, or a run of `shape`, which ends with one."""
     if os.path.exists(design) and not os.path.isdir(design):
         return Path(design)
     if design in builtin_designs():
         return designs_folder() / f"{design}.toml"
+    if (shaped := shaped_web(design)) is not None:
+        return shaped
     given = f"design {quoted(design, 400)}"
     if os.path.isfile(os.path.join(design, "manifest.json")) or (design and runs_named(design)):
         raise CranktopoError(
@@ -162,6 +164,14 @@ def resolve_design(design: str) -> Path:
     raise CranktopoError(
         f"{given}: no such file or built-in design.", hint=suggest(design[:100], builtin_designs())
     )
+
+
+def shaped_web(reference: str) -> Path | None:
+    """Return the design that a finished run of `shape` ends with; None where it is something else."""
+    names = [] if os.path.isdir(reference) else runs_named(reference)
+    folder = RUNS / names[0] if len(names) == 1 else Path(reference)
+    finished = reference and (folder / "shape.json").is_file() and (folder / "web.toml").is_file()
+    return folder / "web.toml" if finished else None
 
 
 def design_text(design: str) -> str:

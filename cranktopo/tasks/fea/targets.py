@@ -18,7 +18,7 @@ from cranktopo.design.assumed import (
     assumptions,
     stored_assumptions,
 )
-from cranktopo.design.loading import builtin_designs, load_scene
+from cranktopo.design.loading import builtin_designs, load_scene, shaped_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.plan.planning import planned_scene
@@ -82,7 +82,8 @@ def resolve_target(
     """Return a target from what the user typed.
 
     Args:
-        text: design name, TOML path, run directory, name of a run or its beginning, STL or STEP path.
+        text: design name, TOML path, run of `optimise` or `shape` (directory, name or its beginning), STL or
+            STEP path.
         align: moves a body from CAD that lies elsewhere to where the journals are.
         whole: the halves of a design's throw may differ.
 
@@ -92,7 +93,7 @@ def resolve_target(
     """
     path = Path(text)
     named = not path.exists() and text not in builtin_designs() and runs_named(text)
-    if path.is_dir() or named:
+    if (path.is_dir() or named) and shaped_web(text) is None:
         return _run(open_run(text))
     if path.suffix.lower() not in _GEOMETRY:
         scene = load_scene(text, whole=whole)
