@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from cranktopo.bodies.solid.files import export_solid
     from cranktopo.design.goal.limit import Goal, Limit
     from cranktopo.design.goal.wanted import wanted, with_goal
-    from cranktopo.design.loading import load_scene
+    from cranktopo.design.loading import load_scene, with_values
     from cranktopo.design.schema import Scene
+    from cranktopo.design.writing import save_scene
     from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
     from cranktopo.engine.load_case import LoadCase
     from cranktopo.engine.plan.effect import PhysicsPlan
@@ -69,6 +70,8 @@ _HOMES = {
     "CranktopoError": "base.errors",
     "Scene": "design.schema",
     "load_scene": "design.loading",
+    "with_values": "design.loading",
+    "save_scene": "design.writing",
     "Goal": "design.goal.limit",
     "Limit": "design.goal.limit",
     "with_goal": "design.goal.wanted",
@@ -194,6 +197,7 @@ __all__ = [
     "resolve_targets",
     "resume_optimisation",
     "resume_shape",
+    "save_scene",
     "shaft_vibration",
     "shape_design",
     "shape_settings",
@@ -205,6 +209,7 @@ __all__ = [
     "web_target",
     "with_cells_for",
     "with_goal",
+    "with_values",
     "write_load_curves",
     "write_stl",
 ]

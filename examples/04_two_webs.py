@@ -5,14 +5,14 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from cranktopo import Entry, MeshRequest, Target, compare, evaluate_target, load_scene
+from cranktopo import Entry, MeshRequest, Target, compare, evaluate_target, load_scene, with_values
 
 out = Path(sys.argv[1] if sys.argv[1:] else "examples/out")
 out.mkdir(parents=True, exist_ok=True)
 
 scene = load_scene("mikron-iiic")
-wide = scene.web.model_copy(update={"width_mm": 60.0, "thickness_mm": 17.0})
-targets = (Target("as it is", scene), Target("wide", scene.model_copy(update={"web": wide})))
+wide = with_values(scene, {"web.width_mm": 60.0, "web.thickness_mm": 17.0})
+targets = (Target("as it is", scene), Target("wide", wide))
 coarse = MeshRequest(element_size_mm=9.0)  # for an example; without it, a tenth of the thinner journal
 found = compare([Entry(evaluate_target(target, coarse)) for target in targets], baseline="as it is")
 

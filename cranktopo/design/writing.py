@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import write_text
 from cranktopo.design.assumed import Assumption, assumed_json
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import (
@@ -74,6 +75,11 @@ def toml_text(scene: Scene, heading: str) -> str:
 
     data = scene.model_dump(mode="json", exclude_none=True)
     return f"# {heading}\n{tomlkit.dumps(data)}"
+
+
+def save_scene(scene: Scene, path: Path) -> None:
+    """Write a scene as a TOML file that every command takes; raises CranktopoError where it cannot."""
+    write_text(path, toml_text(scene, f"{scene.name}, written by cranktopo"))
 
 
 def new_run(

@@ -99,7 +99,7 @@ def _reached(entry: GoalOutcome | GoalEvaluation | LimitOutcome, unit: str) -> s
 
 def _holds(limit: LimitOutcome) -> str:
     if limit.holds is None:
-        return "not told"
+        return "unknown"
     return (f"yes, within {100 * ACTIVE:g} %" if limit.active else "yes") if limit.holds else "NO"
 
 

@@ -62,7 +62,7 @@ def test_history_follows_goal_and_limits(run: Path, metrics: dict[str, Any]) -> 
 def test_the_page_shows_the_limits(run: Path, metrics: dict[str, Any]) -> None:
     page = (run / "report.html").read_text(encoding="utf-8")
     assert "Goal and limits" in page
-    assert "not told" in page
+    assert "unknown" in page
     assert f"{metrics['goal']['reached_percent']:.1f} % of the original web" in page
 
 

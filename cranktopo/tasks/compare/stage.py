@@ -18,6 +18,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.simulated import without
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
 from cranktopo.report.report_file import check_report_path, write_report
@@ -112,7 +113,7 @@ def compare_targets(
     given = with_picks(names)
     every = given if baseline in given else [baseline, *given]
     index = every.index(baseline)
-    targets = resolve_targets(every, design, align=align, whole=True)
+    targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     safety = None
     if fatigue is not None:
@@ -128,6 +129,19 @@ def compare_targets(
     comparison = compare(entries, entries[index].name, safety)
     comparison = replace(comparison, goals=_evaluated_goals(targets, entries, index))
     return ComparedTargets(comparison, tuple(targets), found.missed)
+
+
+def _like_for_like(targets: Sequence[Target]) -> list[Target]:
+    """Return the targets without fillets where one is the surface of a run, which has none."""
+    if not any(target.run for target in targets):
+        return list(targets)
+    bare = [
+        target if target.file else replace(target, scene=without(target.scene, "fillets"))
+        for target in targets
+    ]
+    if any(one.scene is not target.scene for one, target in zip(bare, targets, strict=True)):
+        note("compared without fillets, which the surface of a run has not; `cranktopo remodel` adds them")
+    return bare
 
 
 def _evaluated_goals(

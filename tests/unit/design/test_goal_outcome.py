@@ -70,7 +70,7 @@ def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
         *("110.0", "105.0", "NO"),
     ]
     assert lines[5].split()[:4] == ["fatigue_safety", ">=", "100", "%"]
-    assert lines[5].endswith("not told")
+    assert lines[5].endswith("unknown")
 
 
 def test_percent_of_a_balanced_original_is_none() -> None:
