@@ -195,6 +195,21 @@ def script(folder: Path, body: str) -> list[str]:
     return [sys.executable, str(file)]
 
 
+def test_a_script_without_a_main_guard_is_told_so(tmp_path: Path) -> None:
+    file = tmp_path / "script.py"
+    file.write_text("from cranktopo import sweep\nsweep(vary={'web.width_mm': [50, 52]}, out='out')\n")
+    done = subprocess.run(
+        [sys.executable, str(file)],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert 'Put the call below `if __name__ == "__main__":`' in done.stderr.splitlines()[-1]
+    assert not (tmp_path / "out").exists()
+
+
 def environment() -> dict[str, str]:
     root = str(Path(__file__).resolve().parents[2])
     return {**os.environ, "PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}

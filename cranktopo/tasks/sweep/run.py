@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import write_json, write_text
 from cranktopo.design.loading import value_at
 from cranktopo.design.writing import new_run
@@ -147,6 +148,17 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
     )
 
 
+def _check_main_guard() -> None:
+    """Refuse a script whose import, which every worker process does, would start the sweep again."""
+    script = Path(getattr(sys.modules["__main__"], "__file__", None) or "")
+    if script.suffix == ".py" and script.is_file() and "__main__" not in script.read_text("utf-8", "replace"):
+        raise CranktopoError(
+            f"sweep: worker processes import {script.name}, which would start the sweep again.",
+            hint='Put the call below `if __name__ == "__main__":`.',
+            code=ExitCode.USAGE,
+        )
+
+
 def sweep(
     design: str | Path | Sequence[str | Path] = "mikron-iiic",
     vary: Mapping[str, Any] | None = None,
@@ -191,6 +203,8 @@ def sweep(
     Raises:
         CranktopoError: bad input, a package missing, or interruption.
     """
+    if scheduler is None:
+        _check_main_guard()
     place = Workplace(workers, scheduler, function)
     if resume is not None:
         done = resume_sweep(str(resume), place)
