@@ -62,6 +62,9 @@ class Material(SceneTable):
         return filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
 
 
+M53Factors = Literal["lower", "polynomials", "elements"]
+
+
 class Fatigue(SceneTable):
     """Surface, size and rule factors of the fatigue methods.
 
@@ -87,6 +90,9 @@ class Fatigue(SceneTable):
     """Factor K of IACS UR M53 for the way of forging: 1.05 drop forged, 1.0 free forged, 0.93 cast."""
     additional_stress_MPa: float = Field(default=10.0, ge=0, le=1e4)
     """Additional bending stress of IACS UR M53: 10 for trunk piston engines."""
+    m53_factors: M53Factors = "lower"
+    """Concentration factors that govern at the fillets by IACS UR M53: those of its polynomials, those of
+    elements (Appendix III), or those with the lower acceptability where the polynomials are valid."""
 
     @property
     def treatment(self) -> str:

@@ -119,5 +119,7 @@ def _text(found: FatigueAssessment) -> str:
         ]
         if any(check.outlets for check in found.checks):
             parts.append(terminal(tables.outlet_table(found.checks)))
+        if remarks := tables.rule_remarks(found.checks):
+            parts.append("\n".join(remarks))
     verdicts = [] if baseline is None else tables.verdicts(found.results, baseline)
     return "\n\n".join([*parts, *(["\n".join(verdicts)] if verdicts else [])])

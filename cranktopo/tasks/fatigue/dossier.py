@@ -10,7 +10,7 @@ from cranktopo.design.assumed import assumed_json
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.engine.states import load_cases
 from cranktopo.report.plot import Picture
 from cranktopo.report.report_file import check_report_path, write_report
@@ -58,7 +58,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
     """
     check_dossier(found.method, len({id(target) for target in found.targets}), path)
     target, scene = found.targets[0], found.targets[0].scene
-    effects = plan(scene)
+    effects = plan_for_stress(scene)
     record = RuleRecord(
         name=target.name,
         checks=found.checks,

@@ -210,7 +210,11 @@ class RuleFatigue(_TargetFatigue):
     """A target, or one of its two different webs, against IACS UR M53."""
 
     accepted: bool
-    """The rule accepts both fillets and every outlet of an oil bore."""
+    """The rule accepts both fillets and every outlet of an oil bore that it covers."""
+    governing_factors: dict[str, str]
+    """Factors that govern at each fillet, "polynomials" or "elements", as `fatigue.m53_factors` has it."""
+    not_judged: dict[str, str]
+    """Outlets outside the validity of the rule's factors, and why."""
     least_acceptability: float
     """Acceptability factor that the rule asks for."""
     alternating: AlternatingLoads

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
+from cranktopo.base.errors import invalid
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import drilled_alike, halves
+from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, load_history
 from cranktopo.engine.throw_compliance import web_lever_mm
@@ -32,6 +35,8 @@ from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.targets import Target
 
+GoverningFactors = Literal["polynomials", "elements"]
+
 
 @dataclass(frozen=True)
 class RuleCheck:
@@ -43,6 +48,7 @@ class RuleCheck:
         scf_rule, scf_fem: concentration factors by polynomial and by finite elements.
         web: which one of two that differ; empty where they are alike.
         rule_checks, fem_checks: pin and journal fillet with either set of factors.
+        wanted_factors: set that the scene lets govern.
     """
 
     name: str
@@ -58,21 +64,54 @@ class RuleCheck:
     quality: Quality
     outlets: tuple[OutletCheck, ...] = ()
     web: str = ""
+    wanted_factors: M53Factors = "lower"
+
+    @property
+    def governing(self) -> dict[str, GoverningFactors]:
+        """The set of factors that governs at each fillet."""
+        return {fillet: self._governing(fillet) for fillet in self.fem_checks}
+
+    def _governing(self, fillet: str) -> GoverningFactors:
+        if self.wanted_factors != "lower":
+            return self.wanted_factors
+        by_rule, by_elements = self.rule_checks[fillet], self.fem_checks[fillet]
+        lower = by_rule.acceptability < by_elements.acceptability
+        return "polynomials" if lower and not self.outside else "elements"
 
     @property
     def places(self) -> dict[str, FilletCheck]:
-        """Every place that is checked: fillets with factors from elements, outlets with those of the rule."""
-        return self.fem_checks | {outlet.place: outlet.check for outlet in self.outlets}
+        """Every place that is judged: fillets with the factors that govern, outlets that the rule covers."""
+        sets = {"polynomials": self.rule_checks, "elements": self.fem_checks}
+        fillets = {fillet: sets[name][fillet] for fillet, name in self.governing.items()}
+        return fillets | {outlet.place: outlet.check for outlet in self.outlets if not outlet.outside}
+
+    @property
+    def not_judged(self) -> dict[str, str]:
+        """Outlets that lie outside the validity of the rule's factors, and why."""
+        return {outlet.place: "; ".join(outlet.outside) for outlet in self.outlets if outlet.outside}
 
     @property
     def safety(self) -> float:
-        """Least acceptability factor of all places."""
+        """Least acceptability factor of all places that are judged."""
         return min(check.acceptability for check in self.places.values())
 
     @property
     def accepted(self) -> bool:
-        """True if the rule accepts both fillets and every outlet of an oil bore."""
+        """True if the rule accepts both fillets and every outlet of an oil bore that it covers."""
         return self.safety >= LEAST_FACTOR
+
+    @property
+    def departures(self) -> tuple[str, ...]:
+        """Fillets at which both valid sets differ by more than the elements' own error, in words."""
+        if self.outside:
+            return ()
+        return tuple(
+            f"{fillet} fillet: Q {rule.acceptability:.3f} by polynomials, {fem.acceptability:.3f} by "
+            f"elements ({100 * (fem.acceptability / rule.acceptability - 1):+.1f} %, element error "
+            f"{self.quality.jump_percent:.1f} %): {self.governing[fillet]} govern"
+            for (fillet, rule), fem in zip(self.rule_checks.items(), self.fem_checks.values(), strict=True)
+            if abs(fem.acceptability / rule.acceptability - 1) > self.quality.jump_percent / 100
+        )
 
 
 def check_rule(
@@ -120,6 +159,7 @@ def _check(
     history = load_history(throw, kind, enabled)
     force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
     size = dimensions(scene)
+    _check_validity(scene, size)
     moment = force * share * web_lever_mm(scene)
     nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
     note(f"{target.name}: four-point bending, three-point bending and torsion")
@@ -139,7 +179,20 @@ def _check(
         model.quality,
         check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
         web,
+        scene.fatigue.m53_factors,
     )
+
+
+def _check_validity(scene: Scene, size: Dimensions) -> None:
+    """Refuse polynomials outside their validity, before anything is solved."""
+    outside = outside_validity(size)
+    if scene.fatigue.m53_factors == "polynomials" and outside:
+        raise invalid(
+            "fatigue.m53_factors",
+            "polynomials",
+            f"they are not valid here: {'; '.join(outside)}",
+            "Take 'lower' or 'elements'.",
+        )
 
 
 def _held_by_rule(target: Target) -> Target:

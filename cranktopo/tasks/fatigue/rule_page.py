@@ -97,8 +97,17 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
     place = min(worst.places, key=lambda name: worst.places[name].acceptability)
     return (
         f"The throw {answer}: least acceptability factor Q = {worst.safety:.3f} at the "
-        f"{place}{_of_web(worst)}, {LEAST_FACTOR:g} asked, with concentration factors from finite "
-        "elements."
+        f"{place}{_of_web(worst)}, {LEAST_FACTOR:g} asked, with {_factors_at(worst, place)}."
+        + "".join(
+            f" Not judged: {name}, {why}." for check in checks for name, why in check.not_judged.items()
+        )
+    )
+
+
+def _factors_at(check: RuleCheck, place: str) -> str:
+    by = {"polynomials": "polynomials of the rule", "elements": "finite elements"}
+    return (
+        f"concentration factors from {by[check.governing[place]] if place in check.governing else 'the rule'}"
     )
 
 
@@ -112,6 +121,9 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
             "good" if found.accepted else "bad",
         )
         for place, found in check.places.items()
+    ]
+    facts += [
+        Fact(f"Q at the {place}{of_web}", "not judged", why, "bad") for place, why in check.not_judged.items()
     ]
     outside, within = len(check.outside), check.quality.within_limits
     facts.append(
@@ -138,11 +150,17 @@ def _acceptability(check: RuleCheck) -> Section:
         "acceptability",
         "Acceptability",
         "Q is the fatigue strength over the equivalent alternating stress (sections 5 and 6 of the rule). "
-        "The verdict takes the factors from finite elements; those by polynomials stand beside them. Plus "
-        "or minus: what the stress at the peak differs between neighbouring elements, an estimate and no "
-        "bound.",
+        f"{_governs(check)} Plus or minus: what the stress at the peak differs between neighbouring "
+        "elements, an estimate and no bound.",
         (("Equivalent alternating stress, strength and acceptability", tables.acceptability_table(check)),),
     )
+
+
+def _governs(check: RuleCheck) -> str:
+    """Return which of the two sets of factors decides, and what they differ in."""
+    chosen = ", ".join(f"{by} at the {fillet} fillet" for fillet, by in check.governing.items())
+    differ = "".join(f" The sets differ at the {line}." for line in check.departures)
+    return f"Factors that govern (fatigue.m53_factors = '{check.wanted_factors}'): {chosen}.{differ}"
 
 
 def _input(record: RuleRecord) -> Section:

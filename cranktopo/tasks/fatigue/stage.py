@@ -221,6 +221,8 @@ def _rule_fatigue(
         throw_kg=check.throw_kg,
         safety=check.safety,
         accepted=check.accepted,
+        governing_factors=check.governing,
+        not_judged=check.not_judged,
         least_acceptability=LEAST_FACTOR,
         alternating=check.loads,
         outside_validity=check.outside,

@@ -40,6 +40,7 @@ _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("journal_Q_FE", 3, lambda c: c.fem_checks["journal"].acceptability),
     Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.fem_checks.values())),
     Column("accepted", 0, lambda c: "yes" if c.accepted else "no"),
+    Column("governed_by", 0, lambda c: ", ".join(f"{name} {by}" for name, by in c.governing.items())),
 )
 _SAFETY_COLUMNS = (SAFETY.column, "least_Q")
 """Mass and safety in percent stand behind the safety, whichever it is."""
@@ -90,7 +91,7 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
             "torsion_MPa": outlet.torsion_MPa,
             "equivalent_MPa": outlet.check.equivalent_MPa,
             "strength_MPa": outlet.check.strength_MPa,
-            "Q": outlet.check.acceptability,
+            "Q": None if outlet.outside else outlet.check.acceptability,
             "not_valid": "; ".join(outlet.outside) or "-",
         }
         for check in checks
@@ -100,6 +101,16 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
     factors = {"gamma_B": 3, "gamma_T": 3}
     columns = {"target": 0, "outlet": 0, "angle_deg": 0, **factors, **stresses, "Q": 3, "not_valid": 0}
     return ResultTable(columns, rows)
+
+
+def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
+    """Return what the tables do not say: outlets that are not judged, sets of factors that differ."""
+    lines = [
+        f"{check.name}, {place}: not judged, {why}; `--method lsa` counts it."
+        for check in checks
+        for place, why in check.not_judged.items()
+    ]
+    return lines + [f"{check.name}, {line}." for check in checks for line in check.departures]
 
 
 def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:

@@ -1,0 +1,95 @@
+"""Which set of concentration factors governs the check by the crankshaft rule, and what it does not judge."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from cranktopo import load_scene, with_values
+from cranktopo.base.errors import CranktopoError
+from cranktopo.tasks.fatigue.m53 import (
+    FilletCheck,
+    concentration_factors,
+    nominal_stresses,
+    outside_validity,
+)
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
+from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
+from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule, dimensions
+from cranktopo.tasks.fatigue.text import outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.fea.targets import Target
+
+ALLOWED = FilletCheck(200.0, 240.0)
+"""Q = 1.2."""
+WEAK = FilletCheck(200.0, 226.0)
+"""Q = 1.13, below the 1.15 of the rule."""
+
+
+def check(pin_by_rule: FilletCheck, pin_by_elements: FilletCheck) -> RuleCheck:
+    size = dimensions(load_scene("mikron-iiic-plain"))
+    factors = concentration_factors(size)
+    return RuleCheck(
+        "throw",
+        1.6,
+        size,
+        AlternatingLoads(18000.0, 265.5, 410.0),
+        (),
+        factors,
+        factors,
+        nominal_stresses(size, 265500.0, 9000.0, 410000.0),
+        {"pin": pin_by_rule, "journal": ALLOWED},
+        {"pin": pin_by_elements, "journal": ALLOWED},
+        Quality(0.4, 0.2, 20000, 1.0, 4.0, 5.0, 5.0),
+    )
+
+
+def test_the_lower_of_two_valid_sets_governs() -> None:
+    found = check(WEAK, ALLOWED)
+    assert found.governing == {"pin": "polynomials", "journal": "elements"}
+    assert found.safety == pytest.approx(1.13)
+    assert not found.accepted
+    assert check(ALLOWED, WEAK).governing["pin"] == "elements"
+    (row,) = rule_table([found], None).rows
+    assert row["least_Q"] == min(row[key] for key in row if "_Q_" in key)
+
+
+def test_polynomials_that_are_not_valid_do_not_govern() -> None:
+    found = replace(check(WEAK, ALLOWED), outside=("web width / pin diameter",))
+    assert found.governing["pin"] == "elements"
+    assert found.accepted
+    assert found.departures == ()
+
+
+@pytest.mark.parametrize(("wanted", "safety"), [("elements", 1.2), ("polynomials", 1.13), ("lower", 1.13)])
+def test_the_scene_chooses(wanted: str, safety: float) -> None:
+    scene = with_values(load_scene("mikron-iiic"), {"fatigue.m53_factors": wanted})
+    assert scene.fatigue.m53_factors == wanted
+    found = replace(check(WEAK, ALLOWED), wanted_factors=scene.fatigue.m53_factors)
+    assert found.safety == pytest.approx(safety)
+
+
+def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
+    (line,) = rule_remarks([check(WEAK, ALLOWED)])
+    assert "pin fillet: Q 1.130 by polynomials, 1.200 by elements (+6.2 %" in line
+    assert rule_remarks([check(ALLOWED, FilletCheck(200.0, 244.0))]) == []
+
+
+def test_an_outlet_outside_the_rule_is_not_judged_by_it() -> None:
+    wide = OutletCheck("throw.drilling[0]", 30.0, 3.0, 4.0, 10.0, 5.0, FilletCheck(50.0, 300.0), ("d/D 0.3",))
+    found = replace(check(ALLOWED, ALLOWED), outlets=(wide,))
+    assert found.not_judged == {wide.place: "d/D 0.3"}
+    assert wide.place not in found.places
+    assert outlet_table([found]).rows[0]["Q"] is None
+    assert "not judged, d/D 0.3" in rule_remarks([found])[0]
+    low = replace(wide, check=FilletCheck(300.0, 300.0), outside=())
+    assert replace(found, outlets=(low,)).safety == pytest.approx(1.0)
+
+
+def test_polynomials_asked_for_outside_their_validity_are_refused_before_a_solve() -> None:
+    scene = with_values(
+        load_scene("mikron-iiic-plain"), {"fatigue.m53_factors": "polynomials", "web.width_mm": 120.0}
+    )
+    assert outside_validity(dimensions(scene))
+    with pytest.raises(CranktopoError, match=r"fatigue\.m53_factors.*Take 'lower' or 'elements'"):
+        check_rule(Target("throw", scene))
