@@ -28,9 +28,19 @@ from cranktopo.throw.fitted import (
     shoulder_rule,
     wall_rule,
 )
-from cranktopo.throw.hole import RectangularHole, RoundHole, check_cut, check_depth, depth_range_mm
+from cranktopo.throw.hole import (
+    RectangularHole,
+    RoundHole,
+    check_cut,
+    check_depth,
+    check_open,
+    depth_range_mm,
+)
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import Circle, FeatureDrawing, Polyline, number_lines
+
+_FACES: tuple[Literal["journal"], Literal["pin"]] = ("journal", "pin")
+"""Faces that the journals stand on, in the order of the throw."""
 
 
 class FacePocket(Feature):
@@ -45,6 +55,7 @@ class FacePocket(Feature):
     def check_in_web(self, scene: ThrowView, key: str) -> None:
         for body in self.bodies(scene, key):
             check_cut(scene, body)
+            check_open(scene, body, _FACES if self.face == "through" else (self.face,))
 
     @property
     @abstractmethod
@@ -63,8 +74,6 @@ class FacePocket(Feature):
 
 
 _LEAST_DEPTH_MM = 1.0
-_FACES = ("journal", "pin")
-"""Faces that the journals stand on, in the order of the throw."""
 
 
 @dataclass(frozen=True)

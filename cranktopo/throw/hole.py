@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from typing_extensions import override
@@ -202,6 +203,26 @@ def check_cut(scene: ThrowView, body: Body) -> None:
                 f"{body.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",
                 hint=f"Keep at least {least:.3g} mm of web between the pocket and the bore.",
             )
+
+
+def check_open(scene: ThrowView, body: Body, faces: Sequence[Literal["journal", "pin"]]) -> None:
+    """Refuse a body from web faces at which the journals, their fillets included, cover all of it."""
+    y = np.linspace(*body.y_range_mm, 401)
+    covering = {"journal": "throw.main_journal", "pin": "throw.crankpin"}
+    for face, (journal, axis) in zip(("journal", "pin"), scene.throw.journals, strict=True):
+        if face not in faces:
+            continue
+        reach = max(
+            float(np.hypot(np.maximum(np.abs(start), np.abs(end)), y - axis).max())
+            for start, end in body.spans(y, np.asarray(sum(body.z_mm) / 2))
+        )
+        if reach >= journal.radius_mm + journal.fillet_mm:
+            return
+    under = " and ".join(covering[face] for face in faces)
+    raise CranktopoError(
+        f"{body.key}: lies under {under}: no tool reaches it, and it would be a closed hollow.",
+        hint="Move it until its mouth is open, or make it a bore of the journal.",
+    )
 
 
 def _within(z_mm: Array, z_range_mm: tuple[float, float]) -> Mask:

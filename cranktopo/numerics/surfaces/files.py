@@ -12,10 +12,13 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, write_bytes
 from cranktopo.base.formats import SurfaceFormat
+from cranktopo.base.notes import note
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 _METRES_PER_MM = 1e-3
 _FARTHEST_MM = 1e6
+_WELD = 1e-7
+"""Distance of vertices over the size of a surface below which they may be one: single precision."""
 _3MF_TYPES = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
@@ -48,7 +51,7 @@ def write_stl(path: Path, mesh: SurfaceMesh) -> None:
 
 
 def read_stl(path: Path, name: str = "") -> SurfaceMesh:
-    """Return the surface in an STL file, mm, vertices joined; nothing else about it is checked."""
+    """Return the surface in an STL file, mm, vertices joined, triangles with a vertex twice left out."""
     name = name or f"'{path}'"
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give a closed STL in mm.")
     try:
@@ -63,7 +66,33 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
             f"{name}: holds coordinates that are no numbers or beyond {_FARTHEST_MM:g} mm.",
             hint="Export it again as STL, mm.",
         )
-    return surface
+    return surface if surface.as_trimesh().is_watertight else _welded(surface, name)
+
+
+def _welded(surface: SurfaceMesh, name: str) -> SurfaceMesh:
+    """Return a surface with vertices joined that rounding alone keeps apart, where that closes it."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    vertices = surface.vertices_mm
+    apart = _WELD * float(np.ptp(vertices, axis=0).max(initial=0.0))
+    pairs = cKDTree(vertices).query_pairs(apart, output_type="ndarray")
+    near = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(vertices),) * 2)
+    number, groups = connected_components(near, directed=False)
+    first = np.unique(groups, return_index=True)[1]
+    joined = _without_doubles(SurfaceMesh(vertices[first], groups[surface.faces].astype(np.int64)))
+    if number == len(vertices) or not joined.as_trimesh().is_watertight:
+        return surface
+    note(f"{name}: {len(vertices) - number} vertices within {apart:.2g} mm of others are joined with them.")
+    return joined
+
+
+def _without_doubles(surface: SurfaceMesh) -> SurfaceMesh:
+    """Return a surface without triangles that have a vertex twice: no area, and nothing to close."""
+    a, b, c = surface.faces.T
+    whole = (a != b) & (b != c) & (c != a)
+    return surface if whole.all() else SurfaceMesh(surface.vertices_mm, surface.faces[whole])
 
 
 def as_stored(mesh: SurfaceMesh) -> SurfaceMesh:
@@ -75,7 +104,9 @@ def _of_stl(file: BinaryIO) -> SurfaceMesh:
     import trimesh
 
     mesh = trimesh.load_mesh(file, file_type="stl")
-    return SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+    return _without_doubles(
+        SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
+    )
 
 
 def _stl(mesh: SurfaceMesh) -> bytes:
