@@ -21,10 +21,24 @@ def plain(axes: Any) -> None:
         axes.spines[side].set_visible(False)
 
 
+def save_figure(figure: Figure, target: Any, **options: Any) -> None:
+    """Save a figure as `savefig` does, with names as they are: a `$` in them begins no formula."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        if "$" in text.get_text() and _OF_TICKS not in text.get_text():
+            text.set_parse_math(False)
+    figure.savefig(target, **options)
+
+
+_OF_TICKS = r"\mathdefault"
+"""What matplotlib writes into the labels of logarithmic axes, which are formulas."""
+
+
 def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:
     """Return a figure as PNG."""
     stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=dpi, facecolor=facecolor)
+    save_figure(figure, stream, format="png", dpi=dpi, facecolor=facecolor)
     return stream.getvalue()
 
 

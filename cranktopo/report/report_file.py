@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from cranktopo.base.files import write_bytes, write_text
 from cranktopo.report.page import Fact, Page, Section
-from cranktopo.report.plot import Picture, png
+from cranktopo.report.plot import Picture, png, save_figure
 from cranktopo.report.result_table import escaped, markdown
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
@@ -64,7 +64,7 @@ def _inline_svg(picture: Picture) -> str:
 
     stream = io.StringIO()
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": picture.name}):
-        picture.figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+        save_figure(picture.figure, stream, format="svg", metadata={"Date": None, "Creator": None})
     text = stream.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)

@@ -13,6 +13,7 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.report.goal_table import goal_line, limits_table
 from cranktopo.report.page import Fact, FactStatus, Page, Section, assumed_tables, pairs, versions_section
+from cranktopo.report.plot import save_figure
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
 from cranktopo.runs.destination import check_file
@@ -261,7 +262,7 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound
     for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
     with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=130)
+        save_figure(figure, temporary, dpi=130)
 
 
 def _scatter_points(comparison: Comparison) -> dict[str, list[Point]]:

@@ -22,6 +22,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
+from cranktopo.report.plot import save_figure
 from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
 
@@ -58,7 +59,7 @@ def write_drawing(
     with mpl.rc_context({"svg.hashsalt": sheets[0].scene.name}):  # the same names of parts in every drawing
         for path in paths:
             date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
-            figure.savefig(path, dpi=150, metadata=date.get(path.suffix.lower()))
+            save_figure(figure, path, dpi=150, metadata=date.get(path.suffix.lower()))
 
 
 def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: datetime | None = None) -> Figure:

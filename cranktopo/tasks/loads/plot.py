@@ -10,6 +10,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
 from cranktopo.engine.analysis import Cycle, LoadAnalysis
+from cranktopo.report.plot import save_figure
 from cranktopo.runs.destination import check_file
 
 
@@ -32,7 +33,7 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
         axes.label_outer()
     figure.suptitle(title)
     with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=120)
+        save_figure(figure, temporary, dpi=120)
 
 
 def _draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
