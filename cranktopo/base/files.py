@@ -11,6 +11,7 @@ import io
 import json
 import math
 import os
+import secrets
 import shutil
 import stat
 import zipfile
@@ -113,12 +114,13 @@ class UnwritableError(CranktopoError):
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path`, suffix in small letters, that becomes it when the block ends well.
 
-    For libraries that insist on writing a file by name. When the block fails, `path` keeps what it held.
+    For libraries that insist on writing a file by name. Nobody can foresee the name and put a link there,
+    which would lead the writer to another file. When the block fails, `path` keeps what it held.
     Raises CranktopoError where the file cannot be written.
     """
     if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
         raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{TEMPORARY}{path.suffix.lower()}")
+    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(8)}{TEMPORARY}{path.suffix.lower()}")
     try:
         yield temporary
         _flush(temporary)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,13 +23,21 @@ def plain(axes: Any) -> None:
 
 
 def save_figure(figure: Figure, target: Any, **options: Any) -> None:
-    """Save a figure as `savefig` does, with names as they are: a `$` in them begins no formula."""
+    """Save a figure as `savefig` does, with names as they are: a `$` in them begins no formula.
+
+    It is made in memory first: on a full disk the writers of matplotlib fail in ways of their own.
+    """
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):
         if "$" in text.get_text() and _OF_TICKS not in text.get_text():
             text.set_parse_math(False)
-    figure.savefig(target, **options)
+    if not isinstance(target, Path):
+        figure.savefig(target, **options)
+        return
+    made = io.BytesIO()
+    figure.savefig(made, format=target.suffix.removeprefix("."), **options)
+    target.write_bytes(made.getvalue())
 
 
 _OF_TICKS = r"\mathdefault"

@@ -209,3 +209,13 @@ def test_state_is_plain_json_inside(tmp_path: Path) -> None:
     with np.load(path) as file:
         saved = json.loads(file["__state__"].tobytes())
     assert saved == {"schema_version": 1, "state": {"iteration": 3}}
+
+
+def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
+    """At the name that temporary files had once, with the number of the process in it."""
+    victim = tmp_path / "victim"
+    victim.write_text("mine")
+    (tmp_path / f".result.{os.getpid()}.tmp.json").symlink_to(victim)
+    files.write_json(tmp_path / "result.json", {"a": 1})
+    assert victim.read_text() == "mine"
+    assert json.loads((tmp_path / "result.json").read_text()) == {"a": 1}
