@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -51,7 +50,6 @@ class ShapeStandIn:
         out: Path,
         design_toml: str | None,
         command: list[str],
-        info: Callable[[str], None],
         begun: Scene | None,
     ) -> ShapedRun:
         self.asked.append((scene, settings, begun))
@@ -65,7 +63,7 @@ class ShapeStandIn:
         )
         return self._ended(run, scene)
 
-    def resume(self, reference: str, info: Callable[[str], None]) -> ShapedRun:
+    def resume(self, reference: str) -> ShapedRun:
         run = open_run(reference)
         self.asked.append(run.path)
         return self._ended(run, self.asked[0][0])

@@ -7,7 +7,6 @@ import csv
 import io
 import json
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -47,7 +46,7 @@ def with_stand_ins(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The loop's own course with stand-ins for its long stages; the list records what was called."""
     calls: list[str] = []
 
-    def optimised(folder: Path, scene: Scene, info: Callable[[str], None]) -> SurfaceMesh:
+    def optimised(folder: Path, scene: Scene) -> SurfaceMesh:
         calls.append(f"optimise {scene.optimise.volume_fraction:.4f} {scene.optimise.process}")
         kind = "" if scene.envelope is None else scene.envelope.shape
         calls.append(f"inside {kind}")

@@ -66,7 +66,8 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
             f"{name}: holds coordinates that are no numbers or beyond {_FARTHEST_MM:g} mm.",
             hint="Export it again as STL, mm.",
         )
-    return surface if surface.as_trimesh().is_watertight else _welded(surface, name)
+    closed = not len(surface.faces) or surface.as_trimesh().is_watertight
+    return surface if closed else _welded(surface, name)
 
 
 def _welded(surface: SurfaceMesh, name: str) -> SurfaceMesh:
