@@ -39,7 +39,7 @@ def test_files_of_a_fitted_web(mikron: Scene, tmp_path: Path) -> None:
     trials = (FitTrial("outline", 7, 80.0, 0.0, True),)
     fitted = FittedWeb(scene, WHOLE.names, tuple(values_of(WHOLE)), trials, (0.8,), ())
     near, half_throw = shape_error(scene, body), surface_of(scene, "half")
-    files = write_refit(fitted, near, half_throw, body, tmp_path, lambda _: None)
+    files = write_refit(fitted, near, half_throw, body, tmp_path)
     assert load_scene(str(tmp_path / files["design"])) == scene
     volume = half_throw_volume_mm3(scene)
     assert step_volume_mm3(tmp_path / files["step"]) == pytest.approx(volume, rel=1e-6)

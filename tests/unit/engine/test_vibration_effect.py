@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import redirected
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
@@ -199,7 +200,8 @@ def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("cranktopo.tasks.shaft.stage.evaluate_shaft", evaluated)
     scene = turning(PROPELLER)
     said: list[str] = []
-    found = with_throw_stiffness(Target("mine", scene), said.append)
+    with redirected(said.append):
+        found = with_throw_stiffness(Target("mine", scene))
     assert found.scene.shaft is not None
     assert found.scene.shaft.throw_stiffness_Nm_per_rad == 1.6e5
     assert asked == ["rigid"]

@@ -63,7 +63,7 @@ def step(mass: float, torsion: float, bending: float) -> LoopStep:
 
 def ended(run: RunStore, scene: Scene, best: LoopStep | None, begun: Scene | None = None) -> ShapeStep:
     settings = loop_settings(scene, element_size_mm=11.0)
-    return shape_step.shape_step(run, scene, best, 4, begun, settings, lambda _: None)
+    return shape_step.shape_step(run, scene, best, 4, begun, settings)
 
 
 def test_the_goal_is_the_designs_or_torsion_per_mass(

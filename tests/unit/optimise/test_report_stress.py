@@ -83,7 +83,7 @@ def test_run_keeps_stresses_of_its_surface_alone(
     run = RunStore(tmp_path)
     (tmp_path / "web.stl").write_bytes(b"one surface")
     assert read_run_stress(run, "web.stl") is None
-    solve_run_stress(run, mikron, "web.stl", print)
+    solve_run_stress(run, mikron, "web.stl")
     assert asked == [(tmp_path / "web.stl", ["bending", "torsion"])]
     found, expected = read_run_stress(run, "web.stl"), along_x()
     assert found is not None
