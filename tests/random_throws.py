@@ -42,14 +42,13 @@ def _new_web(draw: np.random.Generator, data: dict[str, Any]) -> dict[str, Any]:
     hole = {"shape": "cylinder", "x_mm": 0.0, "y_mm": radius / 2}
     hole["diameter_mm"] = main["outer_diameter_mm"] * draw.uniform(0.1, 0.2)
     web = _web(draw, journal, radius, main["fillet_mm"])
-    open_hole = [] if _covered(data["throw"], hole) else [hole]
+    open_hole = [] if _covered(0.0, hole["diameter_mm"], radius, main, pin) else [hole]
     return web | {"pocket": [*data["web"].get("pocket", []), *open_hole]}
 
 
-def _covered(throw: dict[str, Any], hole: dict[str, Any]) -> bool:
-    """Tell whether both journals cover a hole half-way between them, which no tool would reach."""
-    reach = math.hypot(hole["x_mm"], throw["radius_mm"] / 2) + hole["diameter_mm"] / 2
-    journals = (throw[name] for name in ("main_journal", "crankpin"))
+def _covered(x_mm: float, diameter_mm: float, throw_mm: float, *journals: dict[str, float]) -> bool:
+    """Tell whether the journals cover a hole half-way between them, which no tool would reach."""
+    reach = math.hypot(x_mm, throw_mm / 2) + diameter_mm / 2
     return all(reach < one["outer_diameter_mm"] / 2 + one["fillet_mm"] for one in journals)
 
 
@@ -69,7 +68,7 @@ def _throw(seed: int) -> dict[str, Any]:
     web = _web(draw, max(main, pin), radius, fillet) | {"thickness_mm": thickness}
     if draw.random() < 0.3:
         hole = {"shape": "cylinder", "x_mm": 0.3 * main, "y_mm": radius / 2, "diameter_mm": 0.15 * main}
-        if not _covered(throw, hole):
+        if not _covered(0.3 * main, 0.15 * main, radius, throw["main_journal"], throw["crankpin"]):
             web["pocket"] = [hole]
     supports = {"bearing_spring_N_per_mm": draw.uniform(0.3e6, 2e6)}
     return {

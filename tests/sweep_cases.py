@@ -13,6 +13,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.sweep.result import PointResult
 from cranktopo.throw.outline import ObroundWeb
 
+WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
 TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
 
 

@@ -12,7 +12,7 @@ from contextvars import ContextVar
 
 _LOG = logging.getLogger("cranktopo.notes")
 _listener: ContextVar[Callable[[str], None] | None] = ContextVar("listener", default=None)
-"""Who hears the notes in place of the logger."""
+"""Function that hears the notes in place of the logger."""
 
 
 def note(line: str) -> None:

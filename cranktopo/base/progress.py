@@ -1,4 +1,4 @@
-"""Long work in parts: what it tells while it goes on, and what it keeps so that it can be continued."""
+"""Long work in parts: results that it keeps so that it can be continued."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Json = dict[str, Any]
 
 @dataclass(frozen=True)
 class Work:
-    """Progress and memory of one long work, such as an optimisation of dimensions.
+    """Memory of one long work, such as an optimisation of dimensions.
 
     It stands beside the files of runs, so that whoever does the work need not know where it is kept.
 

@@ -19,6 +19,7 @@ from cranktopo.design.halves import difference, halves, of_second, require_equal
 from cranktopo.design.messages import explain, explain_unknown
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RUNS, runs_named
+from cranktopo.runs.kind import RESULT_FILES, SHAPE
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
@@ -131,6 +132,8 @@ _BODIES = ("an STL", "a STEP")
 _HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
 _TOML_HINT = "Fix that line; `cranktopo designs new FILE` writes a design to start from."
 _TOML_PLACE = re.compile(r"at line (\d+), column")
+_SHAPED = "web.toml"
+"""Name of the design in a run of `shape`."""
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -171,8 +174,8 @@ def shaped_web(reference: str) -> Path | None:
     """Return the design that a finished run of `shape` ends with; None where it is something else."""
     names = [] if os.path.isdir(reference) else runs_named(reference)
     folder = RUNS / names[0] if len(names) == 1 else Path(reference)
-    finished = reference and (folder / "shape.json").is_file() and (folder / "web.toml").is_file()
-    return folder / "web.toml" if finished else None
+    web = folder / _SHAPED
+    return web if reference and (folder / RESULT_FILES[SHAPE]).is_file() and web.is_file() else None
 
 
 def design_text(design: str) -> str:

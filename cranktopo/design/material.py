@@ -95,6 +95,11 @@ class Fatigue(SceneTable):
     elements (Appendix III), or those with the lower acceptability where the polynomials are valid."""
 
     @property
+    def factor_off_fillets(self) -> float:
+        """The factor on the strength off the fillets, which no treatment of the fillets raises."""
+        return min(self.surface_treatment_factor, 1.0)
+
+    @property
     def treatment(self) -> str:
         """The factor of the surface treatment with its source in words; empty where there is none."""
         factor = self.surface_treatment_factor

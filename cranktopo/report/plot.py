@@ -41,7 +41,7 @@ def save_figure(figure: Figure, target: Any, **options: Any) -> None:
 
 
 _OF_TICKS = r"\mathdefault"
-"""What matplotlib writes into the labels of logarithmic axes, which are formulas."""
+"""Word of matplotlib in the labels of logarithmic axes, which are formulas."""
 
 
 def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") -> bytes:

@@ -12,7 +12,8 @@ from pathlib import Path
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import TEMPORARY, unwritable
 
-_NAME = ".lock"
+LOCK = ".lock"
+"""Name of the file that the process that works in a run holds."""
 
 
 @contextmanager
@@ -27,9 +28,9 @@ def locked(folder: Path) -> Iterator[None]:
         yield
         return
     try:
-        file = (folder / _NAME).open("a+", encoding="ascii")
+        file = (folder / LOCK).open("a+", encoding="ascii")
     except OSError as error:
-        raise unwritable(folder / _NAME, error) from None
+        raise unwritable(folder / LOCK, error) from None
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -22,7 +22,7 @@ from cranktopo.base.files import (
     write_json,
     write_text,
 )
-from cranktopo.runs.destination import check_folder, locked, moved, unfinished_folder
+from cranktopo.runs.destination import LOCK, check_folder, locked, moved, unfinished_folder
 from cranktopo.runs.manifest import (
     RunStatus,
     check_manifest,
@@ -42,6 +42,11 @@ class RunStore:
     """A run directory and the files in it."""
 
     path: Path
+
+    @property
+    def has_only_begun(self) -> bool:
+        """True while it holds nothing but what a run begins with, so that a refusal may leave nothing."""
+        return {file.name for file in self.path.iterdir()} <= {LOCK, _MANIFEST, _DESIGN, _LOG}
 
     @property
     def name(self) -> str:
@@ -213,10 +218,15 @@ def remove_run(run: RunStore) -> None:
     """Delete a run directory that no process works in; raises CranktopoError."""
     run.manifest()
     with locked(run.path):
-        try:
-            shutil.rmtree(run.path)
-        except OSError as error:
-            raise unwritable(run.path, error) from None
+        delete_folder(run.path)
+
+
+def delete_folder(folder: Path) -> None:
+    """Delete the directory of a run that this process has locked; raises CranktopoError."""
+    try:
+        shutil.rmtree(folder)
+    except OSError as error:
+        raise unwritable(folder, error) from None
 
 
 def _check_empty(out: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import shutil
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -14,7 +13,7 @@ from typing import Any, Literal
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 from cranktopo.base.files import read_json
 from cranktopo.runs.destination import locked
-from cranktopo.runs.directories import RunStore
+from cranktopo.runs.directories import RunStore, delete_folder
 
 RunKind = Literal["optimise", "iterate", "shape", "sweep"]
 """The command that made a run: a density optimisation, the loop over many, a shape optimisation, a sweep."""
@@ -29,9 +28,6 @@ RESULT_FILES: dict[RunKind, str] = {
     "sweep": "sweep.json",
 }
 """Name of the file that a run of each kind writes last."""
-
-
-_BEGINNING = {".lock", "design.toml", "manifest.json", "run.log"}
 
 
 def kind_of(run: RunStore) -> RunKind:
@@ -129,8 +125,8 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
             run.set_status("done")
         except (KeyboardInterrupt, Exception) as error:
             if not _is_interruption(error):
-                if _is_refusal(error) and _has_only_begun(run):
-                    shutil.rmtree(run.path)
+                if _is_refusal(error) and run.has_only_begun:
+                    delete_folder(run.path)
                     raise
                 run.set_status("failed")
                 run.log(f"failed: {error}")
@@ -146,11 +142,6 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
 
 def _is_refusal(error: BaseException) -> bool:
     return isinstance(error, CranktopoError) and error.code == ExitCode.INVALID_INPUT
-
-
-def _has_only_begun(run: RunStore) -> bool:
-    """Tell whether a run holds nothing yet but what it began with, so that a refusal may leave nothing."""
-    return {path.name for path in run.path.iterdir()} <= _BEGINNING
 
 
 def _is_interruption(error: BaseException) -> bool:

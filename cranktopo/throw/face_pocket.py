@@ -29,6 +29,7 @@ from cranktopo.throw.fitted import (
     wall_rule,
 )
 from cranktopo.throw.hole import (
+    FACES,
     RectangularHole,
     RoundHole,
     check_cut,
@@ -38,9 +39,6 @@ from cranktopo.throw.hole import (
 )
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import Circle, FeatureDrawing, Polyline, number_lines
-
-_FACES: tuple[Literal["journal"], Literal["pin"]] = ("journal", "pin")
-"""Faces that the journals stand on, in the order of the throw."""
 
 
 class FacePocket(Feature):
@@ -55,7 +53,7 @@ class FacePocket(Feature):
     def check_in_web(self, scene: ThrowView, key: str) -> None:
         for body in self.bodies(scene, key):
             check_cut(scene, body)
-            check_open(scene, body, _FACES if self.face == "through" else (self.face,))
+            check_open(scene, body, FACES if self.face == "through" else (self.face,))
 
     @property
     @abstractmethod
@@ -143,7 +141,7 @@ class FittedPocket(FittedFeature):
         if self.pair:
             between = wall_rule(f"between the {self.title} and its twin", least)
             yield between, wall / 2 + named[self.sizes[0]] / 2 - named["x"]
-        for face, name, (journal, axis) in zip(_FACES, JOURNALS, throw.journals, strict=True):
+        for face, name, (journal, axis) in zip(FACES, JOURNALS, throw.journals, strict=True):
             gap = self.gap_mm(named, 0.0, axis)
             beside = wall_rule(f"between the {self.title} and the bore of the {name}", least)
             yield beside, journal.bore_radius_mm + wall - gap

@@ -205,11 +205,15 @@ def check_cut(scene: ThrowView, body: Body) -> None:
             )
 
 
+FACES: tuple[Literal["journal"], Literal["pin"]] = ("journal", "pin")
+"""Faces that the journals stand on, in the order of the throw."""
+
+
 def check_open(scene: ThrowView, body: Body, faces: Sequence[Literal["journal", "pin"]]) -> None:
     """Refuse a body from web faces at which the journals, their fillets included, cover all of it."""
     y = np.linspace(*body.y_range_mm, 401)
     covering = {"journal": "throw.main_journal", "pin": "throw.crankpin"}
-    for face, (journal, axis) in zip(("journal", "pin"), scene.throw.journals, strict=True):
+    for face, (journal, axis) in zip(FACES, scene.throw.journals, strict=True):
         if face not in faces:
             continue
         reach = max(

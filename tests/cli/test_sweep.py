@@ -1,17 +1,9 @@
-"""`cranktopo sweep` and `cranktopo.sweep`: rows, files, errors, kills and resumption."""
+"""`cranktopo sweep` and `cranktopo.sweep`: rows, files, errors and resumption."""
 
 from __future__ import annotations
 
 import csv
 import json
-import os
-import signal
-import subprocess
-import sys
-import threading
-import time
-from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,36 +18,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.tasks.compare.stage import with_picks
 from tests import sweep_cases
 from tests.packed_scenes import small_web
-from tests.sweep_cases import HELD, TRACE
-
-WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
-
-
-@pytest.fixture(scope="module")
-def scheduler() -> Iterator[str]:
-    """A Dask scheduler with two workers in this process: what costs least to start."""
-    import logging
-
-    from distributed import LocalCluster
-
-    with LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=False,
-        protocol="tcp",
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    ) as cluster:
-        yield cluster.scheduler_address
-
-
-@pytest.fixture
-def trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """File with a line for every point that was computed."""
-    path = tmp_path / "trace"
-    path.touch()
-    monkeypatch.setenv(TRACE, str(path))
-    return path
+from tests.sweep_cases import FILLET, WIDTH
 
 
 def swept(scheduler: str, out: Path, **settings: Any) -> pd.DataFrame:
@@ -187,62 +150,6 @@ def test_only_what_may_be_on_the_front_is_refined(scheduler: str, tmp_path: Path
     pd.testing.assert_frame_equal(frame, again)
 
 
-def script(folder: Path, body: str) -> list[str]:
-    """A command line that sweeps with functions of the tests, on workers of its own."""
-    file = folder / "script.py"
-    imports = "from cranktopo import sweep\nfrom tests.sweep_cases import *\n"
-    file.write_text(f"{imports}if __name__ == '__main__':\n    {body}\n")
-    return [sys.executable, str(file)]
-
-
-def test_a_script_without_a_main_guard_is_told_so(tmp_path: Path) -> None:
-    file = tmp_path / "script.py"
-    file.write_text("from cranktopo import sweep\nsweep(vary={'web.width_mm': [50, 52]}, out='out')\n")
-    done = subprocess.run(
-        [sys.executable, str(file)],
-        cwd=tmp_path,
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert 'Put the call below `if __name__ == "__main__":`' in done.stderr.splitlines()[-1]
-    assert not (tmp_path / "out").exists()
-
-
-def environment() -> dict[str, str]:
-    root = str(Path(__file__).resolve().parents[2])
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
-
-
-def signal_after(process: subprocess.Popen[str], trace: Path, lines: int, how: signal.Signals) -> int:
-    """Send a signal once so many points were computed; the exit code."""
-    end = time.monotonic() + 120
-    while len(trace.read_text().splitlines()) < lines and process.poll() is None and time.monotonic() < end:
-        time.sleep(0.02)
-    process.send_signal(how)
-    return process.wait(60)
-
-
-def test_a_killed_sweep_goes_on(
-    scheduler: str, tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """`kill -9` of workers and all: no finished point is lost or computed twice."""
-    out = tmp_path / "out"
-    monkeypatch.setenv(HELD, "0.1")
-    body = f"sweep(vary={{'{WIDTH}': '46:56:11'}}, out={str(out)!r}, workers=1, function=empty)"
-    killed = subprocess.Popen(script(tmp_path, body), env=environment(), text=True)
-    assert signal_after(killed, trace, 3, signal.SIGKILL) == -signal.SIGKILL
-    time.sleep(0.5)  # until its workers have ended too
-    kept = {file: file.stat().st_mtime_ns for file in out.glob("points/*/point.json")}
-    assert 2 <= len(kept) <= 8
-    monkeypatch.setenv(HELD, "0")
-    frame = sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)
-    assert frame["status"].value_counts().to_dict() == {"done": 9, "impossible": 2}
-    assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
-    assert len(trace.read_text().splitlines()) <= 9 + 1, "one was under way at the kill"
-
-
 def test_an_interrupted_sweep_says_how_to_go_on(scheduler: str, tmp_path: Path) -> None:
     def interrupted(line: str) -> None:
         if line.startswith("scheduler"):
@@ -256,155 +163,3 @@ def test_an_interrupted_sweep_says_how_to_go_on(scheduler: str, tmp_path: Path) 
     assert (
         sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)["status"].tolist() == ["done"] * 2
     )
-
-
-@pytest.mark.slow
-def test_dead_workers_and_twenty_kills(tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A point that always kills its worker, one that does it once, and a sweep that is ended twenty times.
-
-    `python -m pytest -m slow tests/cli/test_sweep.py -n 0`, a few minutes.
-    """
-    monkeypatch.setenv(HELD, "0.3")
-    vary = {WIDTH: "48:60:49", FILLET: [2.0, 2.5]}
-    whole = sweep(vary=vary, out=tmp_path / "whole", workers=2, function=sweep_cases.empty)
-    trace.write_text("")
-    out, place = tmp_path / "out", "workers=2, function=deadly"
-    command, counts = script(tmp_path, f"sweep(vary={vary}, out={str(out)!r}, {place})"), [0]
-    for kill in range(20):
-        with subprocess.Popen(command, env=environment(), text=True, stderr=subprocess.DEVNULL) as process:
-            signal_after(process, trace, 3 * (kill + 1), signal.SIGINT if kill % 2 else signal.SIGKILL)
-        counts.append(len(list(out.glob("points/*/point.json"))))
-        command = script(tmp_path, f"sweep(resume={str(out)!r}, {place})")
-    assert counts == sorted(counts)
-    subprocess.run(command, env=environment(), check=True)
-    calls = Counter(trace.read_text().split())
-    assert sum(calls.values()) <= len(calls) + 2 * 20, "at most what was under way at a kill is repeated"
-    frame = pd.read_parquet(out / "table.parquet")
-    fine = frame["status"] == "done"
-    assert frame[WIDTH][frame["status"] == "failed"].tolist() == [52.0, 52.0]
-    numbers = [WIDTH, FILLET, "mass_kg", "torsion_Nm_per_rad"]
-    pd.testing.assert_frame_equal(frame[numbers][fine], whole[numbers][fine])
-
-
-class Cluster:
-    """A scheduler and two workers as processes of their own; whichever ends is started again."""
-
-    def __init__(self, folder: Path, port: int) -> None:
-        self.address, self._folder = f"tcp://127.0.0.1:{port}", folder
-        dask = [sys.executable, "-m", "dask"]
-        place = ["--host", "127.0.0.1", "--local-directory", str(folder)]
-        worker = [*dask, "worker", self.address, "--nthreads", "1", "--no-dashboard", *place]
-        self._commands = {
-            "scheduler": [
-                *dask,
-                "scheduler",
-                "--host",
-                "127.0.0.1",
-                "--port",
-                str(port),
-                "--dashboard-address",
-                ":0",
-            ],
-            "first": [*worker, "--no-nanny"],
-            "second": [*worker, "--no-nanny"],
-        }
-        self._running: dict[str, subprocess.Popen[bytes]] = {}
-
-    def keep_up(self) -> None:
-        """Start what does not run."""
-        for name, command in self._commands.items():
-            if name not in self._running or self._running[name].poll() is not None:
-                log = (self._folder / f"{name}.log").open("ab")
-                self._running[name] = subprocess.Popen(
-                    command, env=environment(), stdout=log, stderr=log, cwd=self._folder
-                )
-                log.close()
-
-    def kill(self, name: str) -> None:
-        """End one of them without a word."""
-        self._running[name].kill()
-        self._running[name].wait()
-
-    def close(self) -> None:
-        """End all of them."""
-        for name in self._running:
-            self.kill(name)
-
-
-@pytest.mark.slow
-def test_workers_that_are_all_gone_are_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nannies that have given up are not started again by Dask.
-
-    `python -m pytest -m slow tests/cli/test_sweep.py -n 0 -k all_gone`, some seconds.
-    """
-    import distributed
-
-    started: list[Any] = []
-    usual = distributed.LocalCluster
-
-    def lose(cluster: Any) -> None:
-        """Close every nanny."""
-        for nanny in list(cluster.workers.values()):
-            cluster.sync(nanny.close)
-
-    def giving_up(**settings: Any) -> Any:
-        """A cluster, the first of which loses its workers after a second."""
-        started.append(usual(**settings))
-        if len(started) == 1:
-            threading.Timer(1.0, lose, started).start()
-        return started[-1]
-
-    monkeypatch.setattr("distributed.LocalCluster", giving_up)
-    monkeypatch.setattr("cranktopo.tasks.sweep.executor.GONE_S", 1.0)
-    monkeypatch.setenv(HELD, "1")
-    frame = sweep(vary={WIDTH: [50, 51, 52, 53]}, workers=1, out=tmp_path / "out", function=sweep_cases.empty)
-    assert frame["status"].tolist() == ["done"] * 4
-    assert len(started) == 2
-
-
-@pytest.mark.slow
-def test_a_real_scheduler_with_kills(tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A scheduler and two worker processes; a worker is killed every 20 s, the scheduler once.
-
-    `python -m pytest -m slow tests/cli/test_sweep.py -n 0 -k real_scheduler`, about five minutes.
-    """
-    monkeypatch.setenv(HELD, "2")
-    vary, out, place = {WIDTH: "48:60:145", FILLET: [2.0, 2.5]}, tmp_path / "out", Cluster(tmp_path, 28786)
-    body = f"sweep(vary={vary}, out={str(out)!r}, scheduler={place.address!r}, function=empty)"
-    place.keep_up()
-    time.sleep(5.0)
-    log = (tmp_path / "sweep.log").open("w")
-    sweeping = subprocess.Popen(script(tmp_path, body), env=environment(), stdout=log, stderr=log)
-    began, kills = time.monotonic(), 0
-    try:
-        while sweeping.poll() is None and time.monotonic() < began + 1500:
-            time.sleep(1.0)
-            place.keep_up()
-            if time.monotonic() > began + 20 * (kills + 1) and kills < 15:
-                kills += 1
-                place.kill("scheduler" if kills == 7 else ("first", "second")[kills % 2])
-    finally:
-        place.close()
-        sweeping.kill()
-        log.close()
-    assert sweeping.returncode == 0, (tmp_path / "sweep.log").read_text()
-    assert kills == 15
-    frame = pd.read_parquet(out / "table.parquet")
-    assert frame["status"].tolist() == ["done"] * 290
-    assert frame["mass_kg"].tolist() == (frame[WIDTH] / 30).tolist()
-    calls = Counter(trace.read_text().split())
-    assert sum(calls.values()) <= len(calls) + 2 * 15, "only what was under way at a kill is repeated"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("workers", [1, 2])
-def test_ten_thousand_empty_points(tmp_path: Path, workers: int) -> None:
-    """`python -m pytest -m slow tests/cli/test_sweep.py -n 0 -s` prints the overhead of a point."""
-    vary = {WIDTH: "46:60:100", "throw.radius_mm": "44:52:100"}
-    began = time.perf_counter()
-    frame = sweep(vary=vary, out=tmp_path / "out", workers=workers, function=sweep_cases.empty)
-    seconds = time.perf_counter() - began
-    print(f"{workers} workers: {1000 * seconds / len(frame):.1f} ms a point")
-    assert len(frame) == 10_000
-    assert set(frame["status"]) == {"done", "impossible"}
-    assert (tmp_path / "out" / "report.html").stat().st_size < 10_000_000

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import lru_cache, partial
 
 from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.notes import note
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetry
 from cranktopo.design.schema import Effects, Scene
@@ -48,9 +49,9 @@ _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
     "fatigue": fatigue,
     "bound": bound,
 }
-_LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, "torsional_vibration"}
 _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
+_LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, _VIBRATION}
 
 
 def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:
@@ -84,6 +85,12 @@ def left_off(scene: Scene, effects: PhysicsPlan) -> str:
         if effect.name in _LOADS and effect.state == "off" and (effect.estimate_percent or 0.0) >= threshold
     ]
     return f"left out although above the threshold of {threshold:g} %: {', '.join(off)}" if off else ""
+
+
+def note_left_off(name: str, scene: Scene, effects: PhysicsPlan) -> None:
+    """Tell in a line under this name what `left_off` names, if anything."""
+    if missing := left_off(scene, effects):
+        note(f"{name}: {missing}")
 
 
 def _file_states(scene: Scene) -> tuple[FileState, ...]:

@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, write_bytes
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.notes import note
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, connected
 
 _METRES_PER_MM = 1e-3
 _FARTHEST_MM = 1e6
@@ -72,20 +72,21 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
 
 def _welded(surface: SurfaceMesh, name: str) -> SurfaceMesh:
     """Return a surface with vertices joined that rounding alone keeps apart, where that closes it."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     vertices = surface.vertices_mm
     apart = _WELD * float(np.ptp(vertices, axis=0).max(initial=0.0))
     pairs = cKDTree(vertices).query_pairs(apart, output_type="ndarray")
-    near = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(vertices),) * 2)
-    number, groups = connected_components(near, directed=False)
+    if not len(pairs):
+        return surface
+    groups = connected(len(vertices), pairs)
     first = np.unique(groups, return_index=True)[1]
     joined = _without_doubles(SurfaceMesh(vertices[first], groups[surface.faces].astype(np.int64)))
-    if number == len(vertices) or not joined.as_trimesh().is_watertight:
+    if not joined.as_trimesh().is_watertight:
         return surface
-    note(f"{name}: {len(vertices) - number} vertices within {apart:.2g} mm of others are joined with them.")
+    note(
+        f"{name}: {len(vertices) - len(first)} vertices within {apart:.2g} mm of others are joined with them."
+    )
     return joined
 
 

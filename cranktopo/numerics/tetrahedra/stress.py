@@ -194,8 +194,7 @@ def near_sharp_edges(surface: Surface) -> NDArray[np.bool_]:
     """
     faces = surface.faces
     at = surface.points_mm[:, faces]  # (3, 6, f)
-    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients()[3:])
-    normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)
+    normal = _face_normals(at)[:, 3:]
     normal /= np.linalg.norm(normal, axis=0)
     outward = surface.normals[faces].mean(axis=0).T
     normal *= np.sign(np.einsum("ipf,if->pf", normal, outward))
@@ -218,13 +217,18 @@ def _normals(
     model: Elasticity, elements: Index, numbers: Index, owners: Index, faces: Index, count: int
 ) -> Array:
     at = model.nodes_mm[:, numbers]
-    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
-    normal = np.cross(tangents[:, 0], tangents[:, 1], axis=0)  # (3, 6, faces)
+    normal = _face_normals(at)
     inside = model.nodes_mm[:, elements[:4, owners]].mean(axis=1) - at[:, :3].mean(axis=1)
     normal *= -np.sign((normal.mean(axis=1) * inside).sum(axis=0))
     total = np.zeros((count, 3))
     np.add.at(total, faces, normal.transpose(1, 2, 0))
     return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
+
+
+def _face_normals(at: Array) -> Array:
+    """Return normals (3, 6, faces) at the nodes `at` of curved faces, of either sign and no unit length."""
+    tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
+    return np.cross(tangents[:, 0], tangents[:, 1], axis=0)
 
 
 def triangle_gradients() -> Array:

@@ -47,10 +47,7 @@ _MASSES, _BEYOND = 9, 0.08
 """Points of a curve over the mass, and how far it goes beyond original and result."""
 
 
-def bound_of(
-    scene: Scene,
-    resolution_mm: float | None = None,
-) -> BoundResult:
+def bound_of(scene: Scene, resolution_mm: float | None = None) -> BoundResult:
     """Prove what no web of a scene's envelope can beat; cells are by default the scene's own.
 
     Raises:

@@ -197,13 +197,11 @@ def report_comparison(
     lonely = [target.name for target in found.targets if difference(target.scene)]
     if stresses and lonely:
         note(f"no stresses: the halves of {', '.join(lonely)} differ")
+    solved = cases if stresses and not lonely else ()
     shown = [half for target in found.targets for half in half_throws(target)]
     record = ComparisonRecord(
         comparison=found.comparison,
-        bodies=tuple(
-            _body(half, mesh, partner, cases if stresses and not lonely else ())
-            for half, mesh, partner in shown
-        ),
+        bodies=tuple(_body(half, mesh, partner, solved) for half, mesh, partner in shown),
         undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
         effects=effects,
         cases=cases,

@@ -151,17 +151,18 @@ def safety_field(model: StressModel, method: str, history: LoadHistory) -> Fatig
 
 
 def _safety(model: StressModel, method: str, local: LocalStress) -> Array:
-    judged = criterion(method).point_safety
-    everywhere = judged(_off_the_fillets(model.scene), local).safety
-    return np.where(model.on_fillet, judged(model.scene, local).safety, everywhere)
+    judged, plain = criterion(method).point_safety, _off_the_fillets(model.scene)
+    safety = judged(model.scene, local).safety
+    return safety if plain is model.scene else np.where(model.on_fillet, safety, judged(plain, local).safety)
 
 
 def _off_the_fillets(scene: Scene) -> Scene:
-    """Return the scene with the strength that counts off the fillets, where no treatment raises it."""
-    plain = min(scene.fatigue.surface_treatment_factor, 1.0)
-    return scene.model_copy(
-        update={"fatigue": scene.fatigue.model_copy(update={"surface_treatment_factor": plain})}
-    )
+    """Return the scene with the strength that counts off the fillets; the same object where it is theirs."""
+    settings = scene.fatigue
+    if settings.factor_off_fillets == settings.surface_treatment_factor:
+        return scene
+    plain = settings.model_copy(update={"surface_treatment_factor": settings.factor_off_fillets})
+    return scene.model_copy(update={"fatigue": plain})
 
 
 def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:

@@ -12,7 +12,7 @@ from cranktopo.base.files import write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.engine.histories import HistoryKind
-from cranktopo.engine.plan.planning import left_off, plan_for_stress
+from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
@@ -136,8 +136,7 @@ def assess_fatigue(
         check_inputs(target, method, loads)
     print_assumed(resolved, USED)
     for target in resolved:
-        if missing := left_off(target.scene, plan_for_stress(target.scene)):
-            note(f"{target.name}: {missing}")
+        note_left_off(target.name, target.scene, plan_for_stress(target.scene))
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]

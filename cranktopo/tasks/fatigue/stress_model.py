@@ -96,7 +96,7 @@ class StressModel:
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
-        """Which surface nodes have a stress of their own: all but those at inner edges without a radius."""
+        """Surface nodes whose stress is no matter of the mesh: all but those at sharp inner edges, (n,)."""
         return self.on_fillet | ~near_sharp_edges(self.surface)
 
     @property

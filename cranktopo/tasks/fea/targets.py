@@ -93,8 +93,11 @@ def resolve_target(
     """
     path = Path(text)
     named = not path.exists() and text not in builtin_designs() and runs_named(text)
-    if (path.is_dir() or named) and shaped_web(text) is None:
-        return _run(open_run(text))
+    if path.is_dir() or named:
+        shaped = shaped_web(text)
+        if shaped is None:
+            return _run(open_run(text))
+        path, text = shaped, str(shaped)
     if path.suffix.lower() not in _GEOMETRY:
         scene = load_scene(text, whole=whole)
         return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))

@@ -28,7 +28,7 @@ from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
-from cranktopo.engine.plan.planning import left_off
+from cranktopo.engine.plan.planning import note_left_off
 from cranktopo.numerics.kernels.registry import compile_kernels
 from cranktopo.numerics.precision import CompileClock, check_device, double_precision
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint, save_iteration
@@ -122,8 +122,7 @@ def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
     goal = wanted(prepared.scene)
     if goal is not None:
         note(goal_text(goal, "density"))
-    if missing := left_off(prepared.scene, prepared.plan):
-        note(f"{prepared.scene.name}: {missing}")
+    note_left_off(prepared.scene.name, prepared.scene, prepared.plan)
     for notice in prepared.notices:
         note(f"note: {notice}.")
     if assumed:

@@ -255,8 +255,8 @@ class FilletFatigue:
     def _strength(self, on_fillet: NDArray[np.bool_]) -> LsaStrength:
         """Return the strength at nodes; a treatment of the fillets raises it nowhere else."""
         strength = lsa_strength(self.scene)
-        factor = strength.treatment_factor
-        return replace(strength, treatment_factor=np.where(on_fillet, factor, np.minimum(factor, 1.0)))
+        factors = strength.treatment_factor, self.scene.fatigue.factor_off_fillets
+        return replace(strength, treatment_factor=np.where(on_fillet, *factors))
 
     def _through_field(
         self, model: Elasticity, bend: Superelement, twist: Superelement, field: UnitField, force: Array

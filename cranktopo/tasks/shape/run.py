@@ -30,7 +30,7 @@ from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run, toml_text
-from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
+from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.report.report_file import REPORT, write_report
@@ -113,8 +113,7 @@ def shape_design(
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)
-    if missing := left_off(scene, plan_for_stress(scene)):
-        note(f"{scene.name}: {missing}")
+    note_left_off(scene.name, scene, plan_for_stress(scene))
     assumed = assumptions(scene, _TABLES)
     if assumed:
         note(assumed_text(assumed))

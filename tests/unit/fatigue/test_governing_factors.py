@@ -1,4 +1,4 @@
-"""Which set of concentration factors governs the check by the crankshaft rule, and what it does not judge."""
+"""The set of concentration factors that governs the check by the crankshaft rule; what is not judged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What rounding leaves in STL files: triangles without area, vertices a hair apart."""
+"""Leavings of rounding in STL files: triangles without area, vertices a hair apart."""
 
 from __future__ import annotations
 

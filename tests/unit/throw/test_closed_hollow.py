@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 
 from cranktopo import load_scene, with_values
 from cranktopo.base.errors import CranktopoError
 
-POCKET: dict[str, Any] = {"shape": "cylinder", "face": "journal", "y_mm": 10.0, "diameter_mm": 12.0}
+_Pocket = dict[str, str | float]
+POCKET: _Pocket = {"shape": "cylinder", "face": "journal", "y_mm": 10.0, "diameter_mm": 12.0}
 
 
 @pytest.mark.parametrize(
@@ -23,7 +22,7 @@ POCKET: dict[str, Any] = {"shape": "cylinder", "face": "journal", "y_mm": 10.0, 
         ),
     ],
 )
-def test_a_pocket_under_a_journal_is_refused(pocket: dict[str, Any], under: str) -> None:
+def test_a_pocket_under_a_journal_is_refused(pocket: _Pocket, under: str) -> None:
     with pytest.raises(CranktopoError, match=rf"web\.pocket\[0\]: lies under {under}: no tool reaches it"):
         with_values(load_scene("opposed-piston"), {"web.pocket": [pocket]})
 
@@ -36,5 +35,5 @@ def test_a_pocket_under_a_journal_is_refused(pocket: dict[str, Any], under: str)
         {**POCKET, "face": "through", "y_mm": 10.0, "diameter_mm": 8.0},  # open at the pin's face
     ],
 )
-def test_a_pocket_with_an_open_mouth_is_no_hollow(pocket: dict[str, Any]) -> None:
+def test_a_pocket_with_an_open_mouth_is_no_hollow(pocket: _Pocket) -> None:
     assert with_values(load_scene("opposed-piston"), {"web.pocket": [pocket]}).web.pocket
