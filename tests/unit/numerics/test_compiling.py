@@ -46,9 +46,9 @@ known = {}
 give_back = compiling._give_back_memory
 compiling._give_back_memory = lambda: (known.update(before=resident_MiB()), give_back())
 with double_precision():
-    model, _ = cantilever((16, 8, 8))
+    model, _ = cantilever((32, 16, 16))
     tables = build_tables(model.lattice, model.levels)
-    system = System(jnp.asarray(tables.blocks), model.supports, jnp.ones((8, 8, 16)), model.forces)
+    system = System(jnp.asarray(tables.blocks), model.supports, jnp.ones(model.lattice.cells), model.forces)
     compiling.compile_multigrid(tables, system, "float32")
 print(json.dumps({**known, "after": resident_MiB()}))
 """
