@@ -113,13 +113,13 @@ def _text(found: FatigueAssessment) -> str:
             for check in found.checks
             if check.outside
         )
+        remarks = tables.rule_remarks(found.checks)
         parts = [
+            *(["\n".join(remarks)] if remarks else []),
             terminal(tables.rule_table(found.checks, baseline)),
             terminal(tables.factor_table(found.checks)) + outside,
         ]
         if any(check.outlets for check in found.checks):
             parts.append(terminal(tables.outlet_table(found.checks)))
-        if remarks := tables.rule_remarks(found.checks):
-            parts.append("\n".join(remarks))
     verdicts = [] if baseline is None else tables.verdicts(found.results, baseline)
     return "\n\n".join([*parts, *(["\n".join(verdicts)] if verdicts else [])])

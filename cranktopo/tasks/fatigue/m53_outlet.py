@@ -48,6 +48,11 @@ class OutletCheck:
     outside: tuple[str, ...]
 
     @property
+    def acceptability(self) -> float | None:
+        """Strength over equivalent stress; None where the rule's factors are not valid."""
+        return None if self.outside else self.check.acceptability
+
+    @property
     def place(self) -> str:
         """What it is called in a table."""
         return f"outlet at {self.angle_deg:.0f} deg ({self.key})"
@@ -124,6 +129,23 @@ def _check(
     check = FilletCheck(stress, strength)
     angle = math.degrees(math.atan2(mouth.normal[0], mouth.normal[1]))
     return OutletCheck(channel.key, angle, *gamma, bending, torsion, check, _outside(bore / size, mouth))
+
+
+def unchecked_journal_outlets(scene: Scene) -> dict[str, str]:
+    """Return the outlets on main journals thinner than the pin, and why the rule has no factors for them.
+
+    Source: UR M53.1.6, which lets them pass by their form alone on a journal at least as thick as the pin.
+    """
+    pin, journal = scene.throw.crankpin.outer_diameter_mm, scene.throw.main_journal.outer_diameter_mm
+    if journal >= pin:
+        return {}
+    why = f"the main journal ({journal:g} mm) is thinner than the crankpin ({pin:g} mm)"
+    return {
+        f"outlet on the main journal ({channel.key})": why
+        for channel in drill_bores(scene)
+        for mouth in channel.outlets
+        if mouth.journal == "main_journal" and not mouth.in_bore
+    }
 
 
 def _alternating_moment_Nmm(

@@ -200,8 +200,8 @@ class OutletAcceptance(Result):
     """Equivalent alternating stress."""
     strength_MPa: float
     """Fatigue strength."""
-    acceptability: float
-    """Strength over equivalent stress."""
+    acceptability: float | None
+    """Strength over equivalent stress; null where the rule's factors are not valid."""
     outside_validity: tuple[str, ...]
     """What lies outside the validity of the factors."""
 
@@ -210,7 +210,9 @@ class RuleFatigue(_TargetFatigue):
     """A target, or one of its two different webs, against IACS UR M53."""
 
     accepted: bool
-    """The rule accepts both fillets and every outlet of an oil bore that it covers."""
+    """True if the rule judges and accepts both fillets and every outlet of an oil bore."""
+    verdict: str
+    """Answer of the rule: "accepted", "not accepted", or "not judged" with an outlet beyond its factors."""
     governing_factors: dict[str, str]
     """Factors that govern at each fillet, "polynomials" or "elements", as `fatigue.m53_factors` has it."""
     not_judged: dict[str, str]

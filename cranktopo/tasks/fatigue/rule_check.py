@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -29,13 +30,14 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
-from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets, unchecked_journal_outlets
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.targets import Target
 
 GoverningFactors = Literal["polynomials", "elements"]
+Verdict = Literal["accepted", "not accepted", "not judged"]
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class RuleCheck:
         web: which one of two that differ; empty where they are alike.
         rule_checks, fem_checks: pin and journal fillet with either set of factors.
         wanted_factors: set that the scene lets govern.
+        journal_outlets: outlets on the main journal that the rule has no factors for, and why.
     """
 
     name: str
@@ -65,6 +68,7 @@ class RuleCheck:
     outlets: tuple[OutletCheck, ...] = ()
     web: str = ""
     wanted_factors: M53Factors = "lower"
+    journal_outlets: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def governing(self) -> dict[str, GoverningFactors]:
@@ -87,8 +91,9 @@ class RuleCheck:
 
     @property
     def not_judged(self) -> dict[str, str]:
-        """Outlets that lie outside the validity of the rule's factors, and why."""
-        return {outlet.place: "; ".join(outlet.outside) for outlet in self.outlets if outlet.outside}
+        """Outlets that the rule's factors do not cover, and why."""
+        leaning = {outlet.place: "; ".join(outlet.outside) for outlet in self.outlets if outlet.outside}
+        return leaning | dict(self.journal_outlets)
 
     @property
     def safety(self) -> float:
@@ -96,13 +101,16 @@ class RuleCheck:
         return min(check.acceptability for check in self.places.values())
 
     @property
-    def accepted(self) -> bool:
-        """True if the rule accepts both fillets and every outlet of an oil bore that it covers."""
-        return self.safety >= LEAST_FACTOR
+    def verdict(self) -> Verdict:
+        """Answer of the rule: it accepts a throw only if it judges every fillet and outlet of an oil bore."""
+        if self.safety < LEAST_FACTOR:
+            return "not accepted"
+        return "not judged" if self.not_judged else "accepted"
 
     @property
     def departures(self) -> tuple[str, ...]:
-        """Fillets at which both valid sets differ by more than the elements' own error, in words."""
+        """Fillets at which both valid sets differ, in words: by more than the elements' own error, or the
+        scene has chosen the one that flatters."""
         if self.outside:
             return ()
         return tuple(
@@ -111,6 +119,7 @@ class RuleCheck:
             f"{self.quality.jump_percent:.1f} %): {self.governing[fillet]} govern"
             for (fillet, rule), fem in zip(self.rule_checks.items(), self.fem_checks.values(), strict=True)
             if abs(fem.acceptability / rule.acceptability - 1) > self.quality.jump_percent / 100
+            or self.places[fillet].acceptability > min(rule.acceptability, fem.acceptability)
         )
 
 
@@ -180,6 +189,7 @@ def _check(
         check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
         web,
         scene.fatigue.m53_factors,
+        unchecked_journal_outlets(half),
     )
 
 

@@ -22,6 +22,12 @@ from cranktopo.tasks.plan.section import effects_section
 
 _BLANK = "." * 24
 """Room for a name by hand."""
+_ANSWERS = {
+    "not accepted": "is NOT accepted",
+    "not judged": "is NOT JUDGED by the rule alone",
+    "accepted": "is accepted",
+}
+"""What the headline says of each verdict, the worst first."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +99,8 @@ def _of_web(check: RuleCheck) -> str:
 
 def _headline(checks: Sequence[RuleCheck]) -> str:
     worst = min(checks, key=lambda check: check.safety)
-    answer = "is accepted" if worst.accepted else "is NOT accepted"
+    answers = {check.verdict for check in checks}
+    answer = next(_ANSWERS[verdict] for verdict in _ANSWERS if verdict in answers)
     place = min(worst.places, key=lambda name: worst.places[name].acceptability)
     return (
         f"The throw {answer}: least acceptability factor Q = {worst.safety:.3f} at the "

@@ -91,9 +91,9 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
                 "factors_by": "polynomials (not valid here)" if outlet.outside else "polynomials",
                 "equivalent_MPa": found.equivalent_MPa,
                 "strength_MPa": found.strength_MPa,
-                "Q": found.acceptability,
+                "Q": outlet.acceptability,
                 "plus_or_minus": None,
-                "accepted": "-" if outlet.outside else _yes(found.accepted),
+                "accepted": "not judged" if outlet.outside else _yes(found.accepted),
             }
         )
     columns = {"fillet": 0, "factors_by": 0, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3}

@@ -219,7 +219,8 @@ def _rule_fatigue(
         target=check.name,
         throw_kg=check.throw_kg,
         safety=check.safety,
-        accepted=check.accepted,
+        accepted=check.verdict == "accepted",
+        verdict=check.verdict,
         governing_factors=check.governing,
         not_judged=check.not_judged,
         least_acceptability=LEAST_FACTOR,
@@ -249,7 +250,7 @@ def _outlet_acceptance(outlet: OutletCheck) -> OutletAcceptance:
     return OutletAcceptance(
         **own,
         **vars(outlet.check),
-        acceptability=outlet.check.acceptability,
+        acceptability=outlet.acceptability,
         outside_validity=outlet.outside,
     )
 

@@ -33,16 +33,16 @@ _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
 _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("target", 0, lambda c: c.name),
     Column("throw_kg", MASS.digits, lambda c: c.throw_kg),
-    Column("least_Q", SAFETY.digits, lambda c: c.safety),
+    Column("governing_Q", SAFETY.digits, lambda c: c.safety),
     Column("pin_Q_rule", 3, lambda c: _by_rule(c, "pin")),
     Column("pin_Q_FE", 3, lambda c: c.fem_checks["pin"].acceptability),
     Column("journal_Q_rule", 3, lambda c: _by_rule(c, "journal")),
     Column("journal_Q_FE", 3, lambda c: c.fem_checks["journal"].acceptability),
     Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.fem_checks.values())),
-    Column("accepted", 0, lambda c: "yes" if c.accepted else "no"),
+    Column("verdict", 0, lambda c: c.verdict),
     Column("governed_by", 0, lambda c: ", ".join(f"{name} {by}" for name, by in c.governing.items())),
 )
-_SAFETY_COLUMNS = (SAFETY.column, "least_Q")
+_SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
 """Mass and safety in percent stand behind the safety, whichever it is."""
 
 
@@ -51,7 +51,7 @@ class FatigueComparison:
     """Fatigue of several targets beside a baseline.
 
     Attributes:
-        verdicts: one line for each target but the baseline.
+        verdicts: what is not judged, then one line for each target but the baseline.
         result: what `fatigue --json` prints.
     """
 
@@ -65,7 +65,8 @@ def compare_fatigue(
 ) -> FatigueComparison:
     """Return what a comparison shows of the fatigue of its targets."""
     safeties = tuple(_summary(result).safety for result in results)
-    return FatigueComparison(safeties, tuple(verdicts(results, baseline)), found)
+    remarks = rule_remarks([result for result in results if isinstance(result, RuleCheck)])
+    return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
@@ -91,7 +92,7 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
             "torsion_MPa": outlet.torsion_MPa,
             "equivalent_MPa": outlet.check.equivalent_MPa,
             "strength_MPa": outlet.check.strength_MPa,
-            "Q": None if outlet.outside else outlet.check.acceptability,
+            "Q": outlet.acceptability,
             "not_valid": "; ".join(outlet.outside) or "-",
         }
         for check in checks
@@ -106,7 +107,8 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
 def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
     """Return what the tables do not say: outlets that are not judged, sets of factors that differ."""
     lines = [
-        f"{check.name}, {place}: not judged, {why}; `--method lsa` counts it."
+        f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with an analysis of "
+        "its own; `--method lsa` counts it."
         for check in checks
         for place, why in check.not_judged.items()
     ]

@@ -14,9 +14,10 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     outside_validity,
 )
-from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, unchecked_journal_outlets
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule, dimensions
+from cranktopo.tasks.fatigue.rule_tables import acceptability_table
 from cranktopo.tasks.fatigue.text import outlet_table, rule_remarks, rule_table
 from cranktopo.tasks.fea.targets import Target
 
@@ -48,16 +49,16 @@ def test_the_lower_of_two_valid_sets_governs() -> None:
     found = check(WEAK, ALLOWED)
     assert found.governing == {"pin": "polynomials", "journal": "elements"}
     assert found.safety == pytest.approx(1.13)
-    assert not found.accepted
+    assert found.verdict == "not accepted"
     assert check(ALLOWED, WEAK).governing["pin"] == "elements"
     (row,) = rule_table([found], None).rows
-    assert row["least_Q"] == min(row[key] for key in row if "_Q_" in key)
+    assert row["governing_Q"] == min(row[key] for key in row if "_Q_" in key)
 
 
 def test_polynomials_that_are_not_valid_do_not_govern() -> None:
     found = replace(check(WEAK, ALLOWED), outside=("web width / pin diameter",))
     assert found.governing["pin"] == "elements"
-    assert found.accepted
+    assert found.verdict == "accepted"
     assert found.departures == ()
 
 
@@ -75,15 +76,49 @@ def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
     assert rule_remarks([check(ALLOWED, FilletCheck(200.0, 244.0))]) == []
 
 
-def test_an_outlet_outside_the_rule_is_not_judged_by_it() -> None:
+def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_unjudged() -> None:
     wide = OutletCheck("throw.drilling[0]", 30.0, 3.0, 4.0, 10.0, 5.0, FilletCheck(50.0, 300.0), ("d/D 0.3",))
     found = replace(check(ALLOWED, ALLOWED), outlets=(wide,))
     assert found.not_judged == {wide.place: "d/D 0.3"}
     assert wide.place not in found.places
+    assert found.verdict == "not judged"
+    assert replace(found, rule_checks={"pin": WEAK, "journal": ALLOWED}).verdict == "not accepted"
     assert outlet_table([found]).rows[0]["Q"] is None
+    assert acceptability_table(found).rows[-1]["Q"] is None
     assert "not judged, d/D 0.3" in rule_remarks([found])[0]
     low = replace(wide, check=FilletCheck(300.0, 300.0), outside=())
     assert replace(found, outlets=(low,)).safety == pytest.approx(1.0)
+    good = replace(wide, check=FilletCheck(200.0, 300.0), outside=())
+    assert replace(found, outlets=(good,)).verdict == "accepted"
+
+
+def test_an_outlet_on_a_thin_main_journal_is_not_judged() -> None:
+    drilled = load_scene("industrial-gas")
+    assert unchecked_journal_outlets(drilled) == {}
+    thin = with_values(drilled, {"throw.main_journal.outer_diameter_mm": 110.0})
+    ((place, why),) = unchecked_journal_outlets(thin).items()
+    assert "main journal" in place
+    assert "thinner than the crankpin" in why
+    assert replace(check(ALLOWED, ALLOWED), journal_outlets={place: why}).verdict == "not judged"
+
+
+def test_a_choice_that_flatters_is_said_even_within_the_error_of_the_elements() -> None:
+    near = FilletCheck(200.0, 237.0)
+    assert check(near, ALLOWED).departures == ()
+    (line,) = replace(check(near, ALLOWED), wanted_factors="elements").departures
+    assert "elements govern" in line
+
+
+@pytest.mark.slow
+def test_a_solved_throw_is_governed_by_the_lower_factors_and_not_accepted_past_its_outlet() -> None:
+    (found,) = check_rule(Target("gas", load_scene("industrial-gas")), fillet_fraction=0.5)
+    by_rule, by_elements = found.rule_checks["journal"], found.fem_checks["journal"]
+    assert by_rule.acceptability < by_elements.acceptability
+    assert found.governing == {"pin": "elements", "journal": "polynomials"}
+    assert found.safety == pytest.approx(by_rule.acceptability)
+    assert found.safety > 1.15
+    assert found.verdict == "not judged"
+    assert "leans 25 deg" in next(iter(found.not_judged.values()))
 
 
 def test_polynomials_asked_for_outside_their_validity_are_refused_before_a_solve() -> None:
