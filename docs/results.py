@@ -13,6 +13,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from cranktopo.base.units import stem_and_unit
 
 ROOTS = {
+    "import": ("`import --json` and `import.json`", "cranktopo.tasks.crank_import.result:CrankImport"),
     "plan": ("`plan --json`", "cranktopo.tasks.plan.result:DesignPlan"),
     "loads": ("`loads --json`", "cranktopo.tasks.loads.result:Loads"),
     "balance": ("`balance --json`", "cranktopo.tasks.balance.result:Balance"),

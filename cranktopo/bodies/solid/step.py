@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
@@ -85,7 +87,8 @@ _TRIANGULATION = {
     "StlLinearDeflectionRelative": 0,
     "StlAngularDeflection": 0.1,
 }
-_WELD_DIGITS = 6
+_WELD_MM = 2e-5
+"""Vertices nearer than this are one: twice the tolerance that CAD systems give an edge."""
 _VOLUME_TOLERANCE = 2e-3
 
 
@@ -115,9 +118,43 @@ def kernel_surface(gmsh: Any) -> SurfaceMesh:
     gmsh.model.mesh.importStl()
     points, faces = triangles(gmsh)
     gmsh.model.mesh.clear()
-    vertices, number = np.unique(np.round(points, _WELD_DIGITS), axis=0, return_inverse=True)
-    faces = number.reshape(-1)[faces]
-    return SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
+    vertices, number = _welded(points)
+    faces = number[faces]
+    return _sound(SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)]))
+
+
+def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
+    """Return the mesh with holes of three or four edges closed, and all faces turned as their neighbours.
+
+    Where a face runs out in a sliver, at the rounded outlet of a drilling say, the kernel leaves its last
+    triangle out, and may turn a face the wrong way.
+    """
+    from trimesh.repair import fill_holes, fix_normals
+
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+
+    body = mesh.as_trimesh()
+    if body.is_watertight and body.is_winding_consistent:
+        return mesh
+    fill_holes(body)
+    fix_normals(body, multibody=False)
+    return SurfaceMesh(np.asarray(body.vertices, float), np.asarray(body.faces, np.int64))
+
+
+def _welded(points: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Return points with those of one edge joined, and the new number of each.
+
+    The kernel triangulates face by face, and ends two faces of one edge up to that edge's tolerance apart.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(points).query_pairs(_WELD_MM, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
+    number = connected_components(links, directed=False)[1].astype(np.int64)
+    _, first = np.unique(number, return_index=True)
+    return points[first], number
 
 
 def _check_step(path: Path, name: str) -> None:
@@ -131,6 +168,17 @@ def _check_step(path: Path, name: str) -> None:
 
 def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
     """Return the one solid of a STEP file in the open session; raises CranktopoError without one."""
+    solids = step_solids(gmsh, path, name)
+    if len(solids) != 1:
+        raise CranktopoError(
+            f"{name}: holds {len(solids)} solids, not one.",
+            hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
+        )
+    return solids[0]
+
+
+def step_solids(gmsh: Any, path: Path, name: str) -> list[tuple[int, int]]:
+    """Return the solids of a STEP file in the open session; raises CranktopoError where it is none."""
     _check_step(path, name)
     occ = gmsh.model.occ
     try:
@@ -142,11 +190,5 @@ def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
         raise CranktopoError(
             f"{name}: cannot be read as STEP.", hint="Export one solid again as STEP (AP203, AP214 or AP242)."
         ) from None
-    solids = [pair for pair in found if pair[0] == 3]
-    if len(solids) != 1:
-        raise CranktopoError(
-            f"{name}: holds {len(solids)} solids, not one.",
-            hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
-        )
     occ.synchronize()
-    return solids[0]
+    return [pair for pair in found if pair[0] == 3]

@@ -24,6 +24,7 @@ from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
+from cranktopo.tasks.importing.motion import moved_rigidly
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
     surface = solid_of(kernel_surface(gmsh), str(path))
     motion, note = _placed(surface, scene, path, align)
     if motion is not None:
-        occ.affineTransform(body, motion.affine)
+        moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
     web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)

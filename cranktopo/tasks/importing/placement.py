@@ -71,11 +71,6 @@ class Placement:
         """Return points (n, 3) after the motion."""
         return np.asarray(points_mm @ self.matrix.T + self.shift_mm)
 
-    @property
-    def affine(self) -> list[float]:
-        """The motion as the sixteen numbers of a 4 x 4 matrix, row by row."""
-        return [*np.column_stack([self.matrix, self.shift_mm]).ravel().tolist(), 0.0, 0.0, 0.0, 1.0]
-
 
 def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | None:
     """Return the motion that puts a half throw in its place, if `align` asks; None where it lies right.

@@ -27,6 +27,7 @@ TASKS = (
     "designs",
     "drawing",
     "importing",
+    "crank_import",
     "fea",
     "shaft",
     "vibration",

@@ -1,0 +1,59 @@
+"""`cranktopo import`
+
+Turn a crank from CAD (STEP) into a design: axes, throws, journals, webs.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from cranktopo.cli.options import Choice
+from cranktopo.cli.verbosity import verbosity_options
+from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, END_JOURNALS, EndJournals
+
+
+@click.command(name="import")
+@click.argument("body", type=click.Path(path_type=Path, dir_okay=False))
+@click.option(
+    "--solid", metavar="NAME", help="Solid of an assembly; by default the one that looks like a crank."
+)
+@click.option("--name", metavar="N", help="Name of the design; by default that of the file.")
+@click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="New folder for all files.")
+@click.option(
+    "--end-journals",
+    type=Choice(END_JOURNALS),
+    default="auto",
+    show_default=True,
+    help="The outermost main journals: whole, or cut in their middle where a throw repeats.",
+)
+@click.option(
+    "--material", metavar="NAME", default=DEFAULT_MATERIAL, show_default=True, help="CAD does not tell it."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
+def command(
+    body: Path,
+    solid: str | None,
+    name: str | None,
+    out: Path | None,
+    end_journals: EndJournals,
+    material: str,
+    as_json: bool,
+) -> None:
+    """Recognise the crank in BODY (.step, .stp) in any attitude, and write a design of every distinct web.
+
+    Exact faces tell crank axis, main journals, crankpins, throws and angles, webs, fillets, bores and oil
+    drillings. Each distinct half throw is cut and moved to the frame of a throw, unchanged, as STEP: the
+    original of its design. The page shows body and design over each other. Material and engine are lines to
+    fill in.
+
+    Example: cranktopo import crankshaft.step --name my-crank
+    """
+    from cranktopo.tasks.crank_import.stage import import_crank
+    from cranktopo.tasks.crank_import.text import import_text
+
+    found = import_crank(body, name, out, solid, end_journals, material)
+    click.echo(json.dumps(found.as_json(), indent=2) if as_json else import_text(found))

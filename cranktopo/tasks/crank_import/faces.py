@@ -1,0 +1,163 @@
+"""Exact faces of the body in an open CAD session: planes, cylinders and tori, by the kernel's own numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+
+_SAME = 1e-6
+"""Share of a radius in which two faces count as one: what CAD systems keep of a dimension in a file."""
+_PARALLEL = 1e-7
+"""Largest sine between directions that count as one."""
+_FULL_TURN = 2 * math.pi * (1 - 1e-6)
+
+
+@dataclass(frozen=True)
+class CylinderFace:
+    """A cylindrical face; `span_mm` lies along its axis from `point_mm`.
+
+    Attributes:
+        turn_rad: angle about the axis; of two halves that were joined, their sum.
+        outward: True for a shaft, False for a bore.
+        middle_mm: the point in the middle of the face.
+    """
+
+    point_mm: Array
+    axis: Array
+    radius_mm: float
+    span_mm: tuple[float, float]
+    turn_rad: float
+    outward: bool
+    middle_mm: Array
+
+    @property
+    def full(self) -> bool:
+        """True if it goes all the way round."""
+        return self.turn_rad >= _FULL_TURN
+
+    @property
+    def area_mm2(self) -> float:
+        """Area of the whole strip that it spans."""
+        return self.radius_mm * self.turn_rad * (self.span_mm[1] - self.span_mm[0])
+
+
+@dataclass(frozen=True)
+class PlaneFace:
+    """A plane face with its outward normal, a point on it and its area."""
+
+    normal: Array
+    point_mm: Array
+    area_mm2: float
+
+
+@dataclass(frozen=True)
+class TorusFace:
+    """A face of a torus: a round fillet or an edge's rounding about an axis."""
+
+    centre_mm: Array
+    axis: Array
+    ring_mm: float
+    tube_mm: float
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Faces of a body by kind; `others` are names of the surfaces that have no kind here."""
+
+    cylinders: tuple[CylinderFace, ...]
+    planes: tuple[PlaneFace, ...]
+    tori: tuple[TorusFace, ...]
+    others: tuple[str, ...]
+
+
+def exact_faces(gmsh: Any) -> Faces:
+    """Return the faces of the open session's body."""
+    cylinders: list[CylinderFace] = []
+    planes: list[PlaneFace] = []
+    tori: list[TorusFace] = []
+    others: list[str] = []
+    for _, tag in gmsh.model.getEntities(2):
+        kind = gmsh.model.getType(2, tag)
+        reals = np.array(gmsh.model.getEntityProperties(2, tag)[1])
+        if kind == "Cylinder":
+            cylinders.append(_cylinder(gmsh, tag, reals))
+        elif kind == "Plane":
+            point, normal = _middle(gmsh, tag)
+            planes.append(PlaneFace(normal, point, float(gmsh.model.occ.getMass(2, tag))))
+        elif kind == "Torus":
+            tori.append(TorusFace(reals[:3], reals[3:6], float(reals[6]), float(reals[7])))
+        else:
+            others.append(kind)
+    return Faces(tuple(_joined(cylinders)), tuple(planes), tuple(tori), tuple(others))
+
+
+def _cylinder(gmsh: Any, tag: int, reals: Array) -> CylinderFace:
+    (first, low), (last, high) = gmsh.model.getParametrizationBounds(2, tag)
+    point, normal = _middle(gmsh, tag)
+    outward = bool(normal @ (point - reals[:3]) > 0)
+    return CylinderFace(
+        reals[:3], reals[3:6], float(reals[6]), (float(low), float(high)), float(last - first), outward, point
+    )
+
+
+def _middle(gmsh: Any, tag: int) -> tuple[Array, Array]:
+    """Return point and outward normal in the middle of a face's parameters."""
+    low, high = gmsh.model.getParametrizationBounds(2, tag)
+    at = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+    return np.array(gmsh.model.getValue(2, tag, at)), np.array(gmsh.model.getNormal(tag, at))
+
+
+def _joined(faces: Sequence[CylinderFace]) -> Iterator[CylinderFace]:
+    """Yield cylinders, those that CAD systems split into parts of a full turn as one."""
+    left = list(faces)
+    while left:
+        face, *left = left
+        parts = [other for other in left if not face.full and _same_strip(face, other)]
+        whole = replace(face, turn_rad=face.turn_rad + sum(part.turn_rad for part in parts))
+        if parts and whole.full:
+            left = [other for other in left if not any(other is part for part in parts)]
+            face = whole
+        yield face
+
+
+def _same_strip(one: CylinderFace, other: CylinderFace) -> bool:
+    if one.outward != other.outward or not same_axis(one, other):
+        return False
+    near = _SAME * one.radius_mm
+    span = span_along(other, one.point_mm, one.axis)
+    return abs(one.radius_mm - other.radius_mm) < near and bool(
+        np.abs(np.subtract(span, one.span_mm)).max() < 10 * near
+    )
+
+
+def same_axis(one: CylinderFace, other: CylinderFace) -> bool:
+    """Tell whether two cylinders lie on one line."""
+    size = max(one.radius_mm, other.radius_mm)
+    return (
+        parallel(one.axis, other.axis)
+        and from_line_mm(other.point_mm, one.point_mm, one.axis) < 10 * _SAME * size
+    )
+
+
+def parallel(one: Array, other: Array) -> bool:
+    """Tell whether two directions are the same or opposite."""
+    return float(np.linalg.norm(np.cross(one, other))) < _PARALLEL
+
+
+def from_line_mm(point_mm: Array, on_mm: Array, axis: Array) -> float:
+    """Return the distance of a point from a line."""
+    return float(np.linalg.norm(np.cross(point_mm - on_mm, axis)))
+
+
+def span_along(face: CylinderFace, origin_mm: Array, axis: Array) -> tuple[float, float]:
+    """Return where a cylinder begins and ends along a parallel line, from a point on that."""
+    start = float((face.point_mm - origin_mm) @ axis)
+    sign = 1.0 if float(face.axis @ axis) > 0 else -1.0
+    low, high = sorted(start + sign * end for end in face.span_mm)
+    return low, high

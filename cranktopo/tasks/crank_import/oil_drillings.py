@@ -1,0 +1,119 @@
+"""Oil drillings of a half throw, read from oblique bores among its faces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.volume import half_throw_volume_mm3
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.crank_import.faces import CylinderFace, from_line_mm, parallel
+from cranktopo.tasks.crank_import.half_body import HalfBody
+
+_DIGITS = 6
+_OBLIQUE = 6.0
+"""Way from the outermost edge of an oblique outlet to the drilling's axis, over its radius."""
+_LARGEST_OUTLET = 1.0
+"""Radius of an outlet over the diameter of its drilling."""
+_LARGEST = 0.4
+"""Diameter of a drilling over the pin's."""
+
+
+def read_drillings(body: HalfBody, scene: Scene) -> Iterator[tuple[tuple[str, str], dict[str, Any]]]:
+    """Yield drillings that straight bores across the journals show, each once."""
+    seen: list[CylinderFace] = []
+    for face in body.faces.cylinders:
+        if face.outward or abs(float(face.axis[2])) > 1 - 1e-6:
+            continue
+        if 2 * face.radius_mm > _LARGEST * scene.throw.crankpin.outer_diameter_mm or any(
+            parallel(face.axis, other.axis)
+            and from_line_mm(face.point_mm, other.point_mm, other.axis) < 1e-4 * face.radius_mm
+            for other in seen
+        ):
+            continue
+        seen.append(face)
+        ends = [_end(face, scene, span) for span in _span(body, face)]
+        if all(ends):
+            first, second = ends
+            table = {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
+            yield ("throw", "drilling"), table
+
+
+def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
+    """Return the scene with the radius of its outlets that gives the body's volume; None where none does.
+
+    The roundings are approximate surfaces in a file, so that no face tells their radius.
+    """
+    from scipy.optimize import brentq
+
+    def rounded(radius: float) -> Scene:
+        drilling = tuple(one.model_copy(update={"outlet_radius_mm": radius}) for one in scene.throw.drilling)
+        return scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": drilling})})
+
+    def excess(radius: float) -> float:
+        return half_throw_volume_mm3(rounded(radius)) - body.solid.volume_mm3
+
+    most = _LARGEST_OUTLET * max(one.diameter_mm for one in scene.throw.drilling)
+    try:
+        if excess(0.0) <= 0 or excess(most) >= 0:
+            return None
+        return rounded(round(float(brentq(excess, 0.0, most, xtol=1e-6)), 3))
+    except CranktopoError:
+        return None
+
+
+def _span(body: HalfBody, face: CylinderFace) -> tuple[float, float]:
+    """Return the ends of all faces on the line of a drilling, along the first."""
+    along = [face.span_mm]
+    for other in body.faces.cylinders:
+        if (
+            not other.outward
+            and parallel(face.axis, other.axis)
+            and (from_line_mm(other.point_mm, face.point_mm, face.axis) < 1e-4 * face.radius_mm)
+        ):
+            start = float((other.point_mm - face.point_mm) @ face.axis)
+            sign = 1.0 if float(other.axis @ face.axis) > 0 else -1.0
+            along.append((start + sign * other.span_mm[0], start + sign * other.span_mm[1]))
+    return min(min(pair) for pair in along), max(max(pair) for pair in along)
+
+
+def _end(face: CylinderFace, scene: Scene, at: float) -> dict[str, Any] | None:
+    """Return the surface on which a drilling ends, and where."""
+    throw, near = scene.throw, face.point_mm + at * face.axis
+    found: list[tuple[float, dict[str, Any]]] = []
+    for key, journal, y, middle, side in (
+        ("main_journal", throw.main_journal, 0.0, 0.0, 1.0),
+        ("crankpin", throw.crankpin, throw.radius_mm, scene.pitch_mm / 2, -1.0),
+    ):
+        for on, radius in ((key, journal.radius_mm), (f"{key}_bore", journal.bore_radius_mm)):
+            for point in _meets(face, y, radius):
+                off = float(np.linalg.norm(point - near))
+                angle = round(math.degrees(math.atan2(point[0], point[1] - y)), _DIGITS)
+                place = side * (float(point[2]) - middle)
+                if place > -1e-6:
+                    entry = {
+                        "on": on,
+                        "angle_deg": 180.0 if angle == -180.0 else angle + 0.0,
+                        "place_mm": round(max(place, 0.0), _DIGITS),
+                    }
+                    found.append((off, entry))
+    near_enough = [one for one in found if one[0] < _OBLIQUE * face.radius_mm]
+    return min(near_enough, key=lambda one: one[0])[1] if near_enough else None
+
+
+def _meets(face: CylinderFace, y: float, radius: float) -> Iterator[Array]:
+    """Yield where a drilling's axis meets a cylinder along z."""
+    if radius <= 0:
+        return
+    px, py = float(face.point_mm[0]), float(face.point_mm[1]) - y
+    dx, dy = float(face.axis[0]), float(face.axis[1])
+    a, b, c = dx**2 + dy**2, px * dx + py * dy, px**2 + py**2 - radius**2
+    root = b**2 - a * c
+    if a > 0 and root >= 0:
+        for sign in (-1.0, 1.0):
+            yield face.point_mm + (-b + sign * math.sqrt(root)) / a * face.axis

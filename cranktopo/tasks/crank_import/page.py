@@ -1,0 +1,152 @@
+"""The page of an import: body and design over each other, dimensions, and what was not read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cranktopo.report.page import Fact, Page, Section, pairs
+from cranktopo.report.plot import Picture, plain
+from cranktopo.tasks.crank_import import text
+from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
+from cranktopo.tasks.crank_import.web_reading import ImportedWeb, shown_half
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_BODY, _DESIGN = "0.78", "#d1632a"
+_LAST_INDEX = re.compile(r"\[\d+\]$")
+_GOOD_PERCENT = 0.1
+_GOOD_MM = 0.02
+
+
+def import_page(result: CrankImport, webs: Sequence[ImportedWeb]) -> Page:
+    """Return what was recognised as a page."""
+    first = result.halves[0]
+    return Page(
+        title=f"Crank from {result.file}",
+        subtitle=f"{len(result.throws)} throws, {len(result.main_journals)} main journals, "
+        f"{len(result.halves)} distinct half throws",
+        headline=_headline(first),
+        facts=tuple(_facts(result)),
+        sections=(
+            Section(
+                "unread",
+                "What was not read, and what was assumed",
+                "",
+                (
+                    (
+                        "",
+                        pairs(
+                            [
+                                *_numbered("not read", text.unread_lines(result)),
+                                *_numbered("assumed", result.assumed),
+                            ]
+                        ),
+                    ),
+                ),
+            ),
+            *(_half(half, web) for half, web in zip(result.halves, webs, strict=True)),
+            _dimensions(result),
+            Section(
+                "crank",
+                "The crank",
+                "Places along the crank axis from the point of the axis nearest to the file's origin.",
+                (("Throws", text.throw_table(result)), ("Main journals", text.journal_table(result))),
+            ),
+        ),
+    )
+
+
+def _numbered(word: str, lines: Sequence[str]) -> list[tuple[str, str]]:
+    return [(word, line) for line in lines]
+
+
+def _headline(half: ImportedHalf) -> str:
+    share = 100 * (half.design_volume_mm3 / half.volume_mm3 - 1)
+    return (
+        f"The design has {share:+.2f} % of the body's volume; its outline ({half.outline}) lies within "
+        f"{half.outline_deviation_mm:.3g} mm. Gains are measured against the body itself."
+    )
+
+
+def _facts(result: CrankImport) -> list[Fact]:
+    facts = []
+    for half in result.halves:
+        share = 100 * (half.missing_mm3 + half.extra_mm3) / half.volume_mm3
+        facts.append(
+            Fact(
+                f"Half {half.number}: outline",
+                f"{half.outline_deviation_mm:.3g} mm",
+                half.outline,
+                "good" if half.outline_deviation_mm < _GOOD_MM else "bad",
+            )
+        )
+        facts.append(
+            Fact(
+                f"Half {half.number}: volume that differs",
+                f"{share:.2f} %",
+                f"{half.missing_mm3:.0f} mm3 missing, {half.extra_mm3:.0f} mm3 too much",
+                "good" if share < _GOOD_PERCENT else "bad",
+            )
+        )
+    return facts
+
+
+def _half(half: ImportedHalf, web: ImportedWeb) -> Section:
+    return Section(
+        f"half-{half.number}",
+        f"Half {half.number}: {', '.join(half.webs)}",
+        f"Body {half.body}, design {half.design}. Grey: the body. Line: the design.",
+        pictures=(_over_each_other(half, web),),
+    )
+
+
+def _dimensions(result: CrankImport) -> Section:
+    return Section(
+        "dimensions",
+        "Dimensions in the designs, mm and deg",
+        "",
+        tuple((f"Half {half.number}", pairs(list(_rows(half)))) for half in result.halves),
+    )
+
+
+def _rows(half: ImportedHalf) -> Iterator[tuple[str, str]]:
+    """Yield dimensions by key, those of a list in one row."""
+    for key, group in groupby(half.dimensions_mm.items(), lambda item: _LAST_INDEX.sub("", item[0])):
+        yield key, ", ".join(f"{value:.9g}" for _, value in group)
+
+
+def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:
+    """Draw front and side silhouettes of body and design over each other."""
+    from matplotlib.figure import Figure
+
+    from cranktopo.numerics.surfaces.mesh import solid_of
+
+    figure = Figure(figsize=(9.2, 4.6), layout="constrained")
+    front, side = figure.subplots(1, 2)
+    for solid, filled in ((solid_of(web.body.shown), True), (shown_half(web.read.scene), False)):
+        _draw(front, solid, filled)
+        _draw(side, solid.rotate((0.0, 90.0, 0.0)), filled)
+    front.set_title("Along the crank", fontsize=10)
+    side.set_title("From the side", fontsize=10)
+    front.set_xlabel("x, mm")
+    front.set_ylabel("y, mm")
+    side.set_xlabel("along the crank, mm")
+    for axes in (front, side):
+        axes.set_aspect("equal")
+        plain(axes)
+    return Picture(f"half-{half.number}", figure, "silhouettes of body and design over each other")
+
+
+def _draw(axes: Any, solid: Manifold, filled: bool) -> None:
+    for contour in solid.project().to_polygons():
+        points = np.vstack([contour, contour[:1]])
+        if filled:
+            axes.fill(points[:, 0], points[:, 1], color=_BODY)
+        else:
+            axes.plot(points[:, 0], points[:, 1], color=_DESIGN, linewidth=1.2)

@@ -1,0 +1,93 @@
+"""Solids of a STEP file with their names, and the one of them that is the crank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError, suggest
+from cranktopo.bodies.solid.step import step_solids
+
+_LISTED = 20
+
+
+@dataclass(frozen=True)
+class FoundSolid:
+    """A solid of a file: its name, its box, its volume, and whether it looks like a crank."""
+
+    tag: int
+    name: str
+    size_mm: tuple[float, float, float]
+    volume_mm3: float
+    looks_like_a_crank: bool
+
+
+def solids_of(gmsh: Any, path: Path) -> tuple[FoundSolid, ...]:
+    """Read a STEP file into the open session; return its solids."""
+    gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
+    solids = step_solids(gmsh, path, f"'{path}'")
+    found: list[FoundSolid] = []
+    for dim, tag in solids:
+        box = gmsh.model.occ.getBoundingBox(dim, tag)
+        x, y, z = (float(high - low) for low, high in zip(box[:3], box[3:], strict=True))
+        name = gmsh.model.getEntityName(dim, tag).rsplit("/", 1)[-1] or f"solid {len(found) + 1}"
+        found.append(
+            FoundSolid(
+                tag, name, (x, y, z), float(gmsh.model.occ.getMass(dim, tag)), _full_axes(gmsh, tag) >= 2
+            )
+        )
+    return tuple(found)
+
+
+def _full_axes(gmsh: Any, tag: int) -> int:
+    """Return on how many lines full cylinders of one direction lie: two or more on a crank."""
+    faces = gmsh.model.getBoundary([(3, tag)], oriented=False)
+    lines: list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]] = []
+    for _, face in faces:
+        if gmsh.model.getType(2, face) != "Cylinder":
+            continue
+        reals = np.array(gmsh.model.getEntityProperties(2, face)[1])
+        point, axis, radius = reals[:3], reals[3:6], reals[6]
+        if not any(float(np.linalg.norm(np.cross(point - p, a))) < 1e-3 * radius for p, a in lines):
+            lines.append((point, axis))
+    return max(
+        (sum(float(np.linalg.norm(np.cross(a, b))) < 1e-6 for _, b in lines) for _, a in lines), default=0
+    )
+
+
+def chosen_solid(gmsh: Any, path: Path, name: str | None) -> tuple[int, int]:
+    """Read a STEP file, and return its crank: the named solid, the only one, or the only one that looks so.
+
+    Raises:
+        CranktopoError: no solid, none or several of that name, or several that look like a crank.
+    """
+    found = solids_of(gmsh, path)
+    own = _chosen(found, path, name)
+    rest = [(3, solid.tag) for solid in found if solid is not own]
+    if rest:
+        gmsh.model.occ.remove(rest, recursive=True)
+    gmsh.model.occ.synchronize()
+    return 3, own.tag
+
+
+def _chosen(found: tuple[FoundSolid, ...], path: Path, name: str | None) -> FoundSolid:
+    if name is not None:
+        own = [solid for solid in found if solid.name == name]
+        if len(own) != 1:
+            said = f"holds {len(own)} solids named '{name}'" if own else f"holds no solid '{name}'"
+            raise CranktopoError(f"'{path}': {said}.", hint=suggest(name, [solid.name for solid in found]))
+        return own[0]
+    likely = [solid for solid in found if solid.looks_like_a_crank]
+    if len(found) == 1 or len(likely) == 1:
+        return (likely or list(found))[0]
+    rows = "; ".join(
+        f"'{solid.name}' {solid.size_mm[0]:.4g} x {solid.size_mm[1]:.4g} x {solid.size_mm[2]:.4g} mm"
+        for solid in (likely or found)[:_LISTED]
+    )
+    what = f"{len(likely)} of them look like a crank" if likely else "none of them looks like a crank"
+    raise CranktopoError(
+        f"'{path}': holds {len(found)} solids, {what}: {rows}.", hint="Choose one with --solid NAME."
+    )

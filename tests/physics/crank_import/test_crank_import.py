@@ -1,0 +1,178 @@
+"""A crank exported as STEP, turned by a random attitude and imported: every dimension comes back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo import load_scene
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.solid.step import step_solid
+from cranktopo.design.loading import builtin_designs, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
+from cranktopo.tasks.crank_import.result import CrankImport
+from cranktopo.tasks.crank_import.stage import import_crank
+from cranktopo.tasks.crank_import.text import import_text
+from cranktopo.tasks.importing.motion import moved_rigidly
+from tests.random_engines import random_engine
+
+
+def turned(file: Path, seed: int) -> Path:
+    """Return the file of the same body in a random attitude and place."""
+    from scipy.spatial.transform import Rotation
+
+    target = file.with_name(f"turned-{seed}.step")
+    with cad_session("turned body") as gmsh:
+        body = [step_solid(gmsh, file, "body")]
+        place = 100 * np.random.default_rng(seed).normal(size=3)
+        moved_rigidly(gmsh.model.occ, body, Rotation.random(random_state=seed).as_matrix(), place)
+        gmsh.model.occ.synchronize()
+        with quiet_stdout():
+            gmsh.write(str(target))
+    return target
+
+
+def imported(scene: Scene, folder: Path, part: Any = "crankshaft", seed: int = 7) -> CrankImport:
+    export_solid(scene, part, folder / "body.step")
+    return import_crank(turned(folder / "body.step", seed), scene.name, folder / "out")
+
+
+def flat(data: Any, key: str = "") -> dict[str, Any]:
+    if isinstance(data, dict):
+        return {k: v for name, one in data.items() for k, v in flat(one, f"{key}.{name}").items()}
+    if isinstance(data, list):
+        return {k: v for index, one in enumerate(data) for k, v in flat(one, f"{key}[{index}]").items()}
+    return {key: data}
+
+
+def dimensions(scene: Scene) -> dict[str, Any]:
+    return flat(scene.model_dump(mode="json", include={"throw", "web"}, exclude_none=True))
+
+
+def check_same(scene: Scene, result: CrankImport, but: tuple[str, ...] = ()) -> None:
+    half = result.halves[0]
+    found, wanted = dimensions(load_scene(half.design)), dimensions(scene)
+    assert found.keys() == wanted.keys()
+    for key, value in wanted.items():
+        if key not in but:
+            same = pytest.approx(value, rel=1e-6, abs=1e-6) if isinstance(value, float) else value
+            assert found[key] == same, key
+    assert half.design_volume_mm3 == pytest.approx(half.volume_mm3, rel=1e-6)
+    assert len(result.halves) == 1
+
+
+def test_a_whole_crank_with_bevels(tmp_path: Path) -> None:
+    scene = load_scene("mikron-iiic")
+    result = imported(scene, tmp_path)
+    check_same(scene, result)
+    assert [throw.angle_deg for throw in result.throws] == pytest.approx([0, 180, 180, 0], abs=1e-6)
+    assert len(result.main_journals) == 5
+    assert len(result.halves[0].webs) == 8
+    assert any("cut in their middle" in line for line in result.assumed)
+    design = Path(result.halves[0].design)
+    assert load_scene(str(design)).original is not None
+    assert "fill in" in design.read_text(encoding="utf-8")
+    assert json.loads((design.parent / "import.json").read_text())["throws"][1]["radius_mm"] == pytest.approx(
+        48
+    )
+    assert "8  obround" in " ".join(import_text(result).split("\n")).replace("   ", "  ")
+
+
+def test_a_half_throw_with_a_counterweight(tmp_path: Path) -> None:
+    scene = load_scene("car-diesel")
+    export_solid(scene, "half", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "car", tmp_path / "out")
+    check_same(scene, result)
+    assert any("nearer to the file's origin" in line for line in result.assumed)
+
+
+def test_unlike_halves_become_a_design_each(tmp_path: Path) -> None:
+    """A web 22 mm thick beyond the pin, and a longer main journal there."""
+    scene = load_scene("mikron-iiic-plain", whole=True)
+    data = scene.model_dump(mode="json", exclude_none=True, exclude={"published"})
+    data["second_web"] = {**data["web"], "thickness_mm": 22.0}
+    data["throw"] |= {"second_main_journal_length_mm": 46.0}
+    result = imported(scene_from_dict(data, "pair", whole=True), tmp_path, "throw")
+    assert len(result.halves) == 2
+    thick = {half.dimensions_mm["web.thickness_mm"] for half in result.halves}
+    assert sorted(thick) == pytest.approx([19.0, 22.0])
+    lengths = {half.dimensions_mm["throw.main_journal.length_mm"] for half in result.halves}
+    assert len(lengths) == 2
+
+
+@pytest.mark.parametrize(("ends", "length"), [("whole", 20.0), ("cut", 40.0)])
+def test_end_journals_are_what_the_user_says(tmp_path: Path, ends: Any, length: float) -> None:
+    export_solid(load_scene("mikron-iiic-plain"), "throw", tmp_path / "throw.step")
+    result = import_crank(tmp_path / "throw.step", None, tmp_path / "out", ends=ends)
+    assert result.halves[0].dimensions_mm["throw.main_journal.length_mm"] == pytest.approx(length)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
+def test_built_in_cranks(tmp_path: Path, name: str) -> None:
+    scene = load_scene(name)
+    result = imported(scene, tmp_path)
+    assert result.halves[0].design_volume_mm3 == pytest.approx(result.halves[0].volume_mm3, rel=1e-3)
+    throw = load_scene(result.halves[0].design).throw
+    assert throw.radius_mm == pytest.approx(scene.throw.radius_mm, rel=1e-9)
+    for key in ("main_journal", "crankpin"):
+        assert getattr(throw, key).model_dump() == pytest.approx(getattr(scene.throw, key).model_dump())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_random_engines(tmp_path: Path, seed: int) -> None:
+    scene = scene_from_dict(random_engine(seed), f"engine-{seed}")
+    check_same(scene, imported(scene, tmp_path, seed=seed))
+
+
+@pytest.mark.slow
+def test_an_oil_drilling_and_its_outlets(tmp_path: Path) -> None:
+    """The outlets' radius follows from the volume: within 5 %, and said."""
+    scene = load_scene("industrial-gas")
+    key = ".throw.drilling[0].outlet_radius_mm"
+    result = imported(scene, tmp_path)
+    check_same(scene, result, (key,))
+    radius = load_scene(result.halves[0].design).throw.drilling[0].outlet_radius_mm
+    assert radius == pytest.approx(2.0, rel=0.05)
+    assert any("follows from the volume" in line for line in result.halves[0].unread)
+
+
+def block(folder: Path, *boxes: tuple[float, ...], bars: int = 0) -> Path:
+    """A STEP file of boxes, and of bars along z on one axis."""
+    path = folder / "body.step"
+    with cad_session("block") as gmsh:
+        for box in boxes:
+            gmsh.model.occ.addBox(*box)
+        for number in range(bars):
+            gmsh.model.occ.addCylinder(0, 0, 60 * number, 0, 0, 50, 10 + number)
+        gmsh.model.occ.synchronize()
+        with quiet_stdout():
+            gmsh.write(str(path))
+    return path
+
+
+def test_what_is_no_crank_is_refused_in_a_line(tmp_path: Path) -> None:
+    with pytest.raises(CranktopoError, match="looks like no crank: no face is a full cylinder"):
+        import_crank(block(tmp_path, (0, 0, 0, 10, 10, 10)), None, tmp_path / "out")
+    with pytest.raises(CranktopoError, match="all full cylinders lie on one axis"):
+        import_crank(block(tmp_path, bars=1), None, tmp_path / "out")
+    with pytest.raises(CranktopoError, match=r"holds 3 solids, none of them looks like a crank.*--solid"):
+        import_crank(block(tmp_path, (99, 0, 0, 1, 1, 1), bars=2), None, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    with pytest.raises(CranktopoError, match="is no STEP file by its name"):
+        import_crank(tmp_path / "crank.stl", None, tmp_path / "out")
+
+
+def test_a_folder_with_files_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine.txt").write_text("kept")
+    with pytest.raises(CranktopoError, match="is not empty") as raised:
+        import_crank(block(tmp_path, bars=1), None, tmp_path / "out")
+    assert raised.value.code == ExitCode.USAGE
