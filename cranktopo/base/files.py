@@ -114,14 +114,16 @@ class UnwritableError(CranktopoError):
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path`, suffix in small letters, that becomes it when the block ends well.
 
-    For libraries that insist on writing a file by name. Nobody can foresee the name and put a link there,
-    which would lead the writer to another file. When the block fails, `path` keeps what it held.
+    For libraries that insist on writing a file by name. It is made here, by a name that nobody can foresee: a
+    link that is put there would lead the writer to another file. When the block fails, `path` keeps what it
+    held.
     Raises CranktopoError where the file cannot be written.
     """
     if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
         raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
     temporary = path.with_name(f".{path.stem}.{secrets.token_hex(8)}{TEMPORARY}{path.suffix.lower()}")
     try:
+        temporary.touch(exist_ok=False)
         yield temporary
         _flush(temporary)
         os.replace(temporary, path)
@@ -131,6 +133,11 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if temporary.exists():
             temporary.unlink()
+
+
+def no_link(path: str, flags: int) -> int:
+    """Open a file for `open(..., opener=no_link)`; a link in its place may lead to any file of the user."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
 
 
 def unwritable(path: Path, error: OSError) -> UnwritableError:
