@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cranktopo.base.child import in_child, tell_read
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
@@ -94,6 +95,11 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
 
     Raises CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
+    check_step(path, name)
+    return in_child(name, _step_surface, path, name)
+
+
+def _step_surface(path: Path, name: str) -> SurfaceMesh:
     with cad_session(f"surface of {path}") as gmsh:
         body = step_solid(gmsh, path, name)
         volume = float(gmsh.model.occ.getMass(*body))
@@ -120,8 +126,8 @@ def kernel_surface(gmsh: Any) -> SurfaceMesh:
     return SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)])
 
 
-def _check_step(path: Path, name: str) -> None:
-    """Check that a file can be one of STEP, before the reader is asked, which may not survive others."""
+def check_step(path: Path, name: str) -> None:
+    """Check that a file can be one of STEP, before the reader is asked; raises CranktopoError."""
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
     with path.open("rb") as file:
         head = file.read(1000)
@@ -130,8 +136,10 @@ def _check_step(path: Path, name: str) -> None:
 
 
 def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
-    """Return the one solid of a STEP file in the open session; raises CranktopoError without one."""
-    _check_step(path, name)
+    """Return the one solid of a STEP file in the open session; raises CranktopoError without one.
+
+    Called in a child process: the reader may not survive a damaged file.
+    """
     occ = gmsh.model.occ
     try:
         with quiet_stdout():
@@ -149,4 +157,5 @@ def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
             hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
         )
     occ.synchronize()
+    tell_read()
     return solids[0]
