@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import sys
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, BinaryIO, TextIO
 
 import click
 
@@ -22,14 +23,14 @@ def _prepare_streams() -> None:
 
     What is closed leads nowhere (otherwise the next file that is opened would take its number and hold what
     libraries print); notes that stderr cannot take are dropped; characters that a stream cannot show become
-    escapes.
+    escapes, and so do those that a terminal would obey.
     """
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # takes the smallest free number: this one
-    sys.stdout = _usable(sys.stdout, 1)
+    sys.stdout = _Printable(_usable(sys.stdout, 1))
     sys.stderr = _Notes(_usable(sys.stderr, 2))
 
 
@@ -59,24 +60,25 @@ def _usable(stream: Any, number: int) -> Any:
     return stream
 
 
-class _Notes(io.TextIOBase):
-    """stderr: a full disk or a reader that has gone costs the notes, not the command."""
+_OBEYED = re.compile(r"\x1b(?!\[[0-9;]*m)|[\x00-\x08\x0b\x0c\x0e-\x1a\x1c-\x1f\x80-\x9f]")
+"""Characters that begin a command to a terminal, but for colours."""
+
+
+def _escaped(found: re.Match[str]) -> str:
+    return f"\\x{ord(found[0]):02x}"
+
+
+class _Printable(io.TextIOBase):
+    """A stream of text: names from files cannot move the cursor, rewrite lines or rename the window."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        try:
-            return self._stream.write(text)
-        except OSError:
-            _discard(2)
-            return len(text)
+        return self._stream.write(_OBEYED.sub(_escaped, text))
 
     def flush(self) -> None:
-        try:
-            self._stream.flush()
-        except OSError:
-            _discard(2)
+        self._stream.flush()
 
     def isatty(self) -> bool:
         return self._stream.isatty()
@@ -85,8 +87,29 @@ class _Notes(io.TextIOBase):
         return self._stream.fileno()
 
     @property
+    def buffer(self) -> BinaryIO:
+        return self._stream.buffer
+
+    @property
     def encoding(self) -> str:  # type: ignore[override]
         return self._stream.encoding
+
+
+class _Notes(_Printable):
+    """stderr: a full disk or a reader that has gone costs the notes, not the command."""
+
+    def write(self, text: str) -> int:
+        try:
+            return super().write(text)
+        except OSError:
+            _discard(2)
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            super().flush()
+        except OSError:
+            _discard(2)
 
 
 _SHOWN_FIRST = (

@@ -17,7 +17,7 @@ import stat
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -102,6 +102,8 @@ def _refused(name: str, why: str, hint: str) -> CranktopoError:
 TEMPORARY = ".tmp"
 """In the names of files and folders that a process is still writing."""
 _JSON_LIMIT_MIB = 64
+_MOST_DIGITS = 18
+"""Of an integer in a file of the program; longer ones overflow where they are computed with."""
 ARRAYS_LIMIT_MIB = 2048
 """A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
 
@@ -114,14 +116,16 @@ class UnwritableError(CranktopoError):
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path`, suffix in small letters, that becomes it when the block ends well.
 
-    For libraries that insist on writing a file by name. Nobody can foresee the name and put a link there,
-    which would lead the writer to another file. When the block fails, `path` keeps what it held.
+    For libraries that insist on writing a file by name. It is made here, by a name that nobody can foresee: a
+    link that is put there would lead the writer to another file. When the block fails, `path` keeps what it
+    held.
     Raises CranktopoError where the file cannot be written.
     """
     if os.path.exists(path) and not os.path.isfile(path):  # a device would be replaced by a file
         raise unwritable(path, OSError(errno.EINVAL, "it exists and is no regular file"))
     temporary = path.with_name(f".{path.stem}.{secrets.token_hex(8)}{TEMPORARY}{path.suffix.lower()}")
     try:
+        temporary.touch(exist_ok=False)
         yield temporary
         _flush(temporary)
         os.replace(temporary, path)
@@ -131,6 +135,11 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if temporary.exists():
             temporary.unlink()
+
+
+def no_link(path: str, flags: int) -> int:
+    """Open a file for `open(..., opener=no_link)`; a link in its place may lead to any file of the user."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
 
 
 def unwritable(path: Path, error: OSError) -> UnwritableError:
@@ -184,7 +193,7 @@ def read_json(path: Path) -> dict[str, Any]:
         raise CranktopoError(f"'{path}': no such file.", hint="Check the path of the run.")
     text = read_text_file(path, f"'{path}'", _JSON_LIMIT_MIB, "Start a new run.")
     try:
-        data = json.loads(text, parse_constant=_no_number)
+        data = from_json(text)
     except (ValueError, RecursionError) as error:
         raise CranktopoError(
             f"'{path}': corrupted, cannot be read: {quoted(str(error))}.", hint="Start a new run."
@@ -192,6 +201,27 @@ def read_json(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise CranktopoError(f"'{path}': corrupted, not a JSON object.", hint="Start a new run.")
     return data
+
+
+def from_json(text: str) -> Any:
+    """Return what JSON holds; raises ValueError for a number that no computer number is, as NaN or 1e999."""
+    return json.loads(text, parse_constant=_no_number, parse_int=_integer, parse_float=_finite)
+
+
+def inside(folder: Path, name: str) -> Path:
+    """Return the file of a folder that a stored name means; raises CranktopoError where it leads out."""
+    if not is_inside(name):
+        raise CranktopoError(
+            f"'{folder}': names {quoted(name)}, which is no file in it.",
+            hint="It was changed by hand: make it again.",
+        )
+    return folder / name
+
+
+def is_inside(name: str) -> bool:
+    """Tell whether a name is that of a file in a folder or below it."""
+    parts = PurePath(name).parts
+    return bool(parts) and name.isprintable() and not PurePath(name).is_absolute() and ".." not in parts
 
 
 def read_npz(path: Path, name: str, hint: str) -> dict[str, NDArray[Any]]:
@@ -229,6 +259,14 @@ def _flush(path: Path) -> None:
 
 def _no_number(word: str) -> float:
     raise ValueError(f"{word} is no number")
+
+
+def _finite(word: str) -> float:
+    return float(word) if math.isfinite(float(word)) else _no_number(word)
+
+
+def _integer(word: str) -> int:
+    return int(word) if len(word) <= _MOST_DIGITS else int(_no_number(quoted(word)))
 
 
 def _plain(value: Any) -> Any:

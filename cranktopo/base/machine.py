@@ -7,7 +7,6 @@ import platform
 import resource
 import stat
 import sys
-import tempfile
 import time
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,21 +15,13 @@ from pathlib import Path
 _OURS_ALONE = 0o700
 
 
-def user_cache() -> Path:
-    """Return the folder of cranktopo in the user's cache, `$XDG_CACHE_HOME` or `~/.cache`; it may not exist.
-
-    A user without a home, as in a container, has it among the temporary files.
-    """
-    return _lasting_cache() or Path(tempfile.gettempdir()) / f"cranktopo-{os.getuid()}"
-
-
 def private_cache(name: str) -> Path | None:
     """Return a folder in the user's cache that nobody else can read or write, made if it is not there.
 
     What is run may come from nowhere else. None where it cannot be had: the folder is another user's, others
-    may use it, it is a link, or the cache would be among the temporary files, which all users share.
+    may use it, it is a link, or the user has no home, as in a container, and all users share what is left.
     """
-    cache = _lasting_cache()
+    cache = _user_cache()
     if cache is None:
         return None
     folder = cache / name
@@ -38,14 +29,15 @@ def private_cache(name: str) -> Path | None:
         cache.mkdir(parents=True, exist_ok=True)
         with suppress(FileExistsError):
             folder.mkdir(mode=_OURS_ALONE)
-        found = folder.lstat()
+        found, above = folder.lstat(), cache.stat()
     except OSError:
         return None
-    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-    return folder if ours and found.st_mode & 0o777 == _OURS_ALONE else None
+    ours = stat.S_ISDIR(found.st_mode) and {found.st_uid, above.st_uid} == {os.getuid()}
+    private = found.st_mode & 0o777 == _OURS_ALONE and not above.st_mode & stat.S_IWOTH
+    return folder if ours and private else None
 
 
-def _lasting_cache() -> Path | None:
+def _user_cache() -> Path | None:
     """Return the folder in `$XDG_CACHE_HOME` or the user's home, None where there is neither."""
     given = os.environ.get("XDG_CACHE_HOME", "")
     if os.path.isabs(given):  # a relative one is to be ignored (XDG Base Directory Specification)

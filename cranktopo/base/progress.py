@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Callable, Iterator, MutableMapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cranktopo.base.files import read_json, write_json
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import json_text, read_json, write_json
+from cranktopo.base.notes import note
 
 Json = dict[str, Any]
+
+
+_RESULT = "result"
+
+
+def _sealed(result: Any) -> Json:
+    text = json_text({_RESULT: result}, "work")
+    return {"sha256": hashlib.sha256(text.encode()).hexdigest(), **json.loads(text)}
 
 
 @dataclass(frozen=True)
@@ -36,18 +48,30 @@ class Work:
 
 
 class KeptWork(MutableMapping[str, Json]):
-    """Results of finished parts by name in a file of a run, written at every one."""
+    """Results of finished parts by name in a file of a run, each with its digest, written at every one.
+
+    What was damaged meanwhile is left out, so that it is done again.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._data: dict[str, Json] = read_json(path) if path.is_file() else {}
+        self._data: dict[str, Json] = {}
+        try:
+            stored = read_json(path) if path.is_file() else {}
+            whole = {name: part for name, part in stored.items() if part == _sealed(part[_RESULT])}
+            self._data = {name: part[_RESULT] for name, part in whole.items()}
+            damaged = len(self._data) < len(stored)
+        except (CranktopoError, KeyError, TypeError):
+            damaged = True
+        if damaged:
+            note(f"'{path}': damaged; what is missing is done again")
 
     def __getitem__(self, key: str) -> Json:
         return self._data[key]
 
     def __setitem__(self, key: str, value: Json) -> None:
         self._data[key] = value
-        write_json(self._path, self._data)
+        write_json(self._path, {name: _sealed(result) for name, result in self._data.items()})
 
     def __delitem__(self, key: str) -> None:
         del self._data[key]

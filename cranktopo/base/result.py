@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import read_json
+from cranktopo.base.files import is_inside, read_json
 
 
 def left_out(value: object) -> bool:
@@ -19,6 +19,16 @@ def left_out(value: object) -> bool:
 
 UNLESS_NONE: Any = Field(default=None, exclude_if=left_out)
 """Default of a key that the JSON has only where there is a value; elsewhere None is written as null."""
+
+
+def _in_folder(name: str) -> str:
+    if not is_inside(name):
+        raise ValueError("leads out of its folder")
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_in_folder)]
+"""Name of a file in the folder of a result or below it."""
 
 
 def _listed(value: Any) -> Any:

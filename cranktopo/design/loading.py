@@ -131,6 +131,10 @@ _BODIES = ("an STL", "a STEP")
 """Kinds of files that a command takes as a target."""
 _HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
 _TOML_HINT = "Fix that line; `cranktopo designs new FILE` writes a design to start from."
+_MOST_PARTS = 30
+_DEEP_KEY = re.compile(
+    rf"""(?<![\w"'-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{_MOST_PARTS}}}"""
+)
 _TOML_PLACE = re.compile(r"at line (\d+), column")
 _SHAPED = "web.toml"
 """Name of the design in a run of `shape`."""
@@ -210,6 +214,11 @@ def parse_scene(
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
     """The tables of a TOML document as they are written; raises CranktopoError where it is malformed."""
+    deep = _DEEP_KEY.search(text)
+    if deep:  # the parser takes memory by the square of its length
+        line = text.count("\n", 0, deep.start()) + 1
+        reason = f"line {line} has a key of more than {_MOST_PARTS} parts: {quoted(deep[0], 60)}"
+        raise CranktopoError(f"{source}: not valid TOML: {reason}.", hint=_TOML_HINT)
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError: also an integer of thousands of digits

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 
 _TRIANGLE = 2
-_ENDING = (signal.SIGINT, signal.SIGTERM)
+_RESET = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM)
 _SIGACTION = 512
 """Bytes that hold a `struct sigaction` of any platform."""
 _ALONE = threading.RLock()
@@ -59,11 +59,13 @@ def _session(what: str) -> Iterator[Any]:
 
 @contextmanager
 def _kept_handlers() -> Iterator[None]:
-    """Keep what the process does on SIGINT and SIGTERM; gmsh resets it below Python, which does not notice.
+    """Keep what the process does on signals; gmsh resets it below Python, which does not notice.
+
+    A SIGPIPE that Python no longer ignores ends a process whose reader has gone, in place of an error.
 
     By the C library, not by `signal.signal`: that works in the main thread alone.
     """
-    libc, kept = ctypes.CDLL(None), {number: (ctypes.c_char * _SIGACTION)() for number in _ENDING}
+    libc, kept = ctypes.CDLL(None), {number: (ctypes.c_char * _SIGACTION)() for number in _RESET}
     for number, action in kept.items():
         libc.sigaction(number, None, action)
     try:

@@ -14,11 +14,12 @@ from typing import Literal
 from weakref import WeakSet
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
-from cranktopo.base.machine import user_cache
+from cranktopo.base.machine import private_cache
+from cranktopo.base.notes import note
 
 Precision = Literal["float32", "float64"]
 
-_FOLDER_SETTING = "jax_compilation_cache_dir"
+_FOLDER_SETTING, _KEEPING = "jax_compilation_cache_dir", "jax_enable_compilation_cache"
 
 
 @contextmanager
@@ -54,11 +55,15 @@ def check_device() -> None:
         ) from None
 
 
-def cache_folder() -> Path:
-    """Return where compiled programs are kept: one folder per JAX version and kind of processor."""
+def cache_folder() -> Path | None:
+    """Return where compiled programs are kept: one folder per JAX version and kind of processor.
+
+    None where no folder can be had that is the user's alone: what is loaded from it is run.
+    """
     import jax
 
-    return user_cache() / f"jax-{jax.__version__}-{_processor()}"
+    # versions before had one that others could read, "jax-..."
+    return private_cache(f"programs-{jax.__version__}-{_processor()}")
 
 
 class CompileClock:
@@ -106,8 +111,11 @@ def _stored_compilations() -> Iterator[None]:
     import jax
     from jax.experimental.compilation_cache import compilation_cache
 
-    folder = _writable(cache_folder())
-    if folder is None or getattr(jax.config, _FOLDER_SETTING) is not None:
+    keeping = getattr(jax.config, _KEEPING) and getattr(jax.config, _FOLDER_SETTING) is None
+    folder = cache_folder() if keeping else None
+    if folder is None:
+        if keeping:
+            _tell_not_kept()
         yield
         return
     settings = {
@@ -130,12 +138,11 @@ def _configure(settings: dict[str, object]) -> None:
         jax.config.update(name, value)
 
 
-def _writable(folder: Path) -> Path | None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) else None
+@cache
+def _tell_not_kept() -> None:
+    note(
+        "compiled programs are not kept: no cache is this user's alone; set XDG_CACHE_HOME to your own folder"
+    )
 
 
 def _processor() -> str:

@@ -6,7 +6,6 @@ zip format's own checksums are verified on loading.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import json_text, read_npz, unwritable, write_npz
+from cranktopo.base.files import from_json, json_text, read_npz, unwritable, write_npz
 
 SCHEMA_VERSION = 1
 _HINT, _AGAIN = "Start a new run of the design.", "Run `cranktopo optimise` again."
@@ -49,9 +48,12 @@ def load_iteration(run: Path, iteration: int) -> tuple[NDArray[np.float64], floa
         )
     content = read_npz(path, f"'{path}'", _AGAIN)
     try:
-        return content["x"].astype(np.float64), float(content["beta"])
+        x, beta = content["x"].astype(np.float64), float(content["beta"])
     except (KeyError, ValueError, TypeError):
-        raise CranktopoError(f"'{path}': corrupted, holds no design.", hint=_AGAIN) from None
+        x, beta = np.zeros(0), 0.0
+    if not (x.ndim == 3 and (abs(x - 0.5) <= 0.5).all() and 0 < beta < np.inf):
+        raise CranktopoError(f"'{path}': corrupted, holds no design.", hint=_AGAIN)
+    return x, beta
 
 
 def saved_iterations(run: Path) -> list[int]:
@@ -92,9 +94,9 @@ def load_checkpoint(path: Path) -> Checkpoint:
     if _STATE not in content:
         raise _bad(path, f"incomplete, {_STATE} missing")
     try:
-        saved = json.loads(content.pop(_STATE).tobytes().decode("utf-8"))
+        saved = from_json(content.pop(_STATE).tobytes().decode("utf-8"))
         version, state = saved["schema_version"], dict(saved["state"])
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise _bad(path, f"corrupted, {_STATE} cannot be read") from None
     if version != SCHEMA_VERSION:
         raise _bad(path, f"schema_version {quoted(version)}, this program reads {SCHEMA_VERSION}")

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import TEMPORARY, unwritable
+from cranktopo.base.files import TEMPORARY, no_link, unwritable
 
 LOCK = ".lock"
 """Name of the file that the process that works in a run holds."""
@@ -28,7 +28,7 @@ def locked(folder: Path) -> Iterator[None]:
         yield
         return
     try:
-        file = (folder / LOCK).open("a+", encoding="ascii")
+        file = open(folder / LOCK, "a+", encoding="ascii", opener=no_link)  # noqa: SIM115
     except OSError as error:
         raise unwritable(folder / LOCK, error) from None
     with file:

@@ -15,6 +15,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted, suggest
 from cranktopo.base.files import (
+    no_link,
     read_json,
     read_text_file,
     sweep_temporaries,
@@ -103,7 +104,7 @@ class RunStore:
     def log(self, text: str) -> None:
         """Append one line with the time to run.log."""
         try:
-            with (self.path / _LOG).open("a", encoding="utf-8") as file:
+            with open(self.path / _LOG, "a", encoding="utf-8", opener=no_link) as file:
                 file.write(f"{timestamp()} {text}\n")
         except OSError as error:
             raise unwritable(self.path / _LOG, error) from None

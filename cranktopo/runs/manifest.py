@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import json_text
+from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, json_text
 from cranktopo.base.reproducible import SEED
 
 SCHEMA_VERSION = 1
@@ -79,7 +79,8 @@ def settings_hash(scene: Mapping[str, Any], options: Mapping[str, Any]) -> str:
 
 
 def file_hash(path: Path) -> str:
-    """Return SHA-256 (hex) of a file's content; raises CranktopoError where it cannot be read."""
+    """Return SHA-256 (hex) of a file's content; raises CranktopoError for what is no readable file."""
+    check_input(path, f"input '{path}'", GEOMETRY_LIMIT_MIB, "Check the path.")
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -117,6 +118,7 @@ def check_manifest(manifest: Mapping[str, Any], path: Path) -> None:
     if missing:
         raise CranktopoError(f"'{path}': incomplete, {', '.join(missing)} missing.", hint="Start a new run.")
     wrong = [key for key, kind in _KEYS.items() if not isinstance(manifest[key], kind)]
+    wrong += [] if manifest["status"] in get_args(RunStatus) or "status" in wrong else ["status"]
     wrong += [] if _is_inputs(manifest.get("inputs", {})) else ["inputs"]
     wrong += [key for key, kind in _LISTS.items() if not _is_list(manifest.get(key, []), kind)]
     if wrong:

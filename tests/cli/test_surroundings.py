@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.base.machine import user_cache
+from cranktopo.base.machine import private_cache
 from cranktopo.design.loading import designs_folder
 
 PROGRAM = f"{sys.executable} -c 'from cranktopo.app.main import main; main()'"
@@ -82,10 +82,9 @@ def test_without_a_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     for value in ("", "relative"):
         monkeypatch.setenv("XDG_CACHE_HOME", value)
         monkeypatch.setenv("HOME", str(tmp_path))
-        assert user_cache() == tmp_path / ".cache" / "cranktopo"
+        assert private_cache("code") == tmp_path / ".cache" / "cranktopo" / "code"
     monkeypatch.setattr(Path, "home", nobody)
-    assert user_cache().is_absolute()
-    assert user_cache().name == f"cranktopo-{os.getuid()}"
+    assert private_cache("code") is None
 
 
 @pytest.mark.parametrize("platform", ["cuda"])

@@ -8,6 +8,8 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.error
+import urllib.request
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -147,6 +149,35 @@ class Cluster:
         """End all of them."""
         for name in self._running:
             self.kill(name)
+
+
+def test_nobody_else_reaches_the_scheduler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every user of a machine reaches its loopback ports: a client needs the credentials of this sweep."""
+    import distributed
+
+    usual, tried = distributed.LocalCluster, []
+
+    def watched(**settings: Any) -> Any:
+        cluster = usual(**settings)
+        place = cluster.scheduler_address.partition("://")[2]
+        for protocol, security in (
+            ("tcp", None),
+            ("tls", None),
+            ("tls", distributed.Security.temporary()),
+        ):
+            with pytest.raises((OSError, TypeError)):
+                distributed.Client(f"{protocol}://{place}", timeout=1, security=security).close()
+            tried.append(protocol)
+        page = f"http://127.0.0.1:{cluster.scheduler_info['services']['dashboard']}"
+        for path in ("/", "/status", "/info/main/workers.html", "/json/index.html", "/metrics"):
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                urllib.request.urlopen(page + path)
+        return cluster
+
+    monkeypatch.setattr("distributed.LocalCluster", watched)
+    frame = sweep(vary={WIDTH: [50, 51]}, workers=1, out=tmp_path / "out", function=sweep_cases.empty)
+    assert frame["status"].tolist() == ["done"] * 2
+    assert len(tried) == 3
 
 
 @pytest.mark.slow

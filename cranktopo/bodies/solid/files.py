@@ -126,7 +126,6 @@ def export_solid(
     suffix = path.suffix.lower()
     check_file(path, "file", SOLIDS)
     with replacing(path) as temporary:
-        temporary.touch()  # before the work, and with a reason: gmsh gives none when it cannot write
         with cad_session(f"{part} of {scene.name}") as gmsh:
             body = _add(gmsh.model.occ, scene, part)
             volume = float(gmsh.model.occ.getMass(*body[0]))

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.child import in_child, tell_read
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
@@ -97,6 +98,11 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
 
     Raises CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
+    check_step(path, name)
+    return in_child(name, _step_surface, path, name)
+
+
+def _step_surface(path: Path, name: str) -> SurfaceMesh:
     with cad_session(f"surface of {path}") as gmsh:
         body = step_solid(gmsh, path, name)
         volume = float(gmsh.model.occ.getMass(*body))
@@ -157,8 +163,8 @@ def _welded(points: Array) -> tuple[Array, NDArray[np.int64]]:
     return points[first], number
 
 
-def _check_step(path: Path, name: str) -> None:
-    """Check that a file can be one of STEP, before the reader is asked, which may not survive others."""
+def check_step(path: Path, name: str) -> None:
+    """Check that a file can be one of STEP, before the reader is asked; raises CranktopoError."""
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
     with path.open("rb") as file:
         head = file.read(1000)
@@ -167,19 +173,22 @@ def _check_step(path: Path, name: str) -> None:
 
 
 def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
-    """Return the one solid of a STEP file in the open session; raises CranktopoError without one."""
+    """Return the one solid of a STEP file in the open session; raises CranktopoError without one.
+
+    Called in a child process: the reader may not survive a damaged file.
+    """
     solids = step_solids(gmsh, path, name)
     if len(solids) != 1:
         raise CranktopoError(
             f"{name}: holds {len(solids)} solids, not one.",
             hint="Join its solids in CAD, or close its surfaces to a solid, and export it again.",
         )
+    tell_read()
     return solids[0]
 
 
 def step_solids(gmsh: Any, path: Path, name: str) -> list[tuple[int, int]]:
-    """Return the solids of a STEP file in the open session; raises CranktopoError where it is none."""
-    _check_step(path, name)
+    """Return the solids of a STEP file in the open session; in a child process, as `step_solid`."""
     occ = gmsh.model.occ
     try:
         with quiet_stdout():

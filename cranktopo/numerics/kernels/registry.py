@@ -18,6 +18,8 @@ import jax
 import llvmlite.ir as ir
 import numpy as np
 
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import write_bytes
 from cranktopo.base.machine import private_cache, usable_cores
 from cranktopo.numerics.kernels.coarse_grids import Stencil, write_prolongation, write_restriction
 from cranktopo.numerics.kernels.frames import Product, find_fault, first_line, register
@@ -118,10 +120,8 @@ def _read(file: Path) -> bytes | None:
 
 def _keep(code: bytes, file: Path) -> None:
     """Keep code where that is possible; a reader finds all of it or what was there before."""
-    temporary = file.with_suffix(f".{os.getpid()}.tmp")
-    with suppress(OSError):
-        temporary.write_bytes(hashlib.sha256(code).digest() + code)
-        temporary.replace(file)
+    with suppress(CranktopoError):
+        write_bytes(file, hashlib.sha256(code).digest() + code)
 
 
 _Result = TypeVar("_Result")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.child import tell_read
 from cranktopo.base.errors import CranktopoError, suggest
 from cranktopo.bodies.solid.step import step_solids
 
@@ -65,6 +66,7 @@ def chosen_solid(gmsh: Any, path: Path, name: str | None) -> tuple[int, int]:
         CranktopoError: no solid, none or several of that name, or several that look like a crank.
     """
     found = solids_of(gmsh, path)
+    tell_read()
     own = _chosen(found, path, name)
     rest = [(3, solid.tag) for solid in found if solid is not own]
     if rest:

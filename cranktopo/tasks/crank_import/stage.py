@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.bodies.solid.step import STEP_SUFFIXES
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, check_step
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_name
@@ -71,9 +72,10 @@ def import_crank(
             f"output '{folder}': is not empty.", hint="Choose another --out.", code=ExitCode.USAGE
         )
     note(f"{path}: reading, finding axes and journals")
-    solids, taken, crank = _recognised(path, solid, ends)
+    check_step(path, f"'{path}'")
+    solids, taken, crank = in_child(f"'{path}'", _recognised, path, solid, ends)
     note(f"{path}: {crank_words(crank)}")
-    bodies = distinct_halves(path, crank, solid, folder)
+    bodies = in_child(f"'{path}'", distinct_halves, path, crank, solid, folder)
     webs = []
     for number, body in enumerate(bodies, 1):
         own = name if number == 1 else f"{name}-{number}"

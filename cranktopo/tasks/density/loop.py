@@ -17,6 +17,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.grid.equilibrium import Solution
+from cranktopo.numerics.optimisers.mma import Asymptotes
 from cranktopo.tasks.density.material import (
     PLAIN,
     MaterialInterpolation,
@@ -33,7 +34,7 @@ from cranktopo.tasks.density.model import case_forces
 from cranktopo.tasks.density.problem import DensityProblem
 from cranktopo.tasks.density.response import compliances, solve
 from cranktopo.tasks.density.responses import Design, on_material
-from cranktopo.tasks.density.state import MovedBounds, Record, State
+from cranktopo.tasks.density.state import ARRAY_FIELDS, MovedBounds, Record, State, damaged
 
 # A stage has settled, and the last one converged, when the objective changes by less over the window.
 STAGE_PLATEAU, FINAL_PLATEAU = 5e-3, 1e-3
@@ -152,6 +153,24 @@ def init(problem: DensityProblem) -> State:
     cases, *nodes = problem.model.forces.shape
     displacements = np.zeros((cases if problem.density_chain.projection == PLAIN else 2 * cases, *nodes))
     return State(x=x, evaluated=x, displacements=displacements, beta=problem.schedule.projection_first)
+
+
+def check_fits(problem: DensityProblem, state: State) -> None:
+    """Check that a stored state is one of this problem; raises CranktopoError."""
+    first, limits = init(problem), len(problem.optimisation.limits)
+    arrays = [(getattr(state, name), getattr(first, name)) for name in ARRAY_FIELDS]
+    arrays += [(state.memory.get(name), first.x) for name in Asymptotes._fields[:-1] if state.memory]
+    if state.memory:
+        several = problem.optimisation.worst_of_several
+        margins = np.zeros(len(problem.optimisation.functions) - (not several))
+        arrays += [(state.memory.get("margins"), margins)]
+    rows = [(len(row.compliance_N_mm), len(row.limits)) for row in state.history]
+    if any(found is None or found.shape != own.shape for found, own in arrays):
+        raise damaged("its arrays are those of another design")
+    counted = state.stage_start <= len(rows) and len(state.bounds) in (0, limits)
+    alike = set(rows) in ({(len(problem.model.cases), told)} for told in (0, limits))
+    if not counted or not alike:
+        raise damaged("its history is that of another design")
 
 
 def step(problem: DensityProblem, state: State) -> State:

@@ -7,9 +7,15 @@ from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
-from cranktopo.base.arrays import Array
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
-_ARRAY_FIELDS = ("x", "evaluated", "displacements")
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import json_text
+
+ARRAY_FIELDS = ("x", "evaluated", "displacements")
+"""Of a state, kept as arrays."""
 MEMORY = "memory."
 Status = Literal["running", "converged", "stopped", "infeasible"]
 
@@ -130,13 +136,53 @@ class Proposal(NamedTuple):
 def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
     """Return the state as named arrays and JSON-able data."""
     data = asdict(state)
-    arrays = {name: data.pop(name) for name in _ARRAY_FIELDS}
+    arrays = {name: data.pop(name) for name in ARRAY_FIELDS}
     arrays |= {MEMORY + name: array for name, array in data.pop("memory").items()}
     return arrays, data
 
 
+@dataclass(frozen=True)
+class _Plain:
+    """What the plain data of a checkpoint must be."""
+
+    history: tuple[Record, ...]
+    beta: float
+    stage_start: int
+    status: Status
+    reason: str
+    initial_N_mm: tuple[float, ...]
+    rounds: tuple[MovedBounds, ...] = ()
+    coarse_start: CoarseStart | None = None
+
+
+def damaged(fault: str) -> CranktopoError:
+    """Return the error for a checkpoint that no optimisation wrote so."""
+    return CranktopoError(f"checkpoint/state.npz: damaged, {fault}.", hint="Start a new run of the design.")
+
+
+def _fault(arrays: Mapping[str, Array], data: Mapping[str, Any]) -> str:
+    """Return what is wrong with stored data, empty where nothing is."""
+    missing = [name for name in ARRAY_FIELDS if name not in arrays]
+    if missing:
+        return f"{', '.join(missing)} missing"
+    wrong = [name for name, array in arrays.items() if array.dtype.kind not in "fiu" or np.isnan(array).any()]
+    if wrong:
+        return f"{', '.join(wrong)} without numbers"
+    try:
+        plain = TypeAdapter(_Plain).validate_json(json_text(data, "state"), strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        return f"{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}"
+    counted = [row.iteration for row in plain.history] == list(range(1, len(plain.history) + 1))
+    within = plain.stage_start >= 0 and plain.beta > 0
+    return "" if counted and within else "its history does not add up"
+
+
 def from_checkpoint(arrays: dict[str, Array], data: dict[str, Any]) -> State:
-    """Return the state from what `to_checkpoint` returned, exactly."""
+    """Return the state from what `to_checkpoint` returned, exactly; raises CranktopoError."""
+    fault = _fault(arrays, data)
+    if fault:
+        raise damaged(fault)
     records: list[dict[str, Any]] = [
         {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
         for row in data["history"]

@@ -11,7 +11,7 @@ from typing import TypeVar
 from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import read_json
+from cranktopo.base.files import inside, read_json
 from cranktopo.base.result import Result
 from cranktopo.design.loading import WebName, builtin_designs, load_scene, one_web
 from cranktopo.design.schema import Scene
@@ -143,7 +143,7 @@ def _design_of(folder: Path) -> Path:
         raise CranktopoError(
             f"re-model '{folder}': its {REMODEL} names no design.", hint="Make it anew: cranktopo remodel RUN"
         )
-    return folder / name
+    return inside(folder, name)
 
 
 def _of_remodel(folder: Path) -> WebTarget:

@@ -16,7 +16,7 @@ from cranktopo.design.loading import WebName
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.runs.kind import LOOP, SHAPE, kind_of
+from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
 from cranktopo.tasks.fatigue.safety_field import check_inputs
 from cranktopo.tasks.fea.targets import Target
@@ -111,12 +111,13 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
     run, file = target.run, target.file
     if run is None or file is None:
         return usual_limits(scene)
-    if (file.parent / REMODEL).is_file():
-        return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
     options = run.manifest()["options"]
-    if kind_of(run) == LOOP:
-        return Settings.from_json(options[LOOP]).limits
-    return ManufacturingLimits(**options[SHAPE]["limits"])
+    with shown_results(run):
+        if (file.parent / REMODEL).is_file():
+            return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
+        if kind_of(run) == LOOP:
+            return Settings.from_json(options[LOOP]).limits
+        return ManufacturingLimits(**options[SHAPE]["limits"])
 
 
 def _fraction(scene: Scene) -> float | None:

@@ -23,7 +23,8 @@ from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import require_kind, resume_command
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.loop import WebDensities, design_of
-from cranktopo.tasks.density.state import from_checkpoint
+from cranktopo.tasks.density.material import MaterialInterpolation
+from cranktopo.tasks.density.state import damaged, from_checkpoint
 from cranktopo.tasks.extraction.checked_surface import CheckedSurface, SurfaceReport, checked_surface
 from cranktopo.tasks.extraction.cutter import build_cutter, fine_field, iso_surface_distances_mm
 from cranktopo.tasks.extraction.half_throw import WebSurface
@@ -102,14 +103,18 @@ def _design(run: RunStore, scene: Scene, domain: Domain, iteration: int | None) 
         number, x, beta = _last(run)
     else:
         number, (x, beta) = iteration, load_iteration(run.path, iteration)
-    density_chain = build_chain(scene, domain)
+    return number, stored_design(run, build_chain(scene, domain), x, beta)
+
+
+def stored_design(run: RunStore, density_chain: MaterialInterpolation, x: Array, beta: float) -> WebDensities:
+    """Return a design that a run keeps; raises CranktopoError where it is on other cells."""
     cells = density_chain.design_fraction.shape
     if x.shape != cells:
         raise CranktopoError(
             f"run '{run.path}': its density has {x.shape} cells, its design {cells}.",
             hint="The run was made by another version: optimise again.",
         )
-    return number, design_of(density_chain, x, beta)
+    return design_of(density_chain, x, beta)
 
 
 def _last(run: RunStore) -> tuple[int, np.ndarray, float]:
@@ -120,6 +125,8 @@ def _last(run: RunStore) -> tuple[int, np.ndarray, float]:
         )
     saved = load_checkpoint(run.checkpoint)
     state = from_checkpoint(saved.arrays, saved.state)
+    if not state.history:
+        raise damaged("it holds no design")
     return state.last.iteration, state.evaluated, state.last.beta
 
 

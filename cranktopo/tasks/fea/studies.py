@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, write_json
-from cranktopo.base.machine import Machine, this_machine, user_cache
+from cranktopo.base.machine import Machine, private_cache, this_machine
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.numerics.extrapolation import Extrapolation
@@ -83,9 +83,10 @@ class StoredStudy:
         return [level for level in self.result.rungs if level.ladder == study]
 
 
-def studies_path() -> Path:
-    """Return the file of studies in the user's cache."""
-    return user_cache() / "accuracy.json"
+def studies_path() -> Path | None:
+    """Return the file of studies in the user's cache; None where there is no cache of the user's own."""
+    folder = private_cache("studies")
+    return None if folder is None else folder / "accuracy.json"
 
 
 def key_of(target: Target) -> str:
@@ -98,16 +99,16 @@ def key_of(target: Target) -> str:
 
 def store_study(key: str, result: StudyResult) -> Path | None:
     """Keep what `accuracy --json` prints; None where nothing was measured or the cache cannot be written."""
-    if not result.rungs:
+    path = studies_path()
+    if path is None or not result.rungs:
         return None
     stored = {name: kept for name, kept in _stored().items() if name != key}  # the newest is the last
     try:
-        studies_path().parent.mkdir(parents=True, exist_ok=True)
         designs = {name: kept.as_json() for name, kept in {**stored, key: result}.items()}
-        write_json(studies_path(), {"schema_version": SCHEMA_VERSION, "designs": designs})
-    except (OSError, CranktopoError):
+        write_json(path, {"schema_version": SCHEMA_VERSION, "designs": designs})
+    except CranktopoError:
         return None
-    return studies_path()
+    return path
 
 
 def load_study(key: str, study: StudyName) -> StoredStudy | None:
@@ -128,8 +129,9 @@ def load_study(key: str, study: StudyName) -> StoredStudy | None:
 
 def _stored() -> dict[str, StudyResult]:
     """Studies by key; none where there is no file, one of another version, or a damaged one."""
+    path = studies_path()
     try:
-        data = read_json(studies_path())
+        data = {} if path is None else read_json(path)
         valid = data["schema_version"] == SCHEMA_VERSION
         designs = data["designs"] if valid else {}
         return {name: StudyResult.of_json(kept, name) for name, kept in designs.items()}

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.files import half_surfaces, surface_of
-from cranktopo.bodies.solid.step import STEP_SUFFIXES, kernel_surface, step_solid
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, check_step, kernel_surface, step_solid
 from cranktopo.bodies.solid.throw import DimTags, SolidProperties, solid_properties
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
@@ -30,6 +32,7 @@ from cranktopo.tasks.importing.placement import Placement, placed, without_bores
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+_R = TypeVar("_R")
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05
@@ -50,6 +53,16 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     """
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align)
+    return _by_kernel(_mesh_step, path, scene, element_size_mm, align)
+
+
+def _by_kernel(function: Callable[..., _R], path: Path, *arguments: object) -> _R:
+    """Return what the CAD kernel makes of a STEP file, in a process of its own: a damaged file may end it."""
+    check_step(path, f"'{path}'")
+    return in_child(f"'{path}'", function, path, *arguments)
+
+
+def _mesh_step(path: Path, scene: Scene, element_size_mm: float, align: bool) -> MeshedThrow:
     with cad_session(f"solid of {path}") as gmsh:
         body, half, web_volume, note = _solid(gmsh, path, scene, align)
         mirrored = _halved(gmsh.model.occ, body, scene)
@@ -64,6 +77,12 @@ def mesh_step_for_stress(
 
     The fraction is the element size in a fillet over its radius; a journal without one raises CranktopoError.
     """
+    return _by_kernel(_mesh_for_stress, path, scene, element_size_mm, fillet_fraction, align)
+
+
+def _mesh_for_stress(
+    path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool
+) -> tuple[MeshedThrow, Scene]:
     with cad_session(f"solid of {path}") as gmsh:
         body, half, web_volume, note = _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
@@ -75,6 +94,10 @@ def mesh_step_for_stress(
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
     """Return the scene with the fillets of the half throw in a STEP file; raises as meshing it for stress."""
+    return _by_kernel(_fillets, path, scene, align)
+
+
+def _fillets(path: Path, scene: Scene, align: bool) -> Scene:
     with cad_session(f"solid of {path}") as gmsh:
         _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
@@ -195,6 +218,10 @@ def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> Surface
     """Return the surface of the half throw in an STL or STEP file; raises as `mesh_file`."""
     if path.suffix.lower() not in STEP_SUFFIXES:
         return read_half_throw(path, scene, align)
+    return _by_kernel(_step_half_throw, path, scene, align)
+
+
+def _step_half_throw(path: Path, scene: Scene, align: bool) -> SurfaceMesh:
     with cad_session(f"solid of {path}") as gmsh:
         _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()

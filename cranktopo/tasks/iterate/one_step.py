@@ -6,15 +6,16 @@ import time
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from manifold3d import Manifold
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import read_json, write_json, write_text
+from cranktopo.base.files import write_json, write_text
 from cranktopo.base.frames import X, Y, Z
 from cranktopo.base.notes import note, silent
+from cranktopo.base.result import Result
 from cranktopo.bodies.prisms import snapped_to_mirror_plane, web_region
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.bodies.volume import web_volume_mm3
@@ -161,20 +162,26 @@ class StepWeb(NamedTuple):
         return ShownBody(name, self.solids.half, self.scene.web_z_mm, self.scene.pitch_mm / 2)
 
 
+class _KeptStep(Result):
+    """What step.json says of a finished step."""
+
+    step: LoopStep
+    scene: dict[str, Any]
+
+
 def finished_step(folder: Path) -> StepWeb | None:
     """Return a step that an earlier go of the loop finished."""
     path = folder / _STEP_FILE
     if not path.is_file():
         return None
-    data = read_json(path)
-    scene = scene_from_dict(data["scene"], str(path))
-    return StepWeb(LoopStep.of_json(data["step"], f"'{path}'"), scene, read_solids(folder))
+    kept = _KeptStep.read(path)
+    return StepWeb(kept.step, scene_from_dict(kept.scene, str(path)), read_solids(folder))
 
 
 def _kept(web: StepWeb, folder: Path) -> StepWeb:
     """Write the file that says that a step is finished."""
-    data = {"step": web.step.as_json(), "scene": web.scene.model_dump(mode="json")}
-    write_json(folder / _STEP_FILE, data)
+    kept = _KeptStep(step=web.step, scene=web.scene.model_dump(mode="json"))
+    write_json(folder / _STEP_FILE, kept.as_json())
     return web
 
 

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.near_ties import clearly_more, exceeds, first_of_the_best
-from cranktopo.base.result import Result
+from cranktopo.base.result import FileName, Result
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
 from cranktopo.design.schema import Scene
@@ -211,7 +211,7 @@ class ShapeOutcome(Result):
         not_judged_of_steps: limits of the goal that the loop does not know of its steps.
     """
 
-    folder: str = SHAPE
+    folder: FileName = SHAPE
     found: bool
     reason: str
     goal: GoalOutcome | GoalWords

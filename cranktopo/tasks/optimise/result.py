@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from pydantic import Field
 
-from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import Effect
@@ -127,7 +127,7 @@ class RunMetrics(Result):
     solver: SolverMetrics
     seconds: RunSeconds
     peak_memory_MiB: float
-    files: dict[str, str]
+    files: dict[str, FileName]
     effects: tuple[Effect, ...]
     notices: list[str] = Field(default_factory=list)
     assumed: list[dict[str, Any]] = Field(default_factory=list)

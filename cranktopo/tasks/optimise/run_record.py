@@ -12,7 +12,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import read_json, write_npz
+from cranktopo.base.files import from_json, read_json, read_npz, write_npz
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.design.schema import Scene
@@ -30,9 +30,9 @@ from cranktopo.runs.directories import RunStore
 from cranktopo.runs.kind import require_kind, resume_command
 from cranktopo.runs.manifest import file_hash
 from cranktopo.tasks.density.build import build_chain
-from cranktopo.tasks.density.loop import design_of
 from cranktopo.tasks.density.material import MaterialInterpolation
 from cranktopo.tasks.extraction.checked_surface import web_fields
+from cranktopo.tasks.extraction.stage import stored_design
 from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
@@ -67,18 +67,20 @@ def read_run_stress(run: RunStore, surface: str) -> CaseStress | None:
     path = run.path / _FILE
     if not path.is_file():
         return None
+    hint = "Delete it and write the report again."
+    stored = read_npz(path, f"'{path}'", hint)
     try:
-        with np.load(path, allow_pickle=False) as file:
-            about = json.loads(str(file["about"]))
-            points, stress = (file[name].astype(np.float64) for name in ("points_mm", "von_mises_MPa"))
-            cases = tuple(LoadCase(**entry) for entry in about["cases"])
-    except Exception as error:  # zipfile, numpy and json raise a dozen types on damaged bytes
-        raise CranktopoError(
-            f"'{path}': corrupted, cannot be read ({error}).", hint="Delete it and write the report again."
-        ) from None
-    if about["surface_sha256"] != file_hash(run.path / surface):
-        return None
-    return CaseStress(cases, points, stress, about["mirrored"], about["element_size_mm"])
+        about = from_json(str(stored["about"]))
+        points, stress = (stored[name].astype(np.float64) for name in ("points_mm", "von_mises_MPa"))
+        cases = tuple(LoadCase(**entry) for entry in about["cases"])
+        found = CaseStress(cases, points, stress, bool(about["mirrored"]), float(about["element_size_mm"]))
+        fits = stress.shape == (len(cases), len(points)) and points.shape[1:] == (3,)
+        sound = fits and np.isfinite(points).all() and np.isfinite(stress).all()
+    except (KeyError, ValueError, TypeError, AttributeError):
+        sound = False
+    if not sound:
+        raise CranktopoError(f"'{path}': corrupted, holds no stresses.", hint=hint)
+    return found if about.get("surface_sha256") == file_hash(run.path / surface) else None
 
 
 # What other commands print with --json, where the run holds it.
@@ -185,7 +187,7 @@ def snapshots(
     found = []
     for number in numbers:
         x, beta = load_iteration(run.path, number)
-        grid = web_fields(domain, design_of(density_chain, x, beta))[0]
+        grid = web_fields(domain, stored_design(run, density_chain, x, beta))[0]
         found.append(DesignSnapshot(number, coarsened(grid, len(numbers))))
     return tuple(found)
 

@@ -37,7 +37,7 @@ from cranktopo.runs.kind import require_kind, working_in
 from cranktopo.tasks.accuracy.optimiser_levels import choose_cells
 from cranktopo.tasks.density.assess import check_limits
 from cranktopo.tasks.density.build import build_problem
-from cranktopo.tasks.density.loop import with_limit
+from cranktopo.tasks.density.loop import check_fits, with_limit
 from cranktopo.tasks.density.problem import DensityProblem, Progress
 from cranktopo.tasks.density.proposals import by_optimality_criteria, compile_optimality_criteria
 from cranktopo.tasks.density.stage import Prepared, describe, first_state, iterate, prepare
@@ -189,7 +189,9 @@ def _saved_state(job: _Job) -> State | None:
     if not job.run.checkpoint.is_file():
         return None
     saved = load_checkpoint(job.run.checkpoint)
-    return with_limit(job.problem, from_checkpoint(saved.arrays, saved.state))
+    state = from_checkpoint(saved.arrays, saved.state)
+    check_fits(job.problem, state)
+    return with_limit(job.problem, state)
 
 
 def _compiled(problem: DensityProblem) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.select import FitTrial, ResidualRegion
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
@@ -86,6 +86,6 @@ class RefitResult(Result):
     overlap_by_start: list[float]
     not_represented: list[UnrepresentedRegion]
     rules: ManufacturingLimits
-    files: dict[str, str]
+    files: dict[str, FileName]
     seconds: dict[str, float]
     folder: str | None = UNLESS_NONE

@@ -64,7 +64,7 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
     """
     from cranktopo.runs.directories import open_run
-    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command
+    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
     from cranktopo.tasks.run_list.stage import run_result
 
     found = open_run(run, root)
@@ -79,8 +79,10 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     result = run_result(found)
     if result is None:
         click.echo(f"not finished; continue with: {resume_command(found)}")
-    else:
-        click.echo(_summary(kind, result, found.path))
+        return
+    with shown_results(found):
+        summary = _summary(kind, result, found.path)
+    click.echo(summary)
 
 
 def _summary(kind: RunKind, result: Any, folder: Path) -> str:

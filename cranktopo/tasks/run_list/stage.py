@@ -9,7 +9,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
-from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result
+from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, shown_results
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.optimise.result import RunMetrics
@@ -63,8 +63,9 @@ def _entry(run: RunStore) -> RunEntry:
     kind, manifest = kind_of(run), run.manifest()
     known = {"command": kind, "design": manifest["design"], "started": manifest["started"]}
     try:
-        result = run_result(run)
-        told = {} if result is None else _KINDS[kind][1](result)
+        with shown_results(run):
+            result = run_result(run)
+            told = {} if result is None else _KINDS[kind][1](result)
     except CranktopoError:  # one damaged run does not hide the others
         told = {"result": "unreadable"}
     return entry.model_copy(update={**known, **told})

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field
 
-from cranktopo.base.result import Result
+from cranktopo.base.result import FileName, Result
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
@@ -129,7 +129,7 @@ class ShapeResult(Result):
     seconds: dict[str, float]
     bound: BoundStatement | NoBound | None = None
     assumed: tuple[dict[str, Any], ...] = ()
-    files: dict[str, str] = Field(default_factory=dict)
+    files: dict[str, FileName] = Field(default_factory=dict)
 
     @property
     def held(self) -> bool:

@@ -36,7 +36,7 @@ from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, working_in
+from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, shown_results, working_in
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.sheet import export_drawing
@@ -137,8 +137,10 @@ def resume_shape(reference: str) -> ShapedRun:
     require_kind(run, SHAPE)
     run.require_same_inputs()
     options = run.manifest()["options"]
-    data, begun = options[SHAPE], options.get(_BEGUN)
-    settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
+    begun = options.get(_BEGUN)
+    with shown_results(run):
+        data = options[SHAPE]
+        settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
     scene = design_from_run(run)
     first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()

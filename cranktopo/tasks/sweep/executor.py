@@ -31,6 +31,9 @@ _LOOK_S = 0.5
 _SETTINGS = {
     "distributed.scheduler.allowed-failures": _DEATHS,
     "distributed.admin.large-graph-warning-threshold": "1 GiB",
+    # Pages of scheduler and workers, which every user of this machine could read.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
     "distributed.nanny.pre-spawn-environ.DASK_LOGGING__DISTRIBUTED": "critical",
     # By default a worker gives back all memory that it frees, and waits for the pages of its next array.
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
@@ -50,7 +53,7 @@ class WorkerPool:
 def check_packages() -> None:
     """Check that Dask, for jobs, and pandas with Parquet, for the table, can be loaded."""
     with packages_of("sweep"):
-        for name in ("dask", "distributed", "pandas", "pyarrow"):
+        for name in ("cryptography", "dask", "distributed", "pandas", "pyarrow"):
             import_module(name)
 
 
@@ -166,6 +169,8 @@ def _client(engine: WorkerPool, patience_s: float) -> Iterator[Any]:
                 threads_per_worker=1,
                 memory_limit=0,
                 dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
+                security=distributed.Security.temporary(),  # else every user of this machine could run code
                 silence_logs=logging.CRITICAL,
             )
             stack.enter_context(_closing(cluster))
@@ -173,7 +178,7 @@ def _client(engine: WorkerPool, patience_s: float) -> Iterator[Any]:
             client.register_plugin(_pinning(distributed, engine))
         else:
             client = stack.enter_context(_connected(distributed, engine.scheduler, patience_s))
-        known = "dashboard" in client.scheduler_info().get("services", {})
+        known = engine.scheduler and "dashboard" in client.scheduler_info().get("services", {})
         dashboard = f", dashboard: {client.dashboard_link}" if known else ""
         note(f"scheduler: {client.scheduler.address}{dashboard}")
         yield client

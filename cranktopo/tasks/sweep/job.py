@@ -14,6 +14,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import UnwritableError, unwritable, write_json
+from cranktopo.base.notes import note
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.runs.destination import locked
@@ -44,14 +45,24 @@ class Job:
 
 
 def kept_result(job: Job) -> PointResult | None:
-    """Return what a finished point told; None where it is still to be computed."""
-    file = job.folder / RESULT
-    return PointResult.read(file) if file.is_file() else None
+    """Return what a finished point told; None where it is still to be computed, or was damaged."""
+    file, fault = job.folder / RESULT, ""
+    if not file.is_file():
+        return None
+    try:
+        kept = PointResult.read(file)
+        if (kept.id, kept.sha256) == (job.point.id, job.point.sha256):
+            return kept
+        fault = f"'{file}': is of another point."
+    except CranktopoError as error:
+        fault = error.message
+    note(f"{fault} It is computed again.")
+    return None
 
 
 def keep_result(job: Job, result: PointResult) -> None:
     """Keep a result that was computed where the directory of the sweep cannot be seen."""
-    if not (job.folder / RESULT).is_file():
+    if kept_result(job) is None:
         _make(job.folder)
         write_json(job.folder / RESULT, result.as_json())
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, model_validator
 
-from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.base.files import is_inside
+from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.tasks.sweep.plan import Stage
 from cranktopo.tasks.sweep.variation import Value
 
@@ -49,6 +50,13 @@ class PointResult(Result):
     version: str
     """Version of cranktopo that computed it."""
 
+    @model_validator(mode="after")
+    def _check_files(self) -> Self:
+        for name in (self.run, self.number("target")):
+            if name and not (isinstance(name, str) and is_inside(name)):
+                raise ValueError("leads out of its folder")
+        return self
+
     @property
     def numbers(self) -> dict[str, Any]:
         """Its numbers by name, and what else its stage told: target for `compare`, seconds, how it ended."""
@@ -66,9 +74,9 @@ class PointResult(Result):
 class SweepFiles(Result):
     """Files beside `sweep.json`."""
 
-    table: str
-    parquet: str
-    page: str
+    table: FileName
+    parquet: FileName
+    page: FileName
 
 
 class SweepSeconds(Result):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import math
+import time
+import tomllib
 import weakref
 
 import pytest
@@ -199,3 +201,22 @@ def test_a_whole_rod_is_split_by_its_centre_of_mass() -> None:
 )
 def test_half_a_rod(masses: str, message: str) -> None:
     assert message in error_of((ROD, masses))
+
+
+@pytest.mark.parametrize("key", ["a", '"b c"', "'d'", "e "], ids=str)
+@pytest.mark.parametrize("form", ["{} = 1", "[{}]", "x = {{ {} = 1 }}", "x = 1\n[[{}]]"])
+def test_a_key_of_many_parts_is_not_parsed(key: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of 40 kB took 1.6 GB, growing with its square."""
+    monkeypatch.setattr(tomllib, "loads", lambda text: pytest.fail("parsed"))
+    line = 2 if "\n" in form else 1
+    with pytest.raises(CranktopoError, match=f"not valid TOML: line {line} has a key of more than 30 parts"):
+        parse_scene(form.format(".".join([key] * 20_000)))
+
+
+def test_long_values_are_no_keys() -> None:
+    began = time.perf_counter()
+    for text in ("a" * 5_000_000, "1." * 20 + "0, " * 900_000, '"' * 1_000_000, "'\n" * 900_000, "a. " * 20):
+        with pytest.raises(CranktopoError) as raised:
+            parse_scene(f"name = {text}")
+        assert "parts" not in raised.value.message
+    assert time.perf_counter() - began < 20

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 from cranktopo.design.schema import Scene
+from cranktopo.numerics import precision
 from cranktopo.numerics.grid.conjugate_gradients import System, multigrid_cg
 from cranktopo.numerics.grid.equilibrium import compile_multigrid
 from cranktopo.numerics.grid.multigrid import build_hierarchy, build_tables
@@ -85,6 +87,27 @@ def test_the_step_compiles_nothing_more(mikron: Scene, float64: None) -> None:
         loop.step(problem, loop.init(problem))
     assert "jit(_nominal)" in names
     assert "jit(update)" not in names
+
+
+def test_programs_are_loaded_from_a_folder_of_the_user_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """What is loaded is run: whoever can write there would run code as this user."""
+    caplog.set_level(logging.INFO, logger="cranktopo.notes")
+    precision._tell_not_kept.cache_clear()
+    for open_to_others in (".", ".."):
+        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / f"cache{open_to_others}x"))
+        folder = precision.cache_folder()
+        assert folder is not None
+        assert folder.stat().st_mode & 0o777 == 0o700
+        with precision.double_precision():
+            assert str(folder) == jax.config.jax_compilation_cache_dir
+        (folder / open_to_others).chmod(0o777)
+        with precision.double_precision():
+            assert jax.config.jax_compilation_cache_dir is None
+    assert [record.message for record in caplog.records] == [
+        "compiled programs are not kept: no cache is this user's alone; set XDG_CACHE_HOME to your own folder"
+    ]
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""A process that meshes still ends as it was told to: gmsh resets the handler of SIGTERM when it starts."""
+"""A process that meshes still ends as it was told to: gmsh resets handlers when it starts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from cranktopo.numerics.gmsh_session import cad_session
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGPIPE, signal.SIGHUP])
 @pytest.mark.parametrize("in_thread", [False, True])
 def test_handlers_outlive_a_session(number: signal.Signals, in_thread: bool) -> None:
     heard: list[int] = []

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import shlex
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -14,10 +16,14 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import read_json, write_text
+from cranktopo.base.files import inside, read_json, write_npz, write_text
+from cranktopo.base.progress import KeptWork
 from cranktopo.runs.checkpoint import load_checkpoint, load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.kind import resume_command
+from cranktopo.runs.manifest import file_hash
+from cranktopo.tasks.optimise.run_record import read_run_stress
+from cranktopo.tasks.sweep.result import SweepFiles
 
 
 @pytest.fixture
@@ -68,6 +74,7 @@ def test_archives_that_unpack_to_more_than_a_run_holds(
         ("command", [1], "damaged, command not as written"),
         ("inputs", {"a": {"path": 1}}, "damaged, inputs not as written"),
         ("status", 3, "damaged, status not as written"),
+        ("status", "done\x1b[2J", "damaged, status not as written"),
     ],
 )
 def test_an_edited_manifest(run: RunStore, key: str, value: Any, message: str) -> None:
@@ -79,7 +86,16 @@ def test_an_edited_manifest(run: RunStore, key: str, value: Any, message: str) -
 
 
 @pytest.mark.parametrize(
-    "content", [b"[" * 100_000, b'{"a": NaN}', b'{"a": ' + b"9" * 5000 + b"}", b"\xff", b""]
+    "content",
+    [
+        b"[" * 100_000,
+        b'{"a": NaN}',
+        b'{"a": ' + b"9" * 5000 + b"}",
+        b'{"a": [' + b"9" * 400 + b"]}",
+        b'{"a": 1e999}',
+        b"\xff",
+        b"",
+    ],
 )
 def test_json_that_is_none(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "x.json").write_bytes(content)
@@ -116,3 +132,59 @@ def test_a_device_or_pipe_is_never_replaced_by_a_file(tmp_path: Path) -> None:
 def test_the_command_that_resumes_is_quoted_for_the_shell(run: RunStore, tmp_path: Path) -> None:
     moved = run.path.rename(tmp_path / "my run; ls")
     assert shlex.split(resume_command(RunStore(moved))) == ["cranktopo", "optimise", "--resume", str(moved)]
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../other/web.toml", "a/../../b", "", "a\nb"])
+def test_a_stored_name_that_leads_out_of_its_folder(tmp_path: Path, name: str) -> None:
+    with pytest.raises(CranktopoError, match="which is no file in it"):
+        inside(tmp_path, name)
+    with pytest.raises(CranktopoError, match=r"table: .*leads out of its folder"):
+        SweepFiles.of_json({"table": name, "parquet": "a", "page": "b"}, "run 'x'")
+    assert inside(tmp_path, "points/a/web.toml") == tmp_path / "points" / "a" / "web.toml"
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+def test_only_files_are_hashed(tmp_path: Path, kind: str) -> None:
+    """A pipe that nobody writes to, or a device without an end, would be read for ever."""
+    path = tmp_path / kind
+    {"pipe": os.mkfifo, "device": lambda p: p.symlink_to("/dev/zero"), "folder": Path.mkdir}[kind](path)
+    with pytest.raises(CranktopoError, match=f"is a {kind}, not a file"):
+        file_hash(path)
+
+
+def test_stresses_that_unpack_to_more_than_a_run_holds(
+    run: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cranktopo.base.files.ARRAYS_LIMIT_MIB", 64)
+    bomb(run.path / "stress.npz", 128)
+    with pytest.raises(CranktopoError, match="unpacks to 128 MiB"):
+        read_run_stress(run, "web.stl")
+    write_npz(run.path / "stress.npz", {"about": np.array("{}")})
+    with pytest.raises(CranktopoError, match="corrupted, holds no stresses"):
+        read_run_stress(run, "web.stl")
+
+
+def test_escapes_of_a_manifest_do_not_reach_the_terminal(run: RunStore, tmp_path: Path) -> None:
+    path = run.path / "manifest.json"
+    path.write_text(
+        json.dumps({**json.loads(path.read_text()), "command": ["cranktopo", "\x1b]0;x\x07", "a\x9bb"]})
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", "from cranktopo.app.main import main; main()", "runs", "show", str(run.path)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert r"cranktopo \x1b]0;x\x07 a\x9bb" in done.stdout
+
+
+def test_damaged_parts_of_a_work_are_done_again(tmp_path: Path) -> None:
+    path = tmp_path / "work.json"
+    kept = KeptWork(path)
+    kept["a"], kept["b"] = {"x": (1.0, 2)}, {"y": "é"}
+    assert dict(KeptWork(path)) == {"a": {"x": [1.0, 2]}, "b": {"y": "é"}}
+    path.write_text(path.read_text().replace("1.0", "1.5"))
+    assert dict(KeptWork(path)) == {"b": {"y": "é"}}
+    for content in ("{", '{"a": 1}', '{"a": {}}', '{"a": {"result": 1e999}}'):
+        path.write_text(content)
+        assert dict(KeptWork(path)) == {}

@@ -16,6 +16,8 @@ import pytest
 from cranktopo.base import files
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.runs.checkpoint import load_checkpoint, save_checkpoint
+from cranktopo.runs.destination import locked
+from cranktopo.runs.directories import RunStore
 
 _WRITER = """
 import sys
@@ -54,6 +56,37 @@ def test_failed_write_keeps_the_old_file(tmp_path: Path) -> None:
         interrupted()
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_a_link_at_the_place_of_a_temporary_file_leads_nowhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another user who guessed the name would choose which file of this one is overwritten."""
+    monkeypatch.setattr(files.secrets, "token_hex", lambda _: "guessed")
+    victim, path = tmp_path / "victim", tmp_path / "a.txt"
+    victim.write_text("kept")
+    with files.replacing(path) as temporary:
+        temporary.write_text("new")
+    temporary.symlink_to(victim)
+    with pytest.raises(CranktopoError, match="cannot be written: File exists"):
+        files.write_text(path, "newer")
+    assert (victim.read_text(), path.read_text()) == ("kept", "new")
+
+
+@pytest.mark.parametrize("name", [".lock", "run.log"])
+def test_a_link_in_a_run_leads_nowhere(tmp_path: Path, name: str) -> None:
+    victim = tmp_path / "victim"
+    victim.write_text("kept")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / name).symlink_to(victim)
+
+    def used() -> None:
+        with locked(tmp_path / "run"):
+            RunStore(tmp_path / "run").log("resumed")
+
+    with pytest.raises(CranktopoError, match="cannot be written: Too many levels of symbolic links"):
+        used()
+    assert victim.read_text() == "kept"
 
 
 def test_write_replaces_and_leaves_no_temporary(tmp_path: Path) -> None:

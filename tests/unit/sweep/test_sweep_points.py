@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.tasks.sweep.job import Job, keep_result, kept_result, point_result
 from cranktopo.tasks.sweep.plan import SweepPlan, is_plan, read_plan, sweep_plan
 from cranktopo.tasks.sweep.points import original_of, points_of
 from cranktopo.tasks.sweep.variation import read_entry, read_option
@@ -184,3 +186,24 @@ def test_bad_files_say_what_is_wrong(tmp_path: Path, text: str, words: str) -> N
     with pytest.raises(CranktopoError, match=words) as raised:
         read_plan(file)
     assert raised.value.code in (ExitCode.INVALID_INPUT, ExitCode.USAGE)
+
+
+@pytest.mark.parametrize("damage", ["other", "empty", "cut", "leads out", "none"])
+def test_a_point_that_was_damaged_is_computed_again(tmp_path: Path, damage: str) -> None:
+    plan = sweep_plan(["mikron-iiic-plain"], [read_option(f"{WIDTH}=50,52")])
+    job, other = (Job(point, str(tmp_path)) for point in points_of(plan))
+    told = point_result(job, "done", mass_kg=1.0, target="web.toml")
+    keep_result(job, told)
+    file = job.folder / "point.json"
+    text = file.read_text()
+    content = {
+        "other": json.dumps(point_result(other, "done", mass_kg=2.0).as_json()),
+        "empty": "{}",
+        "cut": text[:40],
+        "leads out": text.replace("web.toml", "../../x.toml"),
+        "none": text,
+    }[damage]
+    file.write_text(content)
+    assert kept_result(job) == (told if damage == "none" else None)
+    keep_result(job, told)
+    assert kept_result(job) == told

@@ -1,0 +1,93 @@
+"""Work in a process of its own: results and errors come back, and its end in any other way is one line."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cranktopo.base import child
+from cranktopo.base.child import in_child, tell_read
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
+
+
+def shouted(text: str) -> str:
+    os.write(1, b"what a library prints past Python")
+    note(f"read {text}")
+    return text.upper() * 100_000
+
+
+def refused(text: str) -> None:
+    raise CranktopoError(f"{text}: no.", hint="Ask again.", code=ExitCode.SOLVER)
+
+
+def defective(text: str) -> None:
+    raise ZeroDivisionError(text)
+
+
+def killed(number: int) -> None:
+    os.kill(os.getpid(), number)
+
+
+def endless(file: str, is_read: bool) -> None:
+    if is_read:
+        tell_read()
+    Path(file).write_text(str(os.getpid()))
+    time.sleep(600)
+
+
+def test_results_notes_and_errors_come_back(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO, logger="cranktopo.notes")
+    assert in_child("'x'", shouted, "abc") == "ABC" * 100_000
+    assert caplog.messages == ["read abc"]
+    with pytest.raises(CranktopoError, match=r"x: no\. Ask again\.") as raised:
+        in_child("'x'", refused, "x")
+    assert raised.value.code == ExitCode.SOLVER
+    with pytest.raises(ZeroDivisionError) as defect:
+        in_child("'x'", defective, "x")
+    assert "in defective" in defect.value.__notes__[0]
+
+
+@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGKILL, signal.SIGABRT])
+def test_a_crash_is_one_line(number: signal.Signals) -> None:
+    with pytest.raises(CranktopoError, match=rf"'x\.step': the CAD kernel crashed on it \({number.name}\)"):
+        in_child("'x.step'", killed, int(number))
+
+
+@pytest.mark.parametrize("is_read", [False, True])
+def test_what_never_ends_is_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, is_read: bool
+) -> None:
+    caplog.set_level(logging.INFO, logger="cranktopo.notes")
+    limits = {"_TELL_S": 1.5, "_READING_S": 60 if is_read else 2, "_WORKING_S": 2 if is_read else 60}
+    for name, seconds in limits.items():
+        monkeypatch.setattr(child, name, seconds)
+    began = time.monotonic()
+    with pytest.raises(CranktopoError, match="has not come to an end with it in") as raised:
+        in_child("'x.step'", endless, str(tmp_path / "pid"), is_read)
+    assert raised.value.code == ExitCode.INVALID_INPUT
+    assert time.monotonic() - began < 30
+    assert caplog.messages[0].startswith("'x.step': the CAD kernel has been at work on it for")
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "pid").read_text()), 0)
+
+
+def test_it_ends_with_the_process_that_waits(tmp_path: Path) -> None:
+    file = tmp_path / "pid"
+    code = f"from tests.unit.base.test_child import *; in_child('x', endless, {str(file)!r}, True)"
+    waiting = subprocess.Popen([sys.executable, "-c", code])
+    end = time.monotonic() + 60
+    while not (file.exists() and file.read_text()) and time.monotonic() < end:
+        time.sleep(0.05)
+    waiting.kill()
+    waiting.wait()
+    while Path(f"/proc/{file.read_text()}").exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    assert time.monotonic() < end
