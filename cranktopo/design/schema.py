@@ -135,7 +135,7 @@ class Optimise(SceneTable):
     """Edge of the cells; each direction is adjusted so that cells end at the web's faces."""
     filter_radius_mm: Length | None = Field(default=None, examples=[3.0])
     """Radius of the cone filter; by default 2.5 cells, at least 3 mm, or more where `min_member_mm` or
-    `min_gap_mm` need it."""
+    `min_gap_mm` need it; at most half of the design space."""
     min_member_mm: Length | None = Field(default=None, examples=[6.0])
     """Least thickness of a member that the optimisation shapes; at least 2 cells."""
     min_gap_mm: Length | None = Field(default=None, examples=[6.0])

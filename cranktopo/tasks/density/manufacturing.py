@@ -23,7 +23,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.frames import X, Z
 from cranktopo.base.spans import holds, polygon_section
 from cranktopo.bodies.cells.domain import Domain, centres_mm
-from cranktopo.bodies.envelope_file import through_holes
+from cranktopo.bodies.envelope_file import envelope_bounds_mm, through_holes
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.density_filter import THRESHOLD, Projection
 from cranktopo.numerics.filters.processes import (
@@ -110,6 +110,11 @@ def check_lengths(scene: Scene) -> None:
             f"must be at least {needed:.3g} mm for {_asked(scene)}",
             "Leave it out: the radius follows from the lengths.",
         )
+    x_min, x_max, y_min, y_max = envelope_bounds_mm(scene.envelope) if scene.envelope else (0, np.inf) * 2
+    widest = max(x_max - x_min, y_max - y_min) / 2
+    if given is not None and given > max(widest, needed):
+        what = f"must be at most {widest:.3g} mm, half of the design space: a larger one leaves it uniform"
+        raise invalid("optimise.filter_radius_mm", given, what, "2 to 4 cells are usual.")
 
 
 def length_notice(scene: Scene, domain: Domain) -> str:

@@ -177,6 +177,7 @@ def test_the_filter_grows_with_the_lengths(mikron: Scene) -> None:
                 "min_member_mm = 8 and optimise.min_gap_mm = 6",
             ),
         ),
+        ({"filter_radius_mm": 3000.0}, ("optimise.filter_radius_mm = 3000.0", "half of the design space")),
     ],
 )
 def test_what_cannot_be_asked(mikron: Scene, settings: dict[str, Any], parts: tuple[str, ...]) -> None:
