@@ -47,6 +47,7 @@ from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.page import shape_page
+from cranktopo.tasks.shape.release import shaped_undercuts
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -175,6 +176,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         more = {
             "bound": bound and bound.model_copy(update=reached),
             "assumed": tuple(run.manifest().get("assumed", ())),
+            "undercuts": shaped_undercuts(read_stl(run.path / _FILES["stl"]), optimum.result.web.scene),
             "files": {**_FILES, "report": REPORT},
         }
         found = found.model_copy(update=more)
