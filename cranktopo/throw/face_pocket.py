@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from pydantic import Field
 from typing_extensions import override
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.table import Length, Place
+from cranktopo.base.table import Length, LengthOrZero, Place
 from cranktopo.throw.feature import Body, Feature, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
     JOURNALS,
@@ -39,6 +40,10 @@ from cranktopo.throw.hole import (
 )
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import Circle, FeatureDrawing, Polyline, number_lines
+from cranktopo.throw.tapered_hole import TaperedHole, rounded_gap_mm, slope_of
+
+_LARGEST_DRAFT_DEG = 45.0
+_TINY = 1e-12
 
 
 class FacePocket(Feature):
@@ -55,16 +60,17 @@ class FacePocket(Feature):
             check_cut(scene, body)
             check_open(scene, body, FACES if self.face == "through" else (self.face,))
 
-    @property
     @abstractmethod
-    def _edge(self) -> Circle | Polyline:
-        """Outline on the face."""
+    def _edges(self, scene: ThrowView) -> tuple[Circle | Polyline, ...]:
+        """Outline on the face, and that of its floor where it is smaller."""
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
         numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
-        lines = number_lines(f"POCKET {self.shape}, {self.face}", numbers)
-        return FeatureDrawing(front=(self._edge,), lines=lines)
+        unused = [name for name in ("draft_deg", "corner_radius_mm") if numbers.get(name) == 0]
+        told = {name: value for name, value in numbers.items() if name not in unused}
+        lines = number_lines(f"POCKET {self.shape}, {self.face}", told)
+        return FeatureDrawing(front=self._edges(scene), lines=lines)
 
     @override
     def mirrored(self) -> Self:
@@ -72,14 +78,21 @@ class FacePocket(Feature):
 
 
 _LEAST_DEPTH_MM = 1.0
+_LEAST_SIZE = 2.2
+"""Least size of a pocket over the radius of its corners."""
 
 
 @dataclass(frozen=True)
 class FittedPocket(FittedFeature):
-    """A pocket parallel to the crank axis: the face it starts from, whether there are two."""
+    """A pocket parallel to the crank axis: the face it starts from, whether there are two.
+
+    Sizes and the radius of its corners are those of its floor; draft and radius are the workshop's, not free.
+    """
 
     face: Literal["journal", "pin", "through"]
     pair: bool = False
+    draft_deg: float = 0.0
+    corner_radius_mm: float = 0.0
     shape: ClassVar[str]
     sizes: ClassVar[tuple[str, ...]]
     """Names of its size across and along the throw."""
@@ -90,12 +103,19 @@ class FittedPocket(FittedFeature):
         """Return the pocket that could take out a region; None if the region does not fit the kind."""
 
     @abstractmethod
-    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
-        """Signed distance in a section from each wall, negative in the pocket; from its centre."""
+    def walls_mm(self, named: Named, across: Array, along: Array, growth: Any) -> list[Array]:
+        """Signed distance in a section from each wall, negative in the pocket; from its centre.
+
+        The section is wider than the floor by `growth` all around.
+        """
 
     @abstractmethod
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
-        """Distance of points of a section from the pocket, negative inside."""
+        """Distance of points of the face from the pocket's mouth, negative inside."""
+
+    def mouth_mm(self, named: Named) -> Any:
+        """Return by how much its mouth is wider than its floor, all around."""
+        return slope_of(self.draft_deg) * named.get("depth", 0.0)
 
     @property
     @override
@@ -119,15 +139,21 @@ class FittedPocket(FittedFeature):
         far = 4 * scene.throw.radius_mm
         deepest = scene.web.thickness_mm - limits.min_wall_mm
         ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (_LEAST_DEPTH_MM, deepest)}
-        return [ranges.get(name, (LEAST_MM, far)) for name in self.names]
+        smallest = max(LEAST_MM, _LEAST_SIZE * self.corner_radius_mm)
+        return [ranges.get(name, (smallest, far)) for name in self.names]
 
     @override
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         x, y, z = at
-        walls = self.walls_mm(named, x - named.get("x", 0.0), y - named["y"])
+        across, along = x - named.get("x", 0.0), y - named["y"]
         if self.face == "through":
-            return walls
-        return [*walls, depth_mm(self.face, z, web_z_mm) - named["depth"]]
+            return self.walls_mm(named, across, along, 0.0)
+        floor = depth_mm(self.face, z, web_z_mm) - named["depth"]
+        if not self.draft_deg:
+            return [*self.walls_mm(named, across, along, 0.0), floor]
+        walls = self.walls_mm(named, across, along, -slope_of(self.draft_deg) * floor)
+        steep = math.cos(math.radians(self.draft_deg))
+        return [*(steep * wall for wall in walls), floor]
 
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
@@ -140,7 +166,7 @@ class FittedPocket(FittedFeature):
             yield wall_rule(f"between the {self.title} and the counterweight's edge", least), wall - edge
         if self.pair:
             between = wall_rule(f"between the {self.title} and its twin", least)
-            yield between, wall / 2 + named[self.sizes[0]] / 2 - named["x"]
+            yield between, wall / 2 + named[self.sizes[0]] / 2 + self.mouth_mm(named) - named["x"]
         for face, name, (journal, axis) in zip(FACES, JOURNALS, throw.journals, strict=True):
             gap = self.gap_mm(named, 0.0, axis)
             beside = wall_rule(f"between the {self.title} and the bore of the {name}", least)
@@ -155,7 +181,7 @@ class FittedPocket(FittedFeature):
     def box_mm(self, named: Named, around: Surroundings) -> Array:
         thickness = around.scene.web.thickness_mm
         centre = np.array([named.get("x", 0.0), named["y"]])
-        half = np.array([named[self.sizes[0]], named[self.sizes[-1]]]) / 2
+        half = np.array([named[self.sizes[0]], named[self.sizes[-1]]]) / 2 + self.mouth_mm(named)
         depth = named.get("depth", thickness)
         low = thickness - depth if self.face == "pin" else 0.0
         return np.array([[*(centre - half), low], [*(centre + half), low + depth]])
@@ -163,17 +189,24 @@ class FittedPocket(FittedFeature):
     @override
     def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
         values = {f"{name}_mm": value for name, value in named.items()}
-        table = {"shape": self.shape, "face": self.face, **values}
+        table = {"shape": self.shape, "face": self.face, **values, **self._given}
         if not self.pair:
             return [{**table, "x_mm": 0.0}]
         return [{**table, "x_mm": side * values["x_mm"]} for side in (1, -1)]
+
+    @property
+    def _given(self) -> dict[str, float]:
+        """Draft and radius where there are some, by their keys in a table."""
+        given = {"draft_deg": self.draft_deg, "corner_radius_mm": self.corner_radius_mm}
+        return {key: value for key, value in given.items() if value}
 
     @classmethod
     @override
     def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
         if not isinstance(table, FacePocket) or table.shape != cls.shape:
             return None
-        part = cls(table.face, pair)
+        given = {name: getattr(table, name, 0.0) for name in ("draft_deg", "corner_radius_mm")}
+        part = cls(table.face, pair, **given)
         return part, np.array([getattr(table, f"{name}_mm") for name in part.names])
 
     def guess(self, region: Region, web_z_mm: tuple[float, float]) -> Array:
@@ -191,11 +224,8 @@ class FittedPocket(FittedFeature):
         """Initial sizes from the mean section of a region and the size of its bounding box."""
 
 
-_TINY = 1e-12
-
-
 class BoxPocket(FacePocket):
-    """Box-shaped pocket cut from one web face."""
+    """Box-shaped pocket cut from one web face; its sizes are those of its floor, its walls open outward."""
 
     shape: Literal["box"]
     face: Literal["journal", "pin"] = Field(examples=["pin"])
@@ -208,24 +238,37 @@ class BoxPocket(FacePocket):
     """Size along the throw."""
     depth_mm: Length = Field(examples=[4.0])
     """Depth below the face."""
+    corner_radius_mm: LengthOrZero = 0.0
+    """Radius of its corners at the floor; 0 = sharp."""
+    draft_deg: float = Field(default=0.0, ge=0, le=_LARGEST_DRAFT_DEG)
+    """Draft angle: the walls open outward by it."""
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
+        if self.draft_deg or self.corner_radius_mm:
+            return (self._tapered(scene, key),)
         low, high = (self.x_mm - half_x, self.y_mm - half_y), (self.x_mm + half_x, self.y_mm + half_y)
         return (RectangularHole(key, depth_range_mm(scene, self.face, self.depth_mm), low, high),)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
+        most = min(self.size_x_mm, self.size_y_mm) / 2
+        if self.corner_radius_mm > most:
+            allowed = f"must be at most half of the pocket's smaller size ({most:g} mm)"
+            raise scene.invalid(f"{key}.corner_radius_mm", allowed)
 
-    @property
+    def _tapered(self, scene: ThrowView, key: str) -> TaperedHole:
+        corner = (self.size_x_mm / 2, self.size_y_mm / 2, self.corner_radius_mm)
+        z_mm = depth_range_mm(scene, self.face, self.depth_mm)
+        floor = z_mm[self.face == "journal"]
+        return TaperedHole(key, z_mm, floor, self.x_mm, self.y_mm, *corner, slope_of(self.draft_deg))
+
     @override
-    def _edge(self) -> Polyline:
-        half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
-        corners = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
-        edge = tuple((self.x_mm + i * half_x, self.y_mm + j * half_y) for i, j in corners)
-        return Polyline(edge, self.face == "journal")
+    def _edges(self, scene: ThrowView) -> tuple[Polyline, ...]:
+        hidden = self.face == "journal"
+        return tuple(Polyline(edge, hidden) for edge in self._tapered(scene, "").edges_mm())
 
 
 class FittedBox(FittedPocket):
@@ -240,15 +283,19 @@ class FittedBox(FittedPocket):
         return None if region.kind == "window" or region.face is None else cls(region.face, region.pair)
 
     @override
-    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
-        return [np.abs(across) - named["size_x"] / 2, np.abs(along) - named["size_y"] / 2]
+    def walls_mm(self, named: Named, across: Array, along: Array, growth: Any) -> list[Array]:
+        over = np.abs(across) - named["size_x"] / 2, np.abs(along) - named["size_y"] / 2
+        if not self.corner_radius_mm:
+            return [side - growth for side in over]
+        return [rounded_gap_mm(*over, self.corner_radius_mm) - growth]
 
     @override
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
-        over_x = np.abs(x_mm - named.get("x", 0.0)) - named["size_x"] / 2
-        over_y = np.abs(y_mm - named["y"]) - named["size_y"] / 2
-        outside = np.sqrt(np.maximum(over_x, 0.0) ** 2 + np.maximum(over_y, 0.0) ** 2 + _TINY)
-        return outside + np.minimum(np.maximum(over_x, over_y), 0.0)
+        growth = self.mouth_mm(named)
+        over_x = np.abs(x_mm - named.get("x", 0.0)) - named["size_x"] / 2 - growth
+        over_y = np.abs(y_mm - named["y"]) - named["size_y"] / 2 - growth
+        corner = self.corner_radius_mm + growth if self.corner_radius_mm else 0.0
+        return rounded_gap_mm(over_x, over_y, corner)
 
     @override
     def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:
@@ -267,10 +314,15 @@ class CylinderPocket(FacePocket):
     """Diameter."""
     depth_mm: Length | None = Field(default=None, examples=[5.0])
     """Depth below the face; needed unless it goes through."""
+    draft_deg: float = Field(default=0.0, ge=0, le=_LARGEST_DRAFT_DEG)
+    """Draft angle: its wall opens outward by it, the diameter is that of the floor."""
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         z_mm = depth_range_mm(scene, self.face, self.depth_mm)
+        if self.draft_deg:
+            at, radius = (z_mm[self.face == "journal"], self.x_mm, self.y_mm), self.diameter_mm / 2
+            return (TaperedHole(key, z_mm, *at, *(radius,) * 3, slope_of(self.draft_deg)),)
         return (RoundHole(key, z_mm, self.x_mm, self.y_mm, self.diameter_mm / 2),)
 
     @override
@@ -281,14 +333,18 @@ class CylinderPocket(FacePocket):
             else:
                 allowed, hint = "has no meaning with face = 'through'", "Remove it, or name another face."
             raise scene.invalid(f"{key}.depth_mm", allowed, hint)
+        if self.draft_deg and self.face == "through":
+            allowed = "has no meaning with face = 'through'"
+            raise scene.invalid(f"{key}.draft_deg", allowed, "Remove it, or name another face.")
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 
-    @property
     @override
-    def _edge(self) -> Circle:
-        hidden, label = self.face == "journal", f"⌀{self.diameter_mm:g}"
-        return Circle((self.x_mm, self.y_mm), self.diameter_mm / 2, hidden, label)
+    def _edges(self, scene: ThrowView) -> tuple[Circle, ...]:
+        hidden, at, radius = self.face == "journal", (self.x_mm, self.y_mm), self.diameter_mm / 2
+        floor = Circle(at, radius, hidden, f"⌀{self.diameter_mm:g}")
+        wider = slope_of(self.draft_deg) * (self.depth_mm or 0.0)
+        return (floor, Circle(at, radius + wider, hidden)) if wider else (floor,)
 
 
 class FittedCylinder(FittedPocket):
@@ -305,13 +361,13 @@ class FittedCylinder(FittedPocket):
         return None if region.face is None else cls(region.face, region.pair)
 
     @override
-    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
-        return [np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2]
+    def walls_mm(self, named: Named, across: Array, along: Array, growth: Any) -> list[Array]:
+        return [np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2 - growth]
 
     @override
     def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
         across, along = x_mm - named.get("x", 0.0), y_mm - named["y"]
-        return np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2
+        return np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2 - self.mouth_mm(named)
 
     @override
     def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:

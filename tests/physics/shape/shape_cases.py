@@ -28,6 +28,13 @@ def full_web() -> tuple[Scene, Layout, Array]:
     return load_scene("mikron-iiic-plain"), Layout(7, (*bevels, *pockets)), values
 
 
+def drafted_web() -> tuple[Scene, Layout, Array]:
+    """Pockets with draft and round corners from both faces, one of them a cone, beside a bevel."""
+    box, cones = FittedBox("pin", False, 5.0, 2.5), FittedCylinder("journal", pair=True, draft_deg=7.0)
+    values = np.array([*_OUTLINE, *_BEVELS[:3], 16.5, 9.0, 6.5, 6.0, 20.0, 26.0, 5.0, 4.0])
+    return load_scene("mikron-iiic-plain"), Layout(7, (FittedBevel("journal", True), box, cones)), values
+
+
 def solid_web() -> tuple[Scene, Layout, Array]:
     """Overlapping solid journals, uneven bevels, side pockets that end inside the outline."""
     parts = FittedBevel("journal", hollow=True), FittedBevel("pin", hollow=True), FittedSlot()

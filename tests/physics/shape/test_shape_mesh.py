@@ -22,9 +22,9 @@ from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.mesh_fatigue import stress_adjoint
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
-from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, full_web, solid_web
+from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, drafted_web, full_web, solid_web
 
-WEBS = {"every-feature": full_web, "solid-journals": solid_web}
+WEBS = {"every-feature": full_web, "drafted-pockets": drafted_web, "solid-journals": solid_web}
 
 ELASTIC = 2e5, 0.3
 
@@ -39,7 +39,8 @@ class Case:
 
 
 @pytest.fixture(
-    scope="module", params=["every-feature", pytest.param("solid-journals", marks=pytest.mark.slow)]
+    scope="module",
+    params=["every-feature", "drafted-pockets", pytest.param("solid-journals", marks=pytest.mark.slow)],
 )
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
