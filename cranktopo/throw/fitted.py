@@ -133,6 +133,10 @@ class FittedFeature(ABC):
         """Tell whether the web of a scene may have one, whatever its values."""
         return True
 
+    def made(self, limits: ManufacturingLimits) -> Self | None:
+        """Return the kind with draft and corners of a workshop; None where it cannot open that way."""
+        return self
+
     @abstractmethod
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
         """Signed distance of points from each of its faces, positive on the side of the material.

@@ -218,6 +218,10 @@ class FittedSlot(FittedToSections):
         return [-deep, *(wall * np.cos(angle) for wall in walls)]
 
     @override
+    def made(self, limits: ManufacturingLimits) -> Self | None:
+        return None if limits.workshop.opens == "faces" else self
+
+    @override
     def possible(self, scene: ThrowView) -> bool:
         return not self.through or scene.web.counterweight is None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import invalid
@@ -62,9 +62,9 @@ from cranktopo.tasks.shape.search import HELD
 from cranktopo.tasks.shape.search_goal import goal_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.start import process_limits, scene_start
 from cranktopo.tasks.shape.text import QUANTITIES_TOLD
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 _TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
@@ -120,6 +120,7 @@ def shape_design(
         note(assumed_text(assumed))
     if isinstance(begun, RunStore):
         begun = _remodelled(begun, settings.limits)
+    settings = replace(settings, limits=process_limits(scene, settings.limits))
     start = scene_start(scene, settings.limits, begun)
     if start.left_out:
         note(f"left out of the start: {'; '.join(start.left_out)}")
@@ -139,7 +140,7 @@ def resume_shape(reference: str) -> ShapedRun:
     run.require_same_inputs()
     options = run.manifest()["options"]
     data, begun = options[SHAPE], options.get(_BEGUN)
-    settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
+    settings = ShapeSettings(**{**data, "limits": ProcessLimits(**data["limits"])})
     scene = design_from_run(run)
     first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()

@@ -9,7 +9,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ def full_web() -> tuple[Scene, Layout, Array]:
 def drafted_web() -> tuple[Scene, Layout, Array]:
     """Pockets with draft and round corners from both faces, one of them a cone, beside a bevel."""
     box, cones = FittedBox("pin", False, 5.0, 2.5), FittedCylinder("journal", pair=True, draft_deg=7.0)
-    values = np.array([*_OUTLINE, *_BEVELS[:3], 16.5, 9.0, 6.5, 6.0, 20.0, 26.0, 5.0, 4.0])
+    values = np.array([*_OUTLINE, *_BEVELS[:3], 18.5, 9.0, 6.5, 6.0, 20.0, 26.0, 5.0, 4.0])
     return load_scene("mikron-iiic-plain"), Layout(7, (FittedBevel("journal", True), box, cones)), values
 
 
