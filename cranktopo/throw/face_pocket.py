@@ -14,6 +14,7 @@ from cranktopo.throw.hole import (
     FACES,
     RectangularHole,
     RoundHole,
+    check_corners,
     check_cut,
     check_depth,
     check_open,
@@ -86,10 +87,8 @@ class BoxPocket(FacePocket):
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
-        most = min(self.size_x_mm, self.size_y_mm) / 2
-        if self.corner_radius_mm > most:
-            allowed = f"must be at most half of the pocket's smaller size ({most:g} mm)"
-            raise scene.invalid(f"{key}.corner_radius_mm", allowed)
+        sizes = self.size_x_mm, self.size_y_mm
+        check_corners(scene, f"{key}.corner_radius_mm", self.corner_radius_mm, *sizes)
 
     def _tapered(self, scene: ThrowView, key: str) -> TaperedHole:
         corner = (self.size_x_mm / 2, self.size_y_mm / 2, self.corner_radius_mm)

@@ -30,6 +30,8 @@ JOURNALS = ("main journal", "crankpin")
 """What the journals are called in a sentence, in the order of the throw."""
 LEAST_MM = 3.0
 """Least size of a pocket."""
+SIZE_OVER_CORNER = 2.2
+"""Least size of a pocket over the radius of its corners."""
 _STEP = 1e-6
 """Step of the derivatives by the parameters, mm or degrees."""
 

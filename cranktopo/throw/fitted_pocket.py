@@ -17,6 +17,7 @@ from cranktopo.throw.feature import Feature, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
     JOURNALS,
     LEAST_MM,
+    SIZE_OVER_CORNER,
     Axes,
     FittedFeature,
     Frame,
@@ -36,8 +37,6 @@ _TINY = 1e-12
 
 
 _LEAST_DEPTH_MM = 1.0
-_LEAST_SIZE = 2.2
-"""Least size of a pocket over the radius of its corners."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ class FittedPocket(FittedFeature):
         far = 4 * scene.throw.radius_mm
         deepest = limits.deepest_mm(scene.web.thickness_mm)
         ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (_LEAST_DEPTH_MM, deepest)}
-        smallest = max(LEAST_MM, _LEAST_SIZE * self.corner_radius_mm)
+        smallest = max(LEAST_MM, SIZE_OVER_CORNER * self.corner_radius_mm)
         return [ranges.get(name, (smallest, far)) for name in self.names]
 
     @override

@@ -69,7 +69,7 @@ def pocket_starts(
     sensitivity = goal.sensitivity_by_cell(best.responses.by_cell, paid.limits)
     for size in _SIZES:
         found = []
-        for kind in filter(None, (kind.made(model.limits) for kind in _KINDS)):
+        for kind in _kinds(model.limits):
             places = [
                 (gain, values) for gain, values in _places(model, best, kind, sensitivity, size) if gain > 0
             ]
@@ -78,10 +78,18 @@ def pocket_starts(
             yield kind, values
 
 
+def _kinds(limits: ManufacturingLimits) -> list[FittedPocket | FittedSlot]:
+    """Return the pockets that a workshop can make: from the sides where it opens nowhere else."""
+    kinds: tuple[FittedPocket | FittedSlot, ...] = _KINDS
+    if limits.workshop.opens == "sides":
+        kinds = (FittedSlot(),)
+    return [made for made in (kind.made(limits) for kind in kinds) if made is not None]
+
+
 def _places(
     model: WebModel,
     best: SearchResult,
-    kind: FittedPocket,
+    kind: FittedPocket | FittedSlot,
     sensitivity: Array,
     size: tuple[float, float],
 ) -> Iterator[tuple[float, Array]]:
@@ -92,10 +100,12 @@ def _places(
     edge = max(size[0] * thickness, 2 * model.domain.grid.largest_edge_mm)
     least, most = np.array(kind.bounds(scene, model.limits)).T
     low, high = best.values[:2]
-    across = np.arange(edge / 2, best.values[2 : best.layout.stations].max(), step) if kind.pair else [None]
-    for x in across:
+    widest = best.values[2 : best.layout.stations].max()
+    aside = isinstance(kind, FittedPocket) and kind.pair
+    rest = [depth] if isinstance(kind, FittedPocket) else [widest - depth, 0.0, model.limits.min_draft_deg]
+    for x in np.arange(edge / 2, widest, step) if aside else [None]:
         for y in np.arange(low, high, step):
-            own = np.clip([*([] if x is None else [x]), y, edge, edge, depth], least, most)
+            own = np.clip([*([] if x is None else [x]), y, edge, edge, *rest], least, most)
             _, values = with_part(best.layout, best.values, kind, own)
             if web.constraints(values).max() < _KEPT_MM:
                 taken = best.responses.fill - model.fill(web, values)

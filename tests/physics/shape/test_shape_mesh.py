@@ -22,7 +22,15 @@ from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.mesh_fatigue import stress_adjoint
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
-from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, Array, drafted_web, full_web, solid_web
+from tests.physics.shape.shape_cases import (
+    COARSE_FILLET,
+    COARSE_MM,
+    Array,
+    drafted_web,
+    full_web,
+    rounded_web,
+    solid_web,
+)
 
 WEBS = {"every-feature": full_web, "drafted-pockets": drafted_web, "solid-journals": solid_web}
 
@@ -93,6 +101,16 @@ def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
             assert case.found.gradients[name] @ direction == pytest.approx(
                 measured, rel=1e-4, abs=1e-8 * value
             )
+
+
+def test_gradients_beside_round_corners_in_the_sides() -> None:
+    scene, layout, values = rounded_web()
+    model, step = MeshModel(scene, layout, values, COARSE_MM), 1e-3
+    found, direction = model.responses(values), np.random.default_rng(7).standard_normal(len(values))
+    above, below = (model.responses(values + s * step * direction) for s in (1, -1))
+    for name, value in found.values.items():
+        measured = (above.values[name] - below.values[name]) / (2 * step)
+        assert found.gradients[name] @ direction == pytest.approx(measured, rel=1e-4, abs=1e-8 * value), name
 
 
 def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -> None:

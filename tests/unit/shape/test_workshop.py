@@ -16,7 +16,7 @@ from cranktopo.tasks.shape.start import outline_start, process_limits, scene_sta
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.side_pocket import FittedSlot
+from cranktopo.throw.side_pocket import FittedSlot, SidePocket
 from tests.unit.refit.remodel_cases import table
 
 DRAFT_DEG = 5.0
@@ -81,6 +81,16 @@ def test_a_pocket_has_draft_and_corners_of_the_process(
     assert written.get("draft_deg", 0.0) == draft
     assert written["corner_radius_mm"] == corner
     assert min(low for low, _ in box.bounds(scene, limits)[1:3]) > 2 * corner
+
+
+def test_a_side_pocket_of_a_die_has_round_corners_and_a_groove_has_none(mikron: Scene) -> None:
+    _, limits = made_by(mikron, process="forged")
+    side, groove = (KINDS[name].made(limits) for name in ("side", "groove"))
+    assert (side, groove) == (FittedSlot(False, 6.0), FittedSlot(through=True))
+    named = dict(zip(side.names, [24.0, 20.0, 14.0, 20.0, 0.0, 5.0], strict=True))
+    (written,) = side.tables(named, (-25.0, 73.0, 25.0))
+    assert written["corner_radius_mm"] == 6.0
+    assert FittedSlot.read(SidePocket(**written), False, (-25.0, 73.0, 25.0))[0] == side
 
 
 def test_a_flat_parting_in_mid_web_is_no_deeper_than_that(mikron: Scene) -> None:

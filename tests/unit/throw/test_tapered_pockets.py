@@ -31,6 +31,7 @@ ROUND = {
     "depth_mm": 7.0,
     "diameter_mm": 8.0,
 }
+SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 20.0, "height_mm": 8.0, "depth_mm": 6.0, "offset_mm": 0.7}
 DRAFT = {"draft_deg": 8.0}
 SLOPE = math.tan(math.radians(8.0))
 
@@ -46,6 +47,14 @@ def test_a_rounded_box_with_draft_takes_its_prismoid(mikron: Scene) -> None:
 
     pocket = {**BOX, **DRAFT, "corner_radius_mm": 2.5}
     assert removed_mm3(mikron, pocket=[pocket]) == pytest.approx(prismoid_mm3(8.0, area_mm2), rel=1e-9)
+
+
+def test_a_side_pocket_with_round_corners_takes_two_prismoids(mikron: Scene) -> None:
+    def area_mm2(growth: float) -> float:
+        return (20 + 2 * growth) * (8 + 2 * growth) - (4 - math.pi) * (3 + growth) ** 2
+
+    pocket = {**SIDE, **DRAFT, "corner_radius_mm": 3.0}
+    assert removed_mm3(mikron, pocket=[pocket]) == pytest.approx(2 * prismoid_mm3(6.0, area_mm2), rel=1e-9)
 
 
 def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) -> None:
@@ -68,6 +77,9 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
         {**BOX, **DRAFT},
         {**ROUND, **DRAFT},
         {**BOX, **DRAFT, "corner_radius_mm": 2.0, "size_x_mm": 90.0},
+        {**SIDE, **DRAFT, "corner_radius_mm": 3.0},
+        {**SIDE, "corner_radius_mm": 2.0},
+        {**SIDE, **DRAFT, "corner_radius_mm": 2.0, "y_mm": 2.0, "depth_mm": 14.0},
         {
             **BOX,
             **DRAFT,
@@ -78,7 +90,17 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
             "size_y_mm": 4.5,
         },
     ],
-    ids=["round corners", "no draft", "sharp", "cone", "runs out at both sides", "runs out at one side"],
+    ids=[
+        "round corners",
+        "no draft",
+        "sharp",
+        "cone",
+        "runs out at both sides",
+        "side",
+        "side without draft",
+        "side where the outline is round",
+        "runs out at one side",
+    ],
 )
 def test_solid_cells_and_sections_agree(mikron: Scene, pocket: dict[str, Any], tmp_path: Path) -> None:
     """The CAD kernel, its STEP file, sections and cells to 1e-6."""
@@ -102,6 +124,7 @@ def test_the_half_throw_is_cut_above_a_mouth_in_a_fillet(mikron: Scene, tmp_path
     [
         ({**BOX, "corner_radius_mm": 3.1}, "corner_radius_mm"),
         ({**BOX, "draft_deg": 46.0}, "draft_deg"),
+        ({**SIDE, "corner_radius_mm": 4.1}, "corner_radius_mm"),
         ({"shape": "cylinder", "x_mm": 24.0, "y_mm": 30.0, "diameter_mm": 8.0, **DRAFT}, "draft_deg"),
         ({**BOX, "draft_deg": 30.0}, "cuts the bore"),
     ],
