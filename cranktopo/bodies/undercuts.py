@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Y, Z
 from cranktopo.bodies.prisms import envelope_holes, journal_ends, web_bores, web_region
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 
@@ -18,13 +19,16 @@ _NEGLIGIBLE_SHARE = 1e-4
 """Undercuts below this share of the web are grazing slivers that the triangles themselves do not resolve."""
 _BEYOND_MM = 1.0
 _TOUCH_MM = 1e-3
+_RAYS_MM = 1.0
+"""Distance of rays through a half throw of usual size; others in proportion."""
 
 
 @dataclass(frozen=True)
 class Undercuts:
     """Undercuts of the web's process: `caught` of the rays through the web have void before solid.
 
-    The deepest is the longest such void along one ray and side; `by` names the die, mould or mill.
+    The deepest is the longest such void along one ray and side, with a point inside it; `by` names the die,
+    mould or mill.
     """
 
     rays: int
@@ -33,6 +37,7 @@ class Undercuts:
     volume_mm3: float
     web_mm3: float
     by: str = "a die that parts in x = 0"
+    deepest_at_mm: tuple[float, float, float] | None = None
 
     @property
     def negligible(self) -> bool:
@@ -75,28 +80,32 @@ def withdrawal_of(scene: Scene) -> Withdrawal:
     return Withdrawal("a die that parts in mid-web", Z, sum(scene.web_z_mm) / 2)
 
 
+_Voids = tuple[int, Array, float, tuple[float, float, float]]
+"""Rays that met the web, lengths of void (n, 2) that each half is held back by, area of a ray, a point in the
+longest void."""
+
+
 def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | None = None) -> Undercuts:
     """Return what the scene's process, or another way, would leave behind; drilled holes are filled."""
     way = way or withdrawal_of(scene)
     body = solid_of(web, "web")
     filled = body + web_bores(scene) + envelope_holes(scene)
     voids = _beyond_mills if way.axis is None else _held_back
-    met, lengths, area = voids(body, filled, web, scene, way, step_mm)
+    met, lengths, area, at_mm = voids(body, filled, web, scene, way, step_mm)
     caught = int((lengths > _TOUCH_MM).any(axis=1).sum())
-    volume = float(lengths.sum() * area)
-    return Undercuts(met, caught, float(lengths.max(initial=0.0)), volume, web.volume_mm3, way.text)
+    volume, deepest = float(lengths.sum() * area), float(lengths.max(initial=0.0))
+    return Undercuts(met, caught, deepest, volume, web.volume_mm3, way.text, at_mm if caught else None)
 
 
-def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene, step_mm: float) -> Undercuts:
-    """Return what a die that parts in x = 0 cannot leave of the web of a half throw, from any source."""
+def half_throw_undercuts(half_throw: SurfaceMesh, scene: Scene) -> Undercuts:
+    """Return what the scene's process cannot leave of the web of a half throw, from any source."""
     body = solid_of(half_throw, "half throw")
-    return undercuts(mesh_of(web_region(body, scene)), scene, step_mm, LATERAL_DIE)
+    return undercuts(mesh_of(web_region(body, scene)), scene, _RAYS_MM / usual_scale(scene))
 
 
 def _held_back(
     body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
-) -> tuple[int, Array, float]:
-    """Rays that met the web, lengths of void (n, 2) that each half is held back by, area of a ray."""
+) -> _Voids:
     axis = X if way.axis is None else way.axis
     if axis == Z:
         body, filled = (solid + journal_ends(scene) for solid in (body, filled))
@@ -107,19 +116,23 @@ def _held_back(
     start, end = np.zeros(3), np.zeros(3)
     beyond = _BEYOND_MM if axis == X else 3 * _BEYOND_MM  # past the ends of journals and bores
     start[axis], end[axis] = low[axis] - beyond, high[axis] + beyond
-    met, voids = 0, []
+    met, lengths, longest, at_mm = 0, [], 0.0, np.zeros(3)
     for row in rows.tolist():
         for column in columns.tolist():
             start[[first, second]] = end[[first, second]] = row, column
             cuts, within = (_cuts(solid, start, end, axis) for solid in (body, filled))
             met += bool(len(cuts))
-            voids.append(_voids_mm(cuts, within, way.parting_mm))
-    return met, np.array(voids).reshape(-1, 2), area
+            found = _voids_mm(cuts, within, way.parting_mm)
+            lengths.append([float(np.abs(np.diff(side)).sum()) for side in found])
+            if max(lengths[-1]) > longest:
+                longest, at_mm = max(lengths[-1]), start.copy()
+                at_mm[axis] = _middle_of_longest(np.concatenate(found))
+    return met, np.array(lengths).reshape(-1, 2), area, _point(at_mm)
 
 
 def _beyond_mills(
     body: Manifold, filled: Manifold, web: SurfaceMesh, scene: Scene, way: Withdrawal, step_mm: float
-) -> tuple[int, Array, float]:
+) -> _Voids:
     """Return the same of voxels that no straight line from a face or a side reaches, by lines along x."""
     low, high = web.vertices_mm.min(axis=0), web.vertices_mm.max(axis=0)
     x, y, z = (_centres(low[axis], high[axis], step_mm) for axis in (X, Y, Z))
@@ -133,8 +146,11 @@ def _beyond_mills(
             found = ~np.logical_or.accumulate(moved, axis=0)
             reached |= np.moveaxis(found[way_in], 0, axis)
     left = ~whole & ~reached[:, :, 1:-1]
-    lengths = left.sum(axis=X).reshape(-1, 1) * float(x[1] - x[0])
-    return int(solid.any(axis=X).sum()), lengths, float((y[1] - y[0]) * (z[1] - z[0]))
+    lengths = left.sum(axis=X) * float(x[1] - x[0])
+    row, column = np.unravel_index(lengths.argmax(), lengths.shape)
+    at_mm = np.array([x[left[:, row, column].argmax()], y[row], z[column]])
+    area = float((y[1] - y[0]) * (z[1] - z[0]))
+    return int(solid.any(axis=X).sum()), lengths.reshape(-1, 1), area, _point(at_mm)
 
 
 def _voxels(body: Manifold, x: Array, y: Array, z: Array) -> NDArray[np.bool_]:
@@ -158,21 +174,31 @@ def _cuts(body: Manifold, start: Array, end: Array, axis: int) -> Array:
     return np.array([hit.position[axis] for hit in body.ray_cast(tuple(start), tuple(end))])
 
 
-def _voids_mm(cuts: Array, within: Array, parting_mm: float | None) -> tuple[float, float]:
-    """Lengths of void on both sides of the parting plane, or between the outermost solids and 0.
+def _voids_mm(cuts: Array, within: Array, parting_mm: float | None) -> tuple[Array, Array]:
+    """Voids (n, 2) on both sides of the parting plane, or between the outermost solids and none.
 
     The web with its holes filled is entered and left at `within`: holes count as solid only within the web.
     """
-    if parting_mm is None:
-        if not len(cuts):
-            return 0.0, 0.0
-        return _void_mm(cuts - cuts[0], within - cuts[0]), 0.0
-    cuts, within = cuts - parting_mm, within - parting_mm
-    return _void_mm(cuts, within), _void_mm(-cuts[::-1], -within[::-1])
+    if parting_mm is not None:
+        cuts, within = cuts - parting_mm, within - parting_mm
+        return _beyond_mm(cuts, within) + parting_mm, parting_mm - _beyond_mm(-cuts[::-1], -within[::-1])
+    if not len(cuts):
+        return np.zeros((0, 2)), np.zeros((0, 2))
+    return _beyond_mm(cuts - cuts[0], within - cuts[0]) + cuts[0], np.zeros((0, 2))
 
 
-def _void_mm(cuts: Array, within: Array) -> float:
+def _beyond_mm(cuts: Array, within: Array) -> Array:
+    """Voids (n, 2) between 0 and the outermost solid."""
     if len(cuts) % 2 or len(within) % 2:  # grazes an edge
-        return 0.0
+        return np.zeros((0, 2))
     outermost = float(cuts.max(initial=0.0))
-    return outermost - float(np.diff(within.reshape(-1, 2).clip(min=0.0, max=outermost)).sum())
+    return np.concatenate([[0.0], within.clip(min=0.0, max=outermost), [outermost]]).reshape(-1, 2)
+
+
+def _middle_of_longest(voids: Array) -> float:
+    return float(voids[np.abs(np.diff(voids)).argmax()].mean())
+
+
+def _point(at_mm: Array) -> tuple[float, float, float]:
+    x, y, z = map(float, at_mm)
+    return x, y, z

@@ -230,7 +230,7 @@ def limit_options(function: Any) -> Any:
             Number(0.01, 50),
             "Cells of the final fit: half the size is closer to the body and takes eight times as long.",
         ),
-        (("--draft-deg", "min_draft_deg"), Number(0, 30), "Least draft of a side pocket's walls."),
+        (("--draft-deg", "min_draft_deg"), Number(0, 30), "Least draft of the walls of pockets."),
         (("--min-radius-mm",), Number(0.05, 1000), "Least radius of curvature of the outline."),
         (("--min-wall-mm",), Number(0.05, 1000), "Least wall."),
     ):

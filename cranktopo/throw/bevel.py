@@ -226,7 +226,7 @@ class FittedBevel(FittedToSections):
     def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         far, thickness = 4 * scene.throw.radius_mm, scene.web.thickness_mm
         crown = (-thickness if self.hollow else 0.0, thickness)
-        return [(-far, far), (_LEAST_DEPTH_MM, thickness - limits.min_wall_mm), crown]
+        return [(-far, far), (_LEAST_DEPTH_MM, limits.deepest_mm(thickness)), crown]
 
     @override
     def possible(self, scene: ThrowView) -> bool:
@@ -255,6 +255,9 @@ class FittedBevel(FittedToSections):
         yield wall_rule(edge, least), -arc.distance_mm(wall, arc.outward * far + other.radius_mm)
         most = 0.95 * _twice_tangent(arc.end_mm - arc.start_mm, arc.depth_mm)
         yield f"the arc of the {self.title} does not turn back", 4 * arc.crown_mm - most
+        draft_deg = around.limits.workshop.draft_deg
+        if draft_deg:
+            yield _draft_rule(arc, self.title, draft_deg)
         if self.hollow:
             yield f"the hollow arc of the {self.title} does not turn back", -4 * arc.crown_mm - most
 
@@ -279,6 +282,15 @@ class FittedBevel(FittedToSections):
         deepest = scene.web.thickness_mm - limits.min_wall_mm
         depth = float(np.clip((below[0] + _HALF) * cells.cell_mm[2], _LEAST_DEPTH_MM, deepest))
         return np.array([outward * reach[0], depth, 0.0])
+
+
+def _draft_rule(arc: BevelArc, title: str, draft_deg: float) -> Rule:
+    """Return the rule that an arc keeps its draft where it is steepest, as the rise that its chord lacks."""
+    rise, run = arc.end_mm - arc.start_mm, arc.depth_mm
+    chord = np.sqrt(rise**2 + run**2)
+    steepest = np.arctan2(rise, run) - 2 * np.arctan(2 * np.abs(arc.crown_mm) / chord)
+    missing = chord * (np.sin(np.deg2rad(draft_deg)) - np.sin(steepest))
+    return f"least draft of the {title}, {draft_deg:.3g} deg", missing
 
 
 def _arc(face: str, y_mm: Any, depth: Any, crown_mm: Any, ends: tuple[Any, Any]) -> BevelArc:

@@ -1,44 +1,29 @@
-"""Pockets from a web face, their axis parallel to the crank axis: round and rectangular, and their fits."""
+"""Pockets from a web face, their axis parallel to the crank axis: round and rectangular."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Self
+from typing import Literal, Self
 
-import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
-from cranktopo.base.arrays import Array
-from cranktopo.base.table import Length, Place
-from cranktopo.throw.feature import Body, Feature, ThrowView, least_shoulder_mm
-from cranktopo.throw.fitted import (
-    JOURNALS,
-    LEAST_MM,
-    Axes,
-    FittedFeature,
-    Frame,
-    Named,
-    Region,
-    Rule,
-    Surroundings,
-    depth_mm,
-    shoulder_rule,
-    wall_rule,
-)
+from cranktopo.base.table import Length, LengthOrZero, Place
+from cranktopo.throw.feature import Body, Feature, ThrowView
 from cranktopo.throw.hole import (
     FACES,
     RectangularHole,
     RoundHole,
+    check_corners,
     check_cut,
     check_depth,
     check_open,
     depth_range_mm,
 )
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import Circle, FeatureDrawing, Polyline, number_lines
+from cranktopo.throw.tapered_hole import TaperedHole, slope_of
+
+_LARGEST_DRAFT_DEG = 45.0
 
 
 class FacePocket(Feature):
@@ -55,147 +40,25 @@ class FacePocket(Feature):
             check_cut(scene, body)
             check_open(scene, body, FACES if self.face == "through" else (self.face,))
 
-    @property
     @abstractmethod
-    def _edge(self) -> Circle | Polyline:
-        """Outline on the face."""
+    def _edges(self, scene: ThrowView) -> tuple[Circle | Polyline, ...]:
+        """Outline on the face, and that of its floor where it is smaller."""
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
         numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
-        lines = number_lines(f"POCKET {self.shape}, {self.face}", numbers)
-        return FeatureDrawing(front=(self._edge,), lines=lines)
+        unused = [name for name in ("draft_deg", "corner_radius_mm") if numbers.get(name) == 0]
+        told = {name: value for name, value in numbers.items() if name not in unused}
+        lines = number_lines(f"POCKET {self.shape}, {self.face}", told)
+        return FeatureDrawing(front=self._edges(scene), lines=lines)
 
     @override
     def mirrored(self) -> Self:
         return self.model_copy(update={"x_mm": -self.x_mm + 0.0})
 
 
-_LEAST_DEPTH_MM = 1.0
-
-
-@dataclass(frozen=True)
-class FittedPocket(FittedFeature):
-    """A pocket parallel to the crank axis: the face it starts from, whether there are two."""
-
-    face: Literal["journal", "pin", "through"]
-    pair: bool = False
-    shape: ClassVar[str]
-    sizes: ClassVar[tuple[str, ...]]
-    """Names of its size across and along the throw."""
-
-    @classmethod
-    @abstractmethod
-    def in_region(cls, region: Region) -> Self | None:
-        """Return the pocket that could take out a region; None if the region does not fit the kind."""
-
-    @abstractmethod
-    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
-        """Signed distance in a section from each wall, negative in the pocket; from its centre."""
-
-    @abstractmethod
-    def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
-        """Distance of points of a section from the pocket, negative inside."""
-
-    @property
-    @override
-    def label(self) -> str:
-        return f"{self.shape}-{self.face}{'-pair' if self.pair else ''}"
-
-    @property
-    @override
-    def title(self) -> str:
-        where = "through the web" if self.face == "through" else f"of the {self.face} face"
-        return f"{self.shape} pocket {where}"
-
-    @property
-    @override
-    def names(self) -> tuple[str, ...]:
-        depth = () if self.face == "through" else ("depth",)
-        return (*(("x", "y") if self.pair else ("y",)), *self.sizes, *depth)
-
-    @override
-    def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
-        far = 4 * scene.throw.radius_mm
-        deepest = scene.web.thickness_mm - limits.min_wall_mm
-        ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (_LEAST_DEPTH_MM, deepest)}
-        return [ranges.get(name, (LEAST_MM, far)) for name in self.names]
-
-    @override
-    def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
-        x, y, z = at
-        walls = self.walls_mm(named, x - named.get("x", 0.0), y - named["y"])
-        if self.face == "through":
-            return walls
-        return [*walls, depth_mm(self.face, z, web_z_mm) - named["depth"]]
-
-    def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
-        """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
-        wall, least, throw = around.wall_mm, around.limits.min_wall_mm, around.scene.throw
-        outline = self.gap_mm(named, around.points_mm[:, 0], around.points_mm[:, 1]).min()
-        yield wall_rule(f"between the {self.title} and the outline", least), wall - outline
-        weight = around.scene.web.counterweight
-        if weight is not None and not weight.bolted:
-            edge = self.gap_mm(named, *weight.edge_mm(around.scene)).min()
-            yield wall_rule(f"between the {self.title} and the counterweight's edge", least), wall - edge
-        if self.pair:
-            between = wall_rule(f"between the {self.title} and its twin", least)
-            yield between, wall / 2 + named[self.sizes[0]] / 2 - named["x"]
-        for face, name, (journal, axis) in zip(FACES, JOURNALS, throw.journals, strict=True):
-            gap = self.gap_mm(named, 0.0, axis)
-            beside = wall_rule(f"between the {self.title} and the bore of the {name}", least)
-            yield beside, journal.bore_radius_mm + wall - gap
-            if self.face in (face, "through"):
-                yield (
-                    shoulder_rule(name),
-                    journal.radius_mm + journal.fillet_mm + least_shoulder_mm(throw) - gap,
-                )
-
-    @override
-    def box_mm(self, named: Named, around: Surroundings) -> Array:
-        thickness = around.scene.web.thickness_mm
-        centre = np.array([named.get("x", 0.0), named["y"]])
-        half = np.array([named[self.sizes[0]], named[self.sizes[-1]]]) / 2
-        depth = named.get("depth", thickness)
-        low = thickness - depth if self.face == "pin" else 0.0
-        return np.array([[*(centre - half), low], [*(centre + half), low + depth]])
-
-    @override
-    def tables(self, named: Named, frame_mm: Frame) -> list[dict[str, Any]]:
-        values = {f"{name}_mm": value for name, value in named.items()}
-        table = {"shape": self.shape, "face": self.face, **values}
-        if not self.pair:
-            return [{**table, "x_mm": 0.0}]
-        return [{**table, "x_mm": side * values["x_mm"]} for side in (1, -1)]
-
-    @classmethod
-    @override
-    def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
-        if not isinstance(table, FacePocket) or table.shape != cls.shape:
-            return None
-        part = cls(table.face, pair)
-        return part, np.array([getattr(table, f"{name}_mm") for name in part.names])
-
-    def guess(self, region: Region, web_z_mm: tuple[float, float]) -> Array:
-        """Initial values of a pocket that fills a region of the volume of its bounding box."""
-        low, high = np.array(region.low_mm), np.array(region.high_mm)
-        centre, size = (low + high) / 2, high - low
-        area = region.volume_mm3 / 2 / size[2] * (1.0 if self.pair else 2.0)
-        across = size[0] if self.pair else 2 * high[0]
-        values = [*([centre[0]] if self.pair else []), centre[1], *self.size_guess(area, across, size[1])]
-        depth = (high[2] - web_z_mm[0]) if self.face == "journal" else (web_z_mm[1] - low[2])
-        return np.array(values if self.face == "through" else [*values, depth])
-
-    @abstractmethod
-    def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:
-        """Initial sizes from the mean section of a region and the size of its bounding box."""
-
-
-_TINY = 1e-12
-
-
 class BoxPocket(FacePocket):
-    """Box-shaped pocket cut from one web face."""
+    """Box-shaped pocket cut from one web face; its sizes are those of its floor, its walls open outward."""
 
     shape: Literal["box"]
     face: Literal["journal", "pin"] = Field(examples=["pin"])
@@ -208,51 +71,35 @@ class BoxPocket(FacePocket):
     """Size along the throw."""
     depth_mm: Length = Field(examples=[4.0])
     """Depth below the face."""
+    corner_radius_mm: LengthOrZero = 0.0
+    """Radius of its corners at the floor; 0 = sharp."""
+    draft_deg: float = Field(default=0.0, ge=0, le=_LARGEST_DRAFT_DEG)
+    """Draft angle: the walls open outward by it."""
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
+        if self.draft_deg or self.corner_radius_mm:
+            return (self._tapered(scene, key),)
         low, high = (self.x_mm - half_x, self.y_mm - half_y), (self.x_mm + half_x, self.y_mm + half_y)
         return (RectangularHole(key, depth_range_mm(scene, self.face, self.depth_mm), low, high),)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
+        sizes = self.size_x_mm, self.size_y_mm
+        check_corners(scene, f"{key}.corner_radius_mm", self.corner_radius_mm, *sizes)
 
-    @property
-    @override
-    def _edge(self) -> Polyline:
-        half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
-        corners = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
-        edge = tuple((self.x_mm + i * half_x, self.y_mm + j * half_y) for i, j in corners)
-        return Polyline(edge, self.face == "journal")
-
-
-class FittedBox(FittedPocket):
-    """A box pocket of the re-model."""
-
-    shape: ClassVar[str] = "box"
-    sizes: ClassVar[tuple[str, ...]] = ("size_x", "size_y")
-
-    @classmethod
-    @override
-    def in_region(cls, region: Region) -> Self | None:
-        return None if region.kind == "window" or region.face is None else cls(region.face, region.pair)
+    def _tapered(self, scene: ThrowView, key: str) -> TaperedHole:
+        corner = (self.size_x_mm / 2, self.size_y_mm / 2, self.corner_radius_mm)
+        z_mm = depth_range_mm(scene, self.face, self.depth_mm)
+        floor = z_mm[self.face == "journal"]
+        return TaperedHole(key, z_mm, floor, self.x_mm, self.y_mm, *corner, slope_of(self.draft_deg))
 
     @override
-    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
-        return [np.abs(across) - named["size_x"] / 2, np.abs(along) - named["size_y"] / 2]
-
-    @override
-    def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
-        over_x = np.abs(x_mm - named.get("x", 0.0)) - named["size_x"] / 2
-        over_y = np.abs(y_mm - named["y"]) - named["size_y"] / 2
-        outside = np.sqrt(np.maximum(over_x, 0.0) ** 2 + np.maximum(over_y, 0.0) ** 2 + _TINY)
-        return outside + np.minimum(np.maximum(over_x, over_y), 0.0)
-
-    @override
-    def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:
-        return [across_mm, along_mm]
+    def _edges(self, scene: ThrowView) -> tuple[Polyline, ...]:
+        hidden = self.face == "journal"
+        return tuple(Polyline(edge, hidden) for edge in self._tapered(scene, "").edges_mm())
 
 
 class CylinderPocket(FacePocket):
@@ -267,10 +114,15 @@ class CylinderPocket(FacePocket):
     """Diameter."""
     depth_mm: Length | None = Field(default=None, examples=[5.0])
     """Depth below the face; needed unless it goes through."""
+    draft_deg: float = Field(default=0.0, ge=0, le=_LARGEST_DRAFT_DEG)
+    """Draft angle: its wall opens outward by it, the diameter is that of the floor."""
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         z_mm = depth_range_mm(scene, self.face, self.depth_mm)
+        if self.draft_deg:
+            at, radius = (z_mm[self.face == "journal"], self.x_mm, self.y_mm), self.diameter_mm / 2
+            return (TaperedHole(key, z_mm, *at, *(radius,) * 3, slope_of(self.draft_deg)),)
         return (RoundHole(key, z_mm, self.x_mm, self.y_mm, self.diameter_mm / 2),)
 
     @override
@@ -281,38 +133,15 @@ class CylinderPocket(FacePocket):
             else:
                 allowed, hint = "has no meaning with face = 'through'", "Remove it, or name another face."
             raise scene.invalid(f"{key}.depth_mm", allowed, hint)
+        if self.draft_deg and self.face == "through":
+            allowed = "has no meaning with face = 'through'"
+            raise scene.invalid(f"{key}.draft_deg", allowed, "Remove it, or name another face.")
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
 
-    @property
     @override
-    def _edge(self) -> Circle:
-        hidden, label = self.face == "journal", f"⌀{self.diameter_mm:g}"
-        return Circle((self.x_mm, self.y_mm), self.diameter_mm / 2, hidden, label)
-
-
-class FittedCylinder(FittedPocket):
-    """A cylinder pocket of the re-model."""
-
-    shape: ClassVar[str] = "cylinder"
-    sizes: ClassVar[tuple[str, ...]] = ("diameter",)
-
-    @classmethod
-    @override
-    def in_region(cls, region: Region) -> Self | None:
-        if region.kind == "window":
-            return cls("through", region.pair)
-        return None if region.face is None else cls(region.face, region.pair)
-
-    @override
-    def walls_mm(self, named: Named, across: Array, along: Array) -> list[Array]:
-        return [np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2]
-
-    @override
-    def gap_mm(self, named: Named, x_mm: Any, y_mm: Any) -> Any:
-        across, along = x_mm - named.get("x", 0.0), y_mm - named["y"]
-        return np.sqrt(across**2 + along**2 + _TINY) - named["diameter"] / 2
-
-    @override
-    def size_guess(self, area_mm2: float, across_mm: float, along_mm: float) -> list[float]:
-        return [2 * float(np.sqrt(area_mm2 / np.pi))]
+    def _edges(self, scene: ThrowView) -> tuple[Circle, ...]:
+        hidden, at, radius = self.face == "journal", (self.x_mm, self.y_mm), self.diameter_mm / 2
+        floor = Circle(at, radius, hidden, f"⌀{self.diameter_mm:g}")
+        wider = slope_of(self.draft_deg) * (self.depth_mm or 0.0)
+        return (floor, Circle(at, radius + wider, hidden)) if wider else (floor,)

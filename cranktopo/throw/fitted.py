@@ -30,6 +30,8 @@ JOURNALS = ("main journal", "crankpin")
 """What the journals are called in a sentence, in the order of the throw."""
 LEAST_MM = 3.0
 """Least size of a pocket."""
+SIZE_OVER_CORNER = 2.2
+"""Least size of a pocket over the radius of its corners."""
 _STEP = 1e-6
 """Step of the derivatives by the parameters, mm or degrees."""
 
@@ -132,6 +134,10 @@ class FittedFeature(ABC):
     def possible(self, scene: ThrowView) -> bool:
         """Tell whether the web of a scene may have one, whatever its values."""
         return True
+
+    def made(self, limits: ManufacturingLimits) -> Self | None:
+        """Return the kind with draft and corners of a workshop; None where it cannot open that way."""
+        return self
 
     @abstractmethod
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:

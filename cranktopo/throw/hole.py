@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -14,6 +15,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.spans import Span
 from cranktopo.throw.feature import Body, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.primitives import Box, Cylinder, Frustum, Solid
+from cranktopo.throw.tapered_hole import rounded_gap_mm
 
 BEYOND_MM = 1.0
 """Reach of the tool of a sloped slot beyond the outline, and of a groove beyond both of its ends."""
@@ -22,7 +24,7 @@ _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 @dataclass(frozen=True)
 class SideSlots(Body):
-    """Both slots of a side pocket: the floor at |x| = `floor_mm`, where y, z and half sizes count.
+    """Both slots of a side pocket: the floor at |x| = `floor_mm`, where y, z, half sizes and corners count.
 
     The tool ends at |x| = `outer_mm`, beyond the outline; each wall opens by `slope` mm per mm of |x|.
     """
@@ -34,6 +36,7 @@ class SideSlots(Body):
     z_centre_mm: float
     half_height_mm: float
     slope: float
+    corner_mm: float = 0.0
 
     @override
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
@@ -42,8 +45,10 @@ class SideSlots(Body):
 
     def open_from_mm(self, y_mm: Array, z_mm: Array | float) -> Array:
         """|x| from which the slots are open; infinite where they are not."""
-        along, height = np.abs(y_mm - self.y_mm), np.abs(z_mm - self.z_centre_mm)
-        beyond = np.maximum(along - self.half_length_mm, height - self.half_height_mm)
+        along = np.abs(y_mm - self.y_mm) - self.half_length_mm
+        height = np.abs(z_mm - self.z_centre_mm) - self.half_height_mm
+        rounded = self.corner_mm > 0
+        beyond = rounded_gap_mm(along, height, self.corner_mm) if rounded else np.maximum(along, height)
         if self.slope == 0:
             return np.where(beyond <= 0, self.floor_mm, np.inf)
         return np.asarray(self.floor_mm + np.maximum(beyond, 0.0) / self.slope)
@@ -57,31 +62,37 @@ class SideSlots(Body):
     @property
     @override
     def y_breaks_mm(self) -> tuple[float, ...]:
-        return (*self.y_range_mm, self.y_mm - self.half_length_mm, self.y_mm + self.half_length_mm)
+        halves = {self.half_length_mm, self.half_length_mm - self.corner_mm}
+        return (*self.y_range_mm, *(self.y_mm + side * half for half in sorted(halves) for side in (-1, 1)))
 
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
         """Edges of the floor, or of the end wall beyond it, and of the opening in the outline."""
-        floor = np.maximum(
-            self.half_height_mm, self.half_height_mm + np.abs(y_mm - self.y_mm) - self.half_length_mm
-        )
-        mouth = self.half_height_mm + self.slope * (half_width_mm - self.floor_mm)
-        return [self.z_centre_mm + side * half for half in (floor, mouth) for side in (-1, 1)]
+        away, opening = np.abs(y_mm - self.y_mm), self.slope * (half_width_mm - self.floor_mm)
+        if self.corner_mm:
+            straight = self.half_height_mm - self.corner_mm
+            bend = np.maximum(away - self.half_length_mm + self.corner_mm, 0.0)
+            radii = (self.corner_mm, self.corner_mm + np.maximum(opening, 0.0))
+            arcs = (straight + np.sqrt(np.maximum(radius**2 - bend**2, 0.0)) for radius in radii)
+            halves = [np.full(y_mm.shape, straight), *arcs]
+        else:
+            halves = [np.maximum(self.half_height_mm, self.half_height_mm + away - self.half_length_mm)]
+            halves.append(self.half_height_mm + opening)
+        return [self.z_centre_mm + side * half for half in halves for side in (-1, 1)]
 
     @property
     @override
     def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
-        if self.slope == 0:
-            return ()
-        floor, mouth = self.half_height_mm, self.slope * (self.outer_mm - self.floor_mm - BEYOND_MM)
-        z = self.z_centre_mm
-        return (z - floor - mouth, z - floor), (z + floor, z + floor + mouth)
+        floor, opening = self.half_height_mm, self.slope * (self.outer_mm - self.floor_mm - BEYOND_MM)
+        heights = [floor - self.corner_mm, floor, floor + opening]
+        z, parts = self.z_centre_mm, [(low, high) for low, high in pairwise(heights) if high > low]
+        return (*((z - high, z - low) for low, high in parts), *((z + low, z + high) for low, high in parts))
 
     @override
     def solids(self) -> tuple[Solid, ...]:
         return self._side(1.0), self._side(-1.0)
 
     def _side(self, side: float) -> Solid:
-        if self.slope == 0:
+        if self.slope == 0 and not self.corner_mm:
             (y0, y1), (z0, z1) = self.y_range_mm, self.z_mm
             low = self.floor_mm if side > 0 else -self.outer_mm
             return Box((low, y0, z0), (self.outer_mm - self.floor_mm, y1 - y0, z1 - z0))
@@ -97,7 +108,8 @@ class SideSlots(Body):
             )
             for x, out in ((self.floor_mm, 0.0), (self.outer_mm, more))
         )
-        return Frustum(floor, mouth)
+        radius = self.corner_mm
+        return Frustum(floor, mouth, (radius, radius + more) if radius else (0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -203,6 +215,13 @@ def check_cut(scene: ThrowView, body: Body) -> None:
                 f"{body.key}: cuts the bore {bore.key} = {2 * bore.radius_mm:g} mm.",
                 hint=f"Keep at least {least:.3g} mm of web between the pocket and the bore.",
             )
+
+
+def check_corners(scene: ThrowView, key: str, radius_mm: float, *sizes_mm: float) -> None:
+    """Refuse a radius, named by its key, that a pocket of these sizes does not hold."""
+    most = min(sizes_mm) / 2
+    if radius_mm > most:
+        raise scene.invalid(key, f"must be at most half of the pocket's smaller size ({most:g} mm)")
 
 
 FACES: tuple[Literal["journal"], Literal["pin"]] = ("journal", "pin")

@@ -3,6 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+from typing_extensions import override
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """What a process asks of pockets and bevels; by default nothing.
+
+    Attributes:
+        opens: which way pockets may open: from web faces, from the sides, or both.
+        draft_deg: draft of what opens at a web face.
+        radius_mm: least radius of the corners of a pocket.
+        depth_share: most depth of what is cut from a face, over the web's thickness.
+    """
+
+    opens: Literal["faces", "sides", "both"] = "both"
+    draft_deg: float = 0.0
+    radius_mm: float = 0.0
+    depth_share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -27,3 +47,27 @@ class ManufacturingLimits:
     least_gain_percent: float = 0.2
     cell_mm: float = 1.0
     starts: int = 3
+
+    @property
+    def workshop(self) -> Workshop:
+        """Demands of a process."""
+        return Workshop()
+
+    def deepest_mm(self, thickness_mm: float) -> float:
+        """Return the most depth of what is cut from a face of a web."""
+        return min(thickness_mm - self.min_wall_mm, self.workshop.depth_share * thickness_mm)
+
+
+@dataclass(frozen=True)
+class ProcessLimits(ManufacturingLimits):
+    """The same with the demands of a process, flat as a manifest keeps them."""
+
+    opens: Literal["faces", "sides", "both"] = "both"
+    pocket_draft_deg: float = 0.0
+    pocket_radius_mm: float = 0.0
+    depth_share: float = 1.0
+
+    @property
+    @override
+    def workshop(self) -> Workshop:
+        return Workshop(self.opens, self.pocket_draft_deg, self.pocket_radius_mm, self.depth_share)

@@ -73,10 +73,11 @@ class Box:
 
 @dataclass(frozen=True)
 class Frustum:
-    """A body between two quadrilaterals with corners in the same order."""
+    """A body between two quadrilaterals with corners in the same order; rectangles may have round corners."""
 
     floor: tuple[Point, ...]
     mouth: tuple[Point, ...]
+    corner_radii: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -13,7 +13,7 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.table import Length, Place
+from cranktopo.base.table import Length, LengthOrZero, Place
 from cranktopo.throw.bevel import height_range_mm
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.feature import Body, Feature, ThrowView
@@ -21,6 +21,7 @@ from cranktopo.throw.fitted import (
     CLEAR_MM,
     JOURNALS,
     LEAST_MM,
+    SIZE_OVER_CORNER,
     Axes,
     BodyCells,
     FittedToSections,
@@ -30,9 +31,10 @@ from cranktopo.throw.fitted import (
     Surroundings,
     wall_rule,
 )
-from cranktopo.throw.hole import BEYOND_MM, SideSlots, check_cut, check_depth
+from cranktopo.throw.hole import BEYOND_MM, SideSlots, check_corners, check_cut, check_depth
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.primitives import DimensionLine, FeatureDrawing, Polyline, number_lines
+from cranktopo.throw.tapered_hole import rounded_gap_mm
 
 _LARGEST_DRAFT_DEG = 45.0
 _FIRST_DRAFT_DEG = 10.0
@@ -62,6 +64,8 @@ class SidePocket(Feature):
     """Distance of its middle from the web's mid-plane, toward the pin."""
     draft_deg: float = Field(default=0.0, ge=0, le=60)
     """Draft angle: the walls open outward by it."""
+    corner_radius_mm: LengthOrZero = 0.0
+    """Radius of the four corners of its floor; 0 = sharp."""
 
     @property
     def slope(self) -> float:
@@ -76,6 +80,7 @@ class SidePocket(Feature):
     def check_alone(self, scene: ThrowView, key: str) -> None:
         tall = self.height_mm + 2 * (self.slope * self.depth_mm + abs(self.offset_mm))
         check_depth(scene, f"{key}.height_mm", tall)
+        check_corners(scene, f"{key}.corner_radius_mm", self.corner_radius_mm, self.length_mm, self.height_mm)
 
     @override
     def check_in_web(self, scene: ThrowView, key: str) -> None:
@@ -98,7 +103,8 @@ class SidePocket(Feature):
         )
         groove = self.length_mm > ends[1] - ends[0]
         title = "GROOVE on both sides, through both ends" if groove else "POCKET side"
-        lines = number_lines(title, self.model_dump(exclude={"shape"}))
+        unused = {"shape"} if self.corner_radius_mm else {"shape", "corner_radius_mm"}
+        lines = number_lines(title, self.model_dump(exclude=unused))
         return FeatureDrawing(front, (), self._across(scene, floor), self.y_mm, lines)
 
     def _across(self, scene: ThrowView, floor: float) -> tuple[DimensionLine, ...]:
@@ -117,7 +123,8 @@ class SidePocket(Feature):
         outer = widest + BEYOND_MM if self.slope > 0 else 2 * widest
         middle, tall = (start + end) / 2 + self.offset_mm, self.height_mm / 2 + self.slope * (outer - floor)
         size = (self.y_mm, self.length_mm / 2, middle, self.height_mm / 2)
-        return SideSlots(key, (middle - tall, middle + tall), floor, outer, *size, self.slope)
+        z_mm = (middle - tall, middle + tall)
+        return SideSlots(key, z_mm, floor, outer, *size, self.slope, self.corner_radius_mm)
 
 
 def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
@@ -174,9 +181,13 @@ def _check_apart(scene: ThrowView, slots: SideSlots) -> None:
 
 @dataclass(frozen=True)
 class FittedSlot(FittedToSections):
-    """A side pocket of the re-model; `through` makes it a groove through both ends."""
+    """A side pocket of the re-model; `through` makes it a groove through both ends, which has no corners.
+
+    The radius of the corners is the workshop's, not free.
+    """
 
     through: bool = False
+    corner_radius_mm: float = 0.0
 
     @property
     @override
@@ -196,10 +207,11 @@ class FittedSlot(FittedToSections):
     @override
     def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         thickness, far = scene.web.thickness_mm, 4 * scene.throw.radius_mm
+        smallest = max(LEAST_MM, SIZE_OVER_CORNER * self.corner_radius_mm)
         ranges = {
             "y": (-far, far),
-            "length": (LEAST_MM, far),
-            "height": (LEAST_MM, thickness),
+            "length": (smallest, far),
+            "height": (smallest, max(thickness, smallest)),
             "floor": (LEAST_MM, far),
             "offset": (-thickness / 2, thickness / 2),
             "draft": (limits.min_draft_deg, _LARGEST_DRAFT_DEG),
@@ -212,10 +224,20 @@ class FittedSlot(FittedToSections):
         deep = x - named["floor"]
         opening = deep * np.tan(angle)
         height = np.abs(z - (web_z_mm[0] + web_z_mm[1]) / 2 - named["offset"])
-        walls = [height - named["height"] / 2 - opening]
+        walls = [height - named["height"] / 2]
         if not self.through:
-            walls.append(np.abs(y - named["y"]) - named["length"] / 2 - opening)
+            walls.append(np.abs(y - named["y"]) - named["length"] / 2)
+        if self.corner_radius_mm:
+            walls = [rounded_gap_mm(walls[0], walls[1], self.corner_radius_mm)]
+        walls = [wall - opening for wall in walls]
         return [-deep, *(wall * np.cos(angle) for wall in walls)]
+
+    @override
+    def made(self, limits: ManufacturingLimits) -> Self | None:
+        shop = limits.workshop
+        if shop.opens == "faces" or self.through:
+            return None if shop.opens == "faces" else self
+        return replace(self, corner_radius_mm=max(self.corner_radius_mm, shop.radius_mm))
 
     @override
     def possible(self, scene: ThrowView) -> bool:
@@ -264,7 +286,8 @@ class FittedSlot(FittedToSections):
         if self.through:
             values |= {"y": (low + high) / 2, "length": high - low + 2 * BEYOND_MM}
         lengths = {f"{name}_mm": value for name, value in values.items()}
-        return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft}]
+        corner = {"corner_radius_mm": self.corner_radius_mm} if self.corner_radius_mm else {}
+        return [{"shape": "side", **lengths, "depth_mm": depth, "draft_deg": draft, **corner}]
 
     @classmethod
     @override
@@ -276,7 +299,7 @@ class FittedSlot(FittedToSections):
         through = table.y_mm - half <= low and table.y_mm + half >= high
         place = [] if through else [table.y_mm, table.length_mm]
         own = [table.height_mm, widest - table.depth_mm, table.offset_mm, table.draft_deg]
-        return cls(through), np.array([*place, *own])
+        return cls(through, table.corner_radius_mm), np.array([*place, *own])
 
     def guess(self, cells: BodyCells, scene: ThrowView, limits: ManufacturingLimits) -> Array | None:
         """Initial values where the middle of the body is narrower than both faces; None where it is not."""

@@ -20,9 +20,10 @@ from cranktopo.base.spans import Section, Span, holds, material
 from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.bevel import EndBevel, FittedBevel
 from cranktopo.throw.counterweight.table import Counterweight
-from cranktopo.throw.face_pocket import BoxPocket, CylinderPocket, FittedBox, FittedCylinder, FittedPocket
+from cranktopo.throw.face_pocket import BoxPocket, CylinderPocket
 from cranktopo.throw.feature import Body, Feature, ThrowView
 from cranktopo.throw.fitted import FittedFeature, FittedToSections
+from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder, FittedPocket
 from cranktopo.throw.hole import bore_holes
 from cranktopo.throw.primitives import Curve, Extrusion, Solid
 from cranktopo.throw.side_pocket import FittedSlot, SidePocket

@@ -25,7 +25,7 @@ from cranktopo.tasks.shape.search_goal import search_goal_of
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import web_model
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox
+from cranktopo.throw.fitted_pocket import FittedBox
 
 CELL_MM, SPREAD_MM = 3.0, 5.0
 BEVELS = FittedBevel("journal"), FittedBevel("pin")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,10 +21,10 @@ from cranktopo.design.writing import toml_text
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.kind import RESULT_FILES, RunKind
 from cranktopo.tasks.designs.run_webs import web_target
-from cranktopo.tasks.refit.family import web_of
+from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.shape import run as shape
 from cranktopo.tasks.shape.stage import ShapeSettings
-from tests.physics.shape.shape_cases import full_web
+from tests.physics.shape.shape_cases import Array, full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)
 
@@ -138,6 +139,13 @@ def test_an_unfinished_run_is_refused(tmp_path: Path, web: Scene, capsys: Any) -
     assert "cranktopo shape --resume" in capsys.readouterr().err
 
 
+def forged_start() -> tuple[Layout, Array]:
+    """The web without its last two features: pockets from a face, which hold a die that parts in x = 0."""
+    _, layout, values = full_web()
+    lost = sum(len(part.names) for part in layout.parts[3:])
+    return replace(layout, parts=layout.parts[:3]), values[:-lost]
+
+
 class AskedError(Exception):
     """The search was reached."""
 
@@ -157,7 +165,7 @@ def test_the_search_begins_with_the_web_of_the_run(
     main(["shape", str(run.path), "--minimise", "mass", "--out", str(tmp_path / "out")])
     with pytest.raises(AskedError):
         shape.resume_shape(str(tmp_path / "out"))
-    _, layout, values = full_web()
+    layout, values = forged_start()
     assert len(asked) == 2
     for scene, start in asked:
         assert scene.web == load_scene("mikron-iiic-plain").web
@@ -184,5 +192,5 @@ def test_a_run_without_a_remodel_gets_one_first(
     scene = with_goal(target.design, minimise="mass")
     with pytest.raises(AskedError) as asked, redirected(lines.append):
         shape.shape_design(scene, COARSE, tmp_path / "out", begun=target.begun)
-    assert asked.value.args == (full_web()[1],)
+    assert asked.value.args == (forged_start()[0],)
     assert any("so it is made first" in line for line in lines)

@@ -30,7 +30,7 @@ from cranktopo.tasks.refit.fit import fit_web, scene_with_web
 from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.envelope import StlEnvelope
-from cranktopo.throw.face_pocket import FittedCylinder
+from cranktopo.throw.fitted_pocket import FittedCylinder
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 

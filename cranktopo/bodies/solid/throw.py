@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
@@ -43,6 +44,8 @@ DimTags = list[tuple[int, int]]
 _PIECE = 2.5
 """Radius of the piece of a cylinder over that of the outlet with its rounding."""
 _ON_EDGE_MM = 1e-3
+_ROUND_MM = 1e-9
+"""Sides of a rounded rectangle that are shorter are none."""
 
 
 def add_solid(occ: Any, solid: Solid) -> DimTags:
@@ -52,8 +55,8 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
             return [(3, occ.addCylinder(*start, *axis, radius))]
         case Box(low, size):
             return [(3, occ.addBox(*low, *size))]
-        case Frustum(floor, mouth):
-            return [(3, _frustum(occ, floor, mouth))]
+        case Frustum(floor, mouth, corner_radii):
+            return [(3, _frustum(occ, floor, mouth) if not any(corner_radii) else _rounded(occ, solid))]
         case Extrusion(contour, path):
             made = occ.extrude([(2, _Contour(occ).face(contour))], *path)
             return [(dim, tag) for dim, tag in made if dim == 3]
@@ -109,6 +112,28 @@ def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> in
     faces = [occ.addPlaneSurface([occ.addCurveLoop(loop)]) for loop in loops]
     tag: int = occ.addVolume([occ.addSurfaceLoop(faces, sewing=True)])
     return tag
+
+
+def _rounded(occ: Any, frustum: Frustum) -> int:
+    """Add planes and quarters of cones between two rectangles with round corners."""
+    rings = zip((frustum.floor, frustum.mouth), frustum.corner_radii, strict=True)
+    loops = [_rounded_loop(occ, np.array(ring), radius) for ring, radius in rings]
+    ((_, tag),) = (pair for pair in occ.addThruSections(loops, -1, True, True) if pair[0] == 3)
+    return int(tag)
+
+
+def _rounded_loop(occ: Any, ring: Array, radius: float) -> int:
+    before, after = (np.roll(ring, shift, axis=0) - ring for shift in (1, -1))
+    start, end = (ring + radius * way / np.linalg.norm(way, axis=1)[:, None] for way in (before, after))
+    points = [[occ.addPoint(*p) for p in arc] for arc in zip(start, start + end - ring, end, strict=True)]
+    straight = np.linalg.norm(np.roll(start, -1, axis=0) - end, axis=1) > _ROUND_MM
+    curves = []
+    for k, arc in enumerate(points):
+        curves.append(occ.addCircleArc(*arc))
+        if straight[k]:
+            curves.append(occ.addLine(arc[2], points[(k + 1) % 4][0]))
+    loop: int = occ.addCurveLoop(curves)
+    return loop
 
 
 class _Contour:

@@ -112,11 +112,11 @@ def comparison_page(record: ComparisonRecord) -> Page:
 
 
 def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
-    """Return how many of the designs a die releases; `found` are those that have a surface to look at."""
+    """Return how many designs their process can make; `found` are those that have a surface to look at."""
     caught = [one.name for one in found if not one.free]
     unknown = designs - len(found)
     status: FactStatus = "bad" if caught else "unknown" if unknown else "good"
-    note = f"hollows or undercuts in {', '.join(caught)}" if caught else "by a die that parts in x = 0"
+    note = f"hollows or undercuts in {', '.join(caught)}" if caught else "each by its own process"
     note += "; STEP files were not examined" * bool(unknown)
     return Fact("Released by a die", f"{len(found) - len(caught)} of {designs}", note, status)
 
@@ -171,7 +171,7 @@ def _variants(
     names = ("Values", "Percent of the baseline", "Beside published values")
     tables = list(zip(names, comparison_tables(comparison), strict=False))
     if undercuts:
-        tables.append(("Release from a die that parts in x = 0", undercut_table(undercuts)))
+        tables.append(("Release from the die, mould or mill of each design", undercut_table(undercuts)))
     return Section(
         "variants",
         "Variants",

@@ -12,7 +12,7 @@ from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
-from cranktopo.design.halves import difference, halves, usual_scale
+from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import builtin_designs
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
@@ -76,10 +76,6 @@ def _picked(run: RunStore) -> list[str]:
             hint="Sweep with a stage in place of a function; see its table for what failed.",
         )
     return found
-
-
-_RAYS_MM = 1.0
-"""Of throws of usual size; others in proportion."""
 
 
 @dataclass(frozen=True)
@@ -227,10 +223,9 @@ def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:
 
 
 def design_undercuts(name: str, half_throw: SurfaceMesh, scene: Scene) -> DesignUndercuts:
-    """Return what would keep a design with this closed surface from being made."""
+    """Return what would keep a design with this closed surface from being made by its process."""
     hollows = int((shell_volumes_mm3(half_throw) < 0).sum())
-    step_mm = _RAYS_MM / usual_scale(scene)
-    return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene, step_mm))
+    return DesignUndercuts(name, hollows, half_throw_undercuts(half_throw, scene))
 
 
 def _body(target: Target, mesh: SurfaceMesh, partner: int, cases: Sequence[LoadCase]) -> ShownBody:

@@ -263,17 +263,16 @@ def _air(scene: Scene, domain: Domain, free: Cells, margin: tuple[int, ...]) -> 
     first, last = domain.web_layers
     standing = free | (domain.passive_fraction[:, :, first:last] >= _SOLID)
     (mx, my, mz), (x, y, _) = margin, centres_mm(domain)
-    before = (mx, 0) if domain.mirrored_x else (0, 0)
-    standing = np.pad(standing, (before, (0, 0), (0, 0)), mode="symmetric")
-    x = np.concatenate([-x[:mx][::-1], x]) if domain.mirrored_x else x
+    image = min(mx, len(x)) if domain.mirrored_x else 0  # a wide tool reaches past the whole mirror image
+    standing = np.pad(standing, ((image, 0), (0, 0), (0, 0)), mode="symmetric")
+    x = np.concatenate([-x[:image][::-1], x])
     faces = [
         np.hypot(x[:, None], y[None, :] - centre) < journal.radius_mm
         for journal, centre in scene.throw.journals
     ]
     below, above = (np.repeat(face[:, :, None], mz, axis=2) for face in faces)
     standing = np.concatenate([below, standing, above], axis=2)
-    lead = 0 if domain.mirrored_x else mx
-    return 1.0 - np.pad(standing, ((lead, mx), (my, my), (0, 0))).astype(np.float64)
+    return 1.0 - np.pad(standing, ((mx - image, mx), (my, my), (0, 0))).astype(np.float64)
 
 
 def _behind_journals(scene: Scene, domain: Domain) -> Array:

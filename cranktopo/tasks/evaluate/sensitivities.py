@@ -29,7 +29,7 @@ from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.start import scene_start
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 _COARSER = 2.0
 """Elements over the default size of an evaluation: relative changes differ by about 0.01 % per mm."""
@@ -117,7 +117,7 @@ def _limits(target: WebTarget, scene: Scene) -> ManufacturingLimits:
             return ManufacturingLimits(**read_json(file.parent / REMODEL).get("rules", {}))
         if kind_of(run) == LOOP:
             return Settings.from_json(options[LOOP]).limits
-        return ManufacturingLimits(**options[SHAPE]["limits"])
+        return ProcessLimits(**options[SHAPE]["limits"])
 
 
 def _fraction(scene: Scene) -> float | None:

@@ -15,7 +15,7 @@ _KEPT = 0.9
 
 @dataclass(frozen=True)
 class DesignUndercuts:
-    """Obstacles to making a design: closed hollows, and undercuts of a die that parts in x = 0."""
+    """Obstacles to making a design: closed hollows, and undercuts of its process."""
 
     name: str
     hollows: int
@@ -23,7 +23,7 @@ class DesignUndercuts:
 
     @property
     def free(self) -> bool:
-        """True where a die releases the web, and a cutter reaches all of it."""
+        """True where die, mould or mill can make the web."""
         return not manufacturing_obstacles(self.hollows, UndercutMeasures.of(self.undercuts))
 
 
@@ -33,6 +33,7 @@ _COLUMNS: tuple[Column[DesignUndercuts], ...] = (
     Column("closed_hollows", 0, lambda found: float(found.hollows)),
     Column("undercut_volume_mm3", 1, lambda found: found.undercuts.volume_mm3),
     Column("deepest_undercut_mm", 1, lambda found: found.undercuts.deepest_mm),
+    Column("made_by", 0, lambda found: found.undercuts.by),
 )
 
 

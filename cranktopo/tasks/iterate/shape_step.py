@@ -22,6 +22,7 @@ from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD
+from cranktopo.tasks.shape.text import release_text
 
 
 class ShapeStep(NamedTuple):
@@ -59,6 +60,8 @@ def shape_step(
         if error.code == ExitCode.INTERRUPTED:
             raise
         return _none(str(error), asked)
+    if not data.makeable:
+        return _none(release_text(data), data.goal)
     if not data.held:
         return _none(data.stop_reason, data.goal)
     row = _row(number, data, load_scene(str(run.path / SHAPE / data.files["design"])))

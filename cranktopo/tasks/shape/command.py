@@ -86,4 +86,4 @@ def command(
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, found.begun)
     click.echo(json.dumps(run.result.as_json()) if as_json else shape_summary(run.result, run.folder))
-    return ExitCode.DONE if run.result.held else ExitCode.CRITERION_NOT_MET
+    return ExitCode.DONE if run.result.held and run.result.makeable else ExitCode.CRITERION_NOT_MET

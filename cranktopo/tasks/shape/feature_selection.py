@@ -107,7 +107,7 @@ class FeatureSelection:
 
     def _with_features(self, best: WebCandidate) -> WebCandidate:
         there = {part.label for part in best.layout.parts}
-        for part, guess in end_starts(self.model.scene):
+        for part, guess in end_starts(self.model.scene, self.model.limits):
             if part.label not in there:
                 best = self._with(best, part, guess)
         for bore in [name for name in free_bores(self.model.scene) if name not in best.layout.dimensions]:

@@ -15,8 +15,9 @@ from cranktopo.tasks.shape.search import SearchResult
 from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.web_model import WebModel
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox, FittedPocket
 from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.fitted_pocket import FittedBox, FittedPocket
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 
 _GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
@@ -35,13 +36,14 @@ _TRIED = 2
 _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in (True, False))
 
 
-def end_starts(scene: Scene) -> Iterator[tuple[FittedFeature, Array]]:
-    """Yield the bevels and the groove that the scene has room for, with their first values."""
-    groove = FittedSlot(through=True), _groove_start(scene)
+def end_starts(scene: Scene, limits: ManufacturingLimits) -> Iterator[tuple[FittedFeature, Array]]:
+    """Yield the bevels and the groove that scene and workshop have room for, with their first values."""
+    groove = FittedSlot(through=True), _groove_start(scene, limits)
     bevels = (FittedBevel(face, hollow=True) for face in ("journal", "pin"))
     for part, values in (*((bevel, bevel_start(scene, bevel)) for bevel in bevels), groove):
-        if part.possible(scene):
-            yield part, values
+        made = part.made(limits)
+        if made is not None and part.possible(scene):
+            yield made, values
 
 
 def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
@@ -53,10 +55,11 @@ def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
     return np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
 
 
-def _groove_start(scene: Scene) -> Array:
+def _groove_start(scene: Scene, limits: ManufacturingLimits) -> Array:
     """Return a shallow groove through both ends, a quarter of the thickness high, amid the flanks."""
     floor = _GROOVE_FLOOR * scene.web.largest_half_width_mm
-    return np.array([scene.web.thickness_mm / 4, floor, 0.0, _GROOVE_DRAFT_DEG])
+    draft = max(_GROOVE_DRAFT_DEG, limits.min_draft_deg)
+    return np.array([scene.web.thickness_mm / 4, floor, 0.0, draft])
 
 
 def pocket_starts(
@@ -66,7 +69,7 @@ def pocket_starts(
     sensitivity = goal.sensitivity_by_cell(best.responses.by_cell, paid.limits)
     for size in _SIZES:
         found = []
-        for kind in _KINDS:
+        for kind in _kinds(model.limits):
             places = [
                 (gain, values) for gain, values in _places(model, best, kind, sensitivity, size) if gain > 0
             ]
@@ -75,10 +78,18 @@ def pocket_starts(
             yield kind, values
 
 
+def _kinds(limits: ManufacturingLimits) -> list[FittedPocket | FittedSlot]:
+    """Return the pockets that a workshop can make: from the sides where it opens nowhere else."""
+    kinds: tuple[FittedPocket | FittedSlot, ...] = _KINDS
+    if limits.workshop.opens == "sides":
+        kinds = (FittedSlot(),)
+    return [made for made in (kind.made(limits) for kind in kinds) if made is not None]
+
+
 def _places(
     model: WebModel,
     best: SearchResult,
-    kind: FittedPocket,
+    kind: FittedPocket | FittedSlot,
     sensitivity: Array,
     size: tuple[float, float],
 ) -> Iterator[tuple[float, Array]]:
@@ -87,12 +98,15 @@ def _places(
     thickness = scene.web.thickness_mm
     step, depth = _STEPS * thickness, size[1] * thickness
     edge = max(size[0] * thickness, 2 * model.domain.grid.largest_edge_mm)
+    least, most = np.array(kind.bounds(scene, model.limits)).T
     low, high = best.values[:2]
-    across = np.arange(edge / 2, best.values[2 : best.layout.stations].max(), step) if kind.pair else [None]
-    for x in across:
+    widest = best.values[2 : best.layout.stations].max()
+    aside = isinstance(kind, FittedPocket) and kind.pair
+    rest = [depth] if isinstance(kind, FittedPocket) else [widest - depth, 0.0, model.limits.min_draft_deg]
+    for x in np.arange(edge / 2, widest, step) if aside else [None]:
         for y in np.arange(low, high, step):
-            own = [*([] if x is None else [x]), y, edge, edge, depth]
-            _, values = with_part(best.layout, best.values, kind, np.array(own))
+            own = np.clip([*([] if x is None else [x]), y, edge, edge, *rest], least, most)
+            _, values = with_part(best.layout, best.values, kind, own)
             if web.constraints(values).max() < _KEPT_MM:
                 taken = best.responses.fill - model.fill(web, values)
-                yield float((sensitivity * taken).sum()), np.array(own)
+                yield float((sensitivity * taken).sum()), own

@@ -33,6 +33,8 @@ from cranktopo.tasks.shape.text import (
     multiplier_doubt,
     multiplier_table,
     named_first,
+    release_text,
+    release_verdict,
     rounds_table,
     shape_headline,
     worst_case_table,
@@ -47,7 +49,7 @@ def shape_page(
         title=f"Best dimensions of the crank web of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
         headline=shape_headline(found),
-        facts=tuple(_fact(found, QUANTITIES_TOLD[key], key) for key in named_first(found)),
+        facts=(*(_fact(found, QUANTITIES_TOLD[key], key) for key in named_first(found)), release_fact(found)),
         sections=(
             _wanted(found),
             *bound_sections(found.bound, "the body-fitted evaluation"),
@@ -70,6 +72,14 @@ def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
     return Fact(label, shown, note, status)
+
+
+def release_fact(found: ShapeResult) -> Fact:
+    """Tell whether a die or a cutter can make the web."""
+    status: FactStatus = "unknown"
+    if found.undercuts is not None:
+        status = "good" if found.undercuts.released else "neutral" if found.makeable else "bad"
+    return Fact("Released by a die", release_verdict(found), release_text(found), status)
 
 
 def _change_error_percent(found: ShapeResult, key: str) -> float:

@@ -6,11 +6,13 @@ from typing import Any
 
 from pydantic import Field
 
-from cranktopo.base.result import FileName, Result
+from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
+from cranktopo.design.schema import Process
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
+from cranktopo.tasks.extraction.result import UndercutMeasures
 from cranktopo.tasks.fea.result import EvaluationResult
 
 
@@ -101,6 +103,20 @@ class RoundValues(Result):
     """Violation of each limit by the evaluation, %; 0 or less is kept."""
 
 
+class ShapedUndercuts(UndercutMeasures):
+    """Voids of the web that its process cannot leave, by rays through the solid that was written."""
+
+    process: Process
+    """Of a `free` one a die that parts in x = 0 is looked at, but nobody asked for it."""
+    held_by: str | None
+    """Feature of the web at the deepest of them; None where none is held, or where no feature is."""
+
+    @property
+    def makeable(self) -> bool:
+        """True where the process that was asked for can make the web."""
+        return self.released or self.process == "free"
+
+
 class ShapeResult(Result):
     """The content of shape.json, and what `shape --json` prints."""
 
@@ -129,9 +145,16 @@ class ShapeResult(Result):
     seconds: dict[str, float]
     bound: BoundStatement | NoBound | None = None
     assumed: tuple[dict[str, Any], ...] = ()
+    undercuts: ShapedUndercuts | None = UNLESS_NONE
+    """None in results of an earlier version."""
     files: dict[str, FileName] = Field(default_factory=dict)
 
     @property
     def held(self) -> bool:
         """True where every limit holds by the evaluation."""
         return all(limit.holds for limit in self.goal.limits)
+
+    @property
+    def makeable(self) -> bool:
+        """True where the process can make the web, as far as that was looked at."""
+        return self.undercuts is None or self.undercuts.makeable

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import invalid
@@ -47,6 +47,7 @@ from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.page import shape_page
+from cranktopo.tasks.shape.release import shaped_undercuts
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -61,9 +62,9 @@ from cranktopo.tasks.shape.search import HELD
 from cranktopo.tasks.shape.search_goal import goal_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.start import process_limits, scene_start
 from cranktopo.tasks.shape.text import QUANTITIES_TOLD
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 _TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
@@ -119,6 +120,7 @@ def shape_design(
         note(assumed_text(assumed))
     if isinstance(begun, RunStore):
         begun = _remodelled(begun, settings.limits)
+    settings = replace(settings, limits=process_limits(scene, settings.limits))
     start = scene_start(scene, settings.limits, begun)
     if start.left_out:
         note(f"left out of the start: {'; '.join(start.left_out)}")
@@ -140,7 +142,7 @@ def resume_shape(reference: str) -> ShapedRun:
     begun = options.get(_BEGUN)
     with shown_results(run):
         data = options[SHAPE]
-        settings = ShapeSettings(**{**data, "limits": ManufacturingLimits(**data["limits"])})
+        settings = ShapeSettings(**{**data, "limits": ProcessLimits(**data["limits"])})
     scene = design_from_run(run)
     first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
@@ -177,6 +179,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         more = {
             "bound": bound and bound.model_copy(update=reached),
             "assumed": tuple(run.manifest().get("assumed", ())),
+            "undercuts": shaped_undercuts(read_stl(run.path / _FILES["stl"]), optimum.result.web.scene),
             "files": {**_FILES, "report": REPORT},
         }
         found = found.model_copy(update=more)

@@ -19,10 +19,12 @@ from cranktopo.design.free_dimensions import (
 )
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.tasks.refit.family import free_dimensions, station_shares
+from cranktopo.tasks.density.manufacturing import tool_radius_mm
+from cranktopo.tasks.refit.family import free_dimensions, own_values, station_shares
 from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.tasks.refit.read_web import WebRead, read_web
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
 STATIONS = 7
 _SAME_MM = 1e-6
@@ -45,7 +47,7 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
 
     Of the throw of another scene to begin with only the free dimensions are taken over.
     """
-    found = read_web(begun or scene, outline_start(begun or scene, limits))
+    found = _made(read_web(begun or scene, outline_start(begun or scene, limits)), limits)
     if begun is None:
         return found
     other = {
@@ -60,6 +62,41 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
         if name not in free
     ]
     return replace(found, left_out=(*found.left_out, *lost), sizes=free)
+
+
+def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
+    """Return limits with what the scene's process asks of pockets: way, draft, corners, and depth.
+
+    A die with a flat parting plane in mid-web cuts no deeper than that.
+    """
+    settings, own = scene.optimise, vars(limits)
+    if settings.process in ("free", "milled"):
+        tool_mm = tool_radius_mm(scene) if settings.process == "milled" else 0.0
+        return ProcessLimits(**{**own, "pocket_radius_mm": max(limits.min_radius_mm, tool_mm)})
+    draft, lateral = max(limits.min_draft_deg, settings.draft_deg), settings.parting == "lateral"
+    asked = {
+        "min_draft_deg": draft,
+        "opens": "sides" if lateral else "faces",
+        "pocket_draft_deg": 0.0 if lateral else draft,
+        "pocket_radius_mm": limits.min_radius_mm,
+        "depth_share": 1.0 if lateral or settings.process == "cast" else 0.5,
+    }
+    return ProcessLimits(**{**own, **asked})
+
+
+def _made(found: WebRead, limits: ManufacturingLimits) -> WebRead:
+    """Return a web with draft and corners of a workshop, without what cannot open its way."""
+    stations, left_out = found.layout.stations, list(found.left_out)
+    parts, values = list[FittedFeature](), [found.values[:stations]]
+    for part, own in own_values(found.layout.parts, found.values[stations:]):
+        made = part.made(limits)
+        if made is None:
+            left_out.append(f"{part.title}, as the process opens from the {limits.workshop.opens} only")
+            continue
+        parts.append(made)
+        values.append(own)
+    layout = replace(found.layout, parts=tuple(parts))
+    return replace(found, layout=layout, values=np.concatenate(values), left_out=tuple(left_out))
 
 
 def _own_dimensions(scene: Scene, begun: Scene) -> Iterator[DimensionName]:

@@ -22,7 +22,7 @@ from cranktopo.tasks.refit.search import Fit, minimise_misfit, outline_guess, vo
 from cranktopo.tasks.refit.select import Candidate, fit_from, model_fill, residual_regions
 from cranktopo.tasks.refit.shape_error import shape_error, surface_distance_mm
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.side_pocket import FittedSlot

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free
+from cranktopo.tasks.refit.family import Layout, free_dimensions, with_free, with_part
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
+from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.side_pocket import FittedSlot
 
 Array = NDArray[np.float64]
@@ -26,6 +26,20 @@ def full_web() -> tuple[Scene, Layout, Array]:
     groove, box, cylinders = [5.0, 27.5, 0.3, 10.0], [18.0, 8.0, 4.0, 3.0], [20.0, 26.0, 5.0, 4.0]
     values = np.array([*_OUTLINE, *_BEVELS, *groove, *box, *cylinders])
     return load_scene("mikron-iiic-plain"), Layout(7, (*bevels, *pockets)), values
+
+
+def drafted_web() -> tuple[Scene, Layout, Array]:
+    """Pockets with draft and round corners from both faces, one of them a pair of cones, beside a bevel."""
+    box, cones = FittedBox("pin", False, 5.0, 2.5), FittedCylinder("journal", pair=True, draft_deg=7.0)
+    values = np.array([*_OUTLINE, *_BEVELS[:3], 18.5, 9.0, 6.5, 6.0, 17.0, 26.0, 5.0, 4.0])
+    return load_scene("mikron-iiic-plain"), Layout(7, (FittedBevel("journal", True), box, cones)), values
+
+
+def rounded_web() -> tuple[Scene, Layout, Array]:
+    """The same with side pockets whose corners are round."""
+    scene, layout, values = drafted_web()
+    side = [27.0, 18.0, 7.5, 28.0, 1.0, 12.0]
+    return scene, *with_part(layout, values, FittedSlot(corner_radius_mm=3.0), np.array(side))
 
 
 def solid_web() -> tuple[Scene, Layout, Array]:

@@ -21,7 +21,7 @@ from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from cranktopo.tasks.shape.rules import rules_at
 from cranktopo.tasks.shape.start import scene_start
-from cranktopo.throw.face_pocket import FittedBox
+from cranktopo.throw.fitted_pocket import FittedBox
 from cranktopo.throw.web import web_bodies, web_spans
 from tests.unit.throw.counterweight_cases import PLAIN, roomy_scene, weighted
 

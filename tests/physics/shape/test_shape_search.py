@@ -21,8 +21,9 @@ from cranktopo.tasks.shape.search_goal import SearchGoal
 from cranktopo.tasks.shape.start import outline_start
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox
+from cranktopo.throw.fitted_pocket import FittedBox
 from cranktopo.throw.side_pocket import FittedSlot
+from tests.physics.shape.shape_cases import rounded_web
 
 QUANTITIES = ("mass", "inertia", "unbalance", "torsion", "bending", "torsion_per_mass", "bending_per_mass")
 PARTS = (
@@ -54,9 +55,13 @@ def values_of(scene: Scene) -> np.ndarray:
     return np.array([*outline_start(scene, usual_limits(scene)), *bevels, *groove, *boxes])
 
 
-def test_gradients_of_every_quantity_are_those_of_differences(model: WebModel, mikron: Scene) -> None:
-    values = values_of(mikron) + np.random.default_rng(4).normal(0, 0.3, len(values_of(mikron)))
-    web = model.web(Layout(7, PARTS))
+@pytest.mark.parametrize("drafted", [False, True], ids=["every feature", "drafted pockets"])
+def test_gradients_of_every_quantity_are_those_of_differences(
+    model: WebModel, mikron: Scene, drafted: bool
+) -> None:
+    layout, values = rounded_web()[1:] if drafted else (Layout(7, PARTS), values_of(mikron))
+    values = values + np.random.default_rng(4).normal(0, 0.3, len(values))
+    web = model.web(layout)
     found, step = model.responses(web, values, QUANTITIES), 1e-4
     for index, name in enumerate(web.layout.names):
         move = step * np.eye(len(values))[index]

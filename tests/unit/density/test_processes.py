@@ -202,9 +202,10 @@ def test_a_mill_reaches_every_void(float64: None, mikron: Scene, radius_mm: floa
         assert np.all(reached[void])
 
 
-def test_the_mill_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene) -> None:
+@pytest.mark.parametrize("radius_mm", [6.0, 40.0], ids=["usual", "wider than the web"])
+def test_the_mill_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene, radius_mm: float) -> None:
     (_, quarter), (_, half) = (
-        chain_of(mikron, extent, process="milled", tool_radius_mm=6.0) for extent in ("quarter", "half")
+        chain_of(mikron, extent, process="milled", tool_radius_mm=radius_mm) for extent in ("quarter", "half")
     )
     x = noise(quarter, 2)
     n, _ = parting_of(build_domain(mikron, CELL_MM, extent="half"))

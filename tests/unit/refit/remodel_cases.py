@@ -15,7 +15,7 @@ from cranktopo.tasks.refit.family import Layout, bounds, web_of
 from cranktopo.tasks.refit.fit import fit_problem, scene_with_web
 from cranktopo.tasks.refit.select import fit_from
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedCylinder
+from cranktopo.throw.fitted_pocket import FittedCylinder
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.side_pocket import FittedSlot
 

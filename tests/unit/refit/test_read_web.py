@@ -15,8 +15,8 @@ from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.read_web import read_web
 from cranktopo.tasks.shape.start import outline_start, scene_start
 from cranktopo.throw.bevel import FittedBevel
-from cranktopo.throw.face_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.side_pocket import FittedSlot
 from tests.physics.shape.shape_cases import full_web, solid_web
 

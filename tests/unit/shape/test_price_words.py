@@ -11,49 +11,12 @@ from cranktopo.report.plot import picture
 from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import multiplier_table, multiplier_text
-from tests.told_evaluation import told_evaluation
+from tests.unit.shape.shape_results import goal, invented_data
 
 
 @pytest.fixture
 def data() -> dict[str, Any]:
-    """What shape.json holds, of an invented web."""
-    return {
-        "goal": _goal(minimise="mass"),
-        "prices": [
-            {"quantity": "torsion", "sense": ">=", "goal_percent_per_percent": 0.312},
-            {"quantity": "unbalance", "sense": "<=", "goal_percent_per_percent": 0.05},
-            {"quantity": "fatigue_safety", "sense": ">=", "goal_percent_per_percent": 0.0},
-        ],
-        "rule_prices": [
-            {"name": "wall between both bores, 5 mm", "unit": "mm", "goal_percent_per_unit": 0.021},
-            {"name": "least slot.draft", "unit": "deg", "goal_percent_per_unit": 0.2},
-            {"name": "room of the envelope", "unit": "mm", "goal_percent_per_unit": 1e-7},
-        ],
-        "prices_remainder_percent": 4.0,
-        "values": {"original": {"mass": 2.0}, "result": {}},
-        "rounds": [
-            {"values": {"mass": 1.8}, "excess_percent": [0.4, -2.0]},
-            {"values": {"mass": 1.75}, "excess_percent": []},
-        ],
-        "best_round": 1,
-        "design": "invented",
-        "status": "converged",
-        "stop_reason": "",
-        "original": told_evaluation(),
-        "result": told_evaluation(),
-        "change_percent": {},
-        "parameters": [],
-        "worst_case_percent": {},
-        "goal_on_cells": {},
-        "trials": [],
-        "iterations": 2,
-        "evaluations": 2,
-        "seconds": {},
-    }
-
-
-def _goal(**goal: str) -> dict[str, Any]:
-    return {**goal, "reached": None, "original": None, "unit": "", "reached_percent": None, "limits": []}
+    return invented_data()
 
 
 def _found(data: dict[str, Any]) -> ShapeResult:
@@ -74,7 +37,7 @@ def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:
 
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:
     told = multiplier_text(
-        _found(data | {"goal": _goal(maximise="torsion_per_mass"), "prices_remainder_percent": 45.0})
+        _found(data | {"goal": goal(maximise="torsion_per_mass"), "prices_remainder_percent": 45.0})
     )
     assert told[0] == "1 % more torsion costs 0.31 % torsion per mass"
     assert told[3] == "1 degree of 'least slot.draft' would give 0.20 % more torsion per mass"
@@ -82,9 +45,9 @@ def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(dat
 
 
 def test_the_convergence_shows_goal_and_worst_limit_of_every_web(data: dict[str, Any]) -> None:
-    goal, limit = (
+    drawn, limit = (
         picture("a", "a", draw, _found(data)).figure.axes[0] for draw in (draw_goal, draw_worst_limit)
     )
-    assert np.asarray(goal.lines[0].get_ydata()) == pytest.approx([90.0, 87.5])
+    assert np.asarray(drawn.lines[0].get_ydata()) == pytest.approx([90.0, 87.5])
     assert np.asarray(limit.lines[0].get_ydata()) == pytest.approx([0.4, 0.0])
-    assert [tick.get_text() for tick in goal.get_xticklabels()] == ["cells", "finish 1"]
+    assert [tick.get_text() for tick in drawn.get_xticklabels()] == ["cells", "finish 1"]

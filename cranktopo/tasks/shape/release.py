@@ -1,0 +1,32 @@
+"""The check by rays: what the process of a scene would leave of the web that was found."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cranktopo.bodies.undercuts import half_throw_undercuts
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.extraction.result import UndercutMeasures
+from cranktopo.tasks.shape.result import ShapedUndercuts
+from cranktopo.throw.primitives import Point
+
+
+def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
+    """Return what the scene's process would leave of a web, and the feature that holds it."""
+    found = half_throw_undercuts(half_throw, scene)
+    at_mm = None if found.negligible else found.deepest_at_mm
+    holder = None if at_mm is None else _feature_at(scene, at_mm)
+    measures = dict(UndercutMeasures.of(found))
+    return ShapedUndercuts(**measures, process=scene.optimise.process, held_by=holder)
+
+
+def _feature_at(scene: Scene, at_mm: Point) -> str | None:
+    """Return the key path of the feature that takes out a point."""
+    x, y, z = at_mm
+    for key, feature in scene.web.features():
+        for body in feature.bodies(scene, key):
+            within = not body.adds and body.z_mm[0] <= z <= body.z_mm[1]
+            if within and body.contains(np.array([x]), np.array([y]), z).any():
+                return key
+    return None

@@ -1,0 +1,87 @@
+"""The check by rays of a web that was found: die, mould and mill, and how the result says it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cranktopo.bodies.solid.files import surface_of
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.compare.stage import design_undercuts
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.tasks.shape.page import release_fact
+from cranktopo.tasks.shape.release import shaped_undercuts
+from cranktopo.tasks.shape.result import ShapedUndercuts, ShapeResult
+from cranktopo.tasks.shape.text import shape_headline, shape_summary
+from tests.unit.refit.remodel_cases import table
+from tests.unit.shape.shape_results import invented_data
+
+BOX = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": 18.0, "depth_mm": 9.0}
+BOX |= {"size_x_mm": 20.0, "size_y_mm": 8.0}
+SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 20.0, "height_mm": 6.0, "depth_mm": 5.0, "draft_deg": 5.0}
+
+
+def made(scene: Scene, pocket: dict[str, Any], **process: Any) -> Scene:
+    free = {"parting": "lateral", "draft_deg": 0.0}
+    return scene_with_web(scene.with_optimise(**{**free, **process}), table(pocket=[{**pocket}]))
+
+
+def looked_at(scene: Scene) -> ShapedUndercuts:
+    return shaped_undercuts(surface_of(scene, "half"), scene)
+
+
+@pytest.mark.parametrize(
+    ("pocket", "process", "released"),
+    [
+        (BOX, {"process": "forged"}, False),
+        (BOX, {"process": "forged", "parting": "web_faces"}, True),
+        (SIDE, {"process": "forged"}, True),
+        (SIDE, {"process": "cast", "parting": "web_faces"}, False),
+        (SIDE, {"process": "milled"}, True),
+    ],
+)
+def test_the_process_decides_and_the_pocket_is_named(
+    mikron: Scene, pocket: dict[str, Any], process: dict[str, Any], released: bool
+) -> None:
+    """A web that `shape` calls makeable is called so by `compare` as well."""
+    scene = made(mikron, {**pocket}, **process)
+    found = looked_at(scene)
+    assert (found.released, found.makeable) == (released, released)
+    assert found.held_by == (None if released else "web.pocket[0]")
+    assert design_undercuts("same", surface_of(scene, "half"), scene).free == released
+
+
+def told(undercuts: ShapedUndercuts | None) -> ShapeResult:
+    data = invented_data() | {"worst_case_percent": {"tolerance": 0.5}, "seconds": {"total": 1.0}}
+    return ShapeResult.of_json(data, "shape.json").model_copy(update={"undercuts": undercuts})
+
+
+def held(process: str) -> ShapedUndercuts:
+    values = {"volume_mm3": 812.4, "deepest_mm": 14.5, "released": False, "held_by": "web.pocket[0]"}
+    return ShapedUndercuts.model_validate({**values, "process": process})
+
+
+def test_a_web_that_cannot_be_made_is_said_first() -> None:
+    headline = shape_headline(told(held("forged")))
+    assert headline.startswith("CANNOT BE MADE: 812 mm3 of undercuts along x: no die that parts in x = 0")
+    assert "held by web.pocket[0], 14.5 mm deep at most" in headline
+
+
+@pytest.mark.parametrize(
+    ("process", "released", "verdict", "status"),
+    [("forged", True, "yes", "good"), ("forged", False, "no", "bad"), ("free", False, "no", "neutral")],
+)
+def test_page_and_terminal_say_it(
+    tmp_path: Path, process: str, released: bool, verdict: str, status: str
+) -> None:
+    undercuts = held(process)
+    if released:
+        undercuts = undercuts.model_copy(update={"released": True, "volume_mm3": 0.0, "held_by": None})
+    found = told(undercuts)
+    assert f"\ndie releases it: {verdict}, " in shape_summary(found, tmp_path)
+    fact = release_fact(found)
+    assert (fact.value, fact.status) == (verdict, status)
+    assert found.makeable == (status != "bad")
+    assert found.as_json()["undercuts"]["released"] == released

@@ -1,0 +1,149 @@
+"""Pockets from a face with draft and round corners: volumes by formula, by the CAD kernel and by cells."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.throw.primitives import Circle, Polyline
+from tests.step_volume import step_volume_mm3
+from tests.unit.refit.remodel_cases import table
+from tests.unit.throw.test_web_features import removed_mm3
+
+BOX = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": 17.0, "depth_mm": 8.0}
+BOX |= {"size_x_mm": 30.0, "size_y_mm": 6.0}
+"""On the pin face between the bore of the main journal and the pin."""
+ROUND = {
+    "shape": "cylinder",
+    "face": "journal",
+    "x_mm": 24.0,
+    "y_mm": 30.0,
+    "depth_mm": 7.0,
+    "diameter_mm": 8.0,
+}
+SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 20.0, "height_mm": 8.0, "depth_mm": 6.0, "offset_mm": 0.7}
+DRAFT = {"draft_deg": 8.0}
+SLOPE = math.tan(math.radians(8.0))
+
+
+def prismoid_mm3(depth_mm: float, area_mm2: Any) -> float:
+    """Volume between a floor and a mouth; exact, as areas are quadratic in the height."""
+    return depth_mm / 6 * (area_mm2(0.0) + 4 * area_mm2(SLOPE * depth_mm / 2) + area_mm2(SLOPE * depth_mm))
+
+
+def test_a_rounded_box_with_draft_takes_its_prismoid(mikron: Scene) -> None:
+    def area_mm2(growth: float) -> float:
+        return (30 + 2 * growth) * (6 + 2 * growth) - (4 - math.pi) * (2.5 + growth) ** 2
+
+    pocket = {**BOX, **DRAFT, "corner_radius_mm": 2.5}
+    assert removed_mm3(mikron, pocket=[pocket]) == pytest.approx(prismoid_mm3(8.0, area_mm2), rel=1e-9)
+
+
+def test_a_side_pocket_with_round_corners_takes_two_prismoids(mikron: Scene) -> None:
+    def area_mm2(growth: float) -> float:
+        return (20 + 2 * growth) * (8 + 2 * growth) - (4 - math.pi) * (3 + growth) ** 2
+
+    pocket = {**SIDE, **DRAFT, "corner_radius_mm": 3.0}
+    assert removed_mm3(mikron, pocket=[pocket]) == pytest.approx(2 * prismoid_mm3(6.0, area_mm2), rel=1e-9)
+
+
+def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) -> None:
+    def box_mm2(growth: float) -> float:
+        return (30 + 2 * growth) * (6 + 2 * growth)
+
+    def disc_mm2(growth: float) -> float:
+        return math.pi * (4 + growth) ** 2
+
+    sharp, cone = ([{**one, **DRAFT}] for one in (BOX, ROUND))
+    assert removed_mm3(mikron, pocket=sharp) == pytest.approx(prismoid_mm3(8.0, box_mm2), rel=1e-9)
+    assert removed_mm3(mikron, pocket=cone) == pytest.approx(prismoid_mm3(7.0, disc_mm2), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "pocket",
+    [
+        {**BOX, **DRAFT, "corner_radius_mm": 2.5},
+        {**BOX, "corner_radius_mm": 3.0},
+        {**BOX, **DRAFT},
+        {**ROUND, **DRAFT},
+        {**BOX, **DRAFT, "corner_radius_mm": 2.0, "size_x_mm": 90.0},
+        {**SIDE, **DRAFT, "corner_radius_mm": 3.0},
+        {**SIDE, "corner_radius_mm": 2.0},
+        {**SIDE, **DRAFT, "corner_radius_mm": 2.0, "y_mm": 2.0, "depth_mm": 14.0},
+        {
+            **BOX,
+            **DRAFT,
+            "corner_radius_mm": 2.0,
+            "x_mm": 25.0,
+            "face": "journal",
+            "y_mm": 24.5,
+            "size_y_mm": 4.5,
+        },
+    ],
+    ids=[
+        "round corners",
+        "no draft",
+        "sharp",
+        "cone",
+        "runs out at both sides",
+        "side",
+        "side without draft",
+        "side where the outline is round",
+        "runs out at one side",
+    ],
+)
+def test_solid_cells_and_sections_agree(mikron: Scene, pocket: dict[str, Any], tmp_path: Path) -> None:
+    """The CAD kernel, its STEP file, sections and cells to 1e-6."""
+    scene = scene_with_web(mikron, table(pocket=[pocket]))
+    volume = export_solid(scene, "web", tmp_path / "web.step")
+    assert volume == pytest.approx(web_volume_mm3(scene), rel=1e-6)
+    assert step_volume_mm3(tmp_path / "web.step") == pytest.approx(volume, rel=1e-6)
+    domain = build_domain(scene, 4.0, "web", extent="half")
+    assert float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
+
+
+def test_the_half_throw_is_cut_above_a_mouth_in_a_fillet(mikron: Scene, tmp_path: Path) -> None:
+    """The mouth lies in the pin's fillet, the floor does not: the fillet opens above the mouth."""
+    pocket = {**BOX, **DRAFT, "corner_radius_mm": 2.5, "y_mm": 20.6}
+    volume = export_solid(scene_with_web(mikron, table(pocket=[pocket])), "half", tmp_path / "half.step")
+    assert step_volume_mm3(tmp_path / "half.step") == pytest.approx(volume, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("pocket", "key"),
+    [
+        ({**BOX, "corner_radius_mm": 3.1}, "corner_radius_mm"),
+        ({**BOX, "draft_deg": 46.0}, "draft_deg"),
+        ({**SIDE, "corner_radius_mm": 4.1}, "corner_radius_mm"),
+        ({"shape": "cylinder", "x_mm": 24.0, "y_mm": 30.0, "diameter_mm": 8.0, **DRAFT}, "draft_deg"),
+        ({**BOX, "draft_deg": 30.0}, "cuts the bore"),
+    ],
+)
+def test_impossible_ones_are_refused(mikron: Scene, pocket: dict[str, Any], key: str) -> None:
+    """The last one meets the bore of the main journal at its mouth only."""
+    with pytest.raises(CranktopoError, match=key):
+        scene_with_web(mikron, table(pocket=[pocket]))
+
+
+def test_the_drawing_shows_mouth_and_floor_and_says_draft_and_radius(mikron: Scene) -> None:
+    (box, cone) = (
+        scene_with_web(mikron, table(pocket=[{**one, **DRAFT}])).web.pocket[0] for one in (BOX, ROUND)
+    )
+    box = box.model_copy(update={"corner_radius_mm": 2.5})
+    drawn = box.drawing(mikron)
+    assert [type(stroke) for stroke in drawn.front] == [Polyline, Polyline]
+    wide = [2 * np.abs([x for x, _ in stroke.points]).max() for stroke in drawn.front]
+    assert wide == pytest.approx([30 + 16 * SLOPE, 30.0])
+    assert {"   corner radius 2.50", "   draft 8.00°"} <= set(drawn.lines)
+    radii = [stroke.radius for stroke in cone.drawing(mikron).front if isinstance(stroke, Circle)]
+    assert radii == pytest.approx([4.0, 4 + 7 * SLOPE])
