@@ -66,6 +66,9 @@ class ThrowMassProperties(Result):
     rotating_unbalance_kg_mm: float
     inertia_kg_mm2: float
     counterweight_kg_mm: float
+    """What counterweights of both webs need beside their own, as `balance` has it."""
+    balance_factor_percent: float | None
+    """Percent of the oscillating mass that the throw balances; null where nothing oscillates."""
     own_counterweight_kg_mm: float
     own_counterweight_kg: float
     own_second_counterweight_kg: float
@@ -171,6 +174,7 @@ def balance_of(found: ThrowBalance) -> ThrowMassProperties:
         rotating_unbalance_kg_mm=found.rotating_unbalance_kg_mm,
         inertia_kg_mm2=found.inertia_kg_mm2,
         counterweight_kg_mm=found.counterweight_kg_mm,
+        balance_factor_percent=found.balance_factor_percent,
         own_counterweight_kg_mm=found.own_counterweight_kg_mm,
         own_counterweight_kg=found.own_counterweights_kg[0],
         own_second_counterweight_kg=found.own_counterweights_kg[1],

@@ -23,6 +23,7 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
@@ -228,7 +229,10 @@ class MeshModel:
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        return dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        told = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        unbalance, slope = told["unbalance"]
+        factor, (_, oscillating) = balance_factor_percent(self.scene, unbalance), rods_kg_mm(self.scene)
+        return told if factor is None else {**told, "balance_factor": (factor, -100 / oscillating * slope)}
 
 
 def _exact(meshed: MeshedThrow) -> Array:
