@@ -52,6 +52,7 @@ from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
@@ -101,7 +102,8 @@ def evaluated_web(
         # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
         with silent():
             field, found = side_by_side(
-                lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
+                lambda: fatigue_field(with_throw_stiffness(target), "lsa"),
+                lambda: evaluate(target, element_size_mm),
             )
         return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
 
