@@ -40,6 +40,7 @@ from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.sweep.result import SweepResult
+from cranktopo.tasks.sweep.text import condition_words
 
 
 def with_picks(targets: Sequence[str]) -> list[str]:
@@ -72,6 +73,8 @@ def _picked(run: RunStore) -> list[str]:
         points = {point.id: point for point in result.points}
         picked = [points[one] for one in result.picks.values()]
         found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
+    if not found and result.operating_conditions:
+        raise CranktopoError(f"run '{run.path}': picks nothing.", hint=f"{condition_words(result)}.")
     if not found:
         raise CranktopoError(
             f"run '{run.path}': its points have no webs to compare.",
