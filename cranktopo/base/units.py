@@ -62,6 +62,8 @@ UNITS = {
     "per_mm": "1/mm",
     "s": "s",
     "h": "h",
+    "m_per_s": "m/s",
+    "m_per_s2": "m/s²",
     "MiB": "MiB",
 }
 """Units by the last words of a name: of scene keys, JSON keys and columns of tables. The only such table."""

@@ -9,10 +9,11 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.base.units import NMM_PER_NM
+from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
+from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
+from cranktopo.engine.balance.throw import ThrowBalance, product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
     RodsOnPin,
@@ -23,6 +24,7 @@ from cranktopo.engine.forces import (
     rotating_forces,
     shaft_torque,
     throw_forces,
+    uneven_journal_force_N,
 )
 from cranktopo.engine.gas import PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import exact_motion, series_motion
@@ -144,12 +146,23 @@ def _cycle(
 ) -> Cycle:
     radius = scene.throw.radius_mm
     rod = throw_forces(engine, radius, curve, balance, engine.speed_rpm, enabled)
+    if difference(scene):
+        rod = replace(rod, main_journal_force_N=_uneven_N(scene, rod, balance, engine.speed_rpm))
     throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
     pins = tuple((rods, rods.forces(rod, throw_N, engine.cycle_deg)) for rods in rods_on_pins(scene, engine))
     fires = engine.firing_angles_deg
     torque = shaft_torque(curve.angle_deg, rod.torque_Nm, fires, engine.throws, engine.cycle_deg)
     work = indicated_work_J(curve, engine, radius)
     return Cycle(curve, pins, torque, work, series_difference_percent(radius, engine.rod_length_mm))
+
+
+def _uneven_N(scene: Scene, rod: ThrowForces, balance: ThrowBalance, speed_rpm: float) -> Array:
+    """Return the force on the main journal that has more, of a throw whose webs differ."""
+    per_kg_mm = angular_speed_rad_s(speed_rpm) ** 2 / MM_PER_M
+    spinning = complex(balance.throw_unbalance_kg_mm, balance.lateral_unbalance_kg_mm) * per_kg_mm
+    near, far = (half.pitch_mm / 2 for half in halves(scene))
+    couple = product_of_inertia_kg_mm2(scene) * per_kg_mm
+    return uneven_journal_force_N(rod, spinning, couple, (near, far))
 
 
 def indicated_work_J(curve: PressureCurve, engine: Engine, radius_mm: float) -> float:

@@ -65,7 +65,8 @@ class ThrowForces:
         tangential_force_N: part of the rod force on the crankpin in the direction of rotation.
         web_force_N: radial force less the centrifugal force of the rod's rotating mass.
         crankpin_force_N: magnitude of the force that the rod's bearing passes to the pin.
-        main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone.
+        main_journal_force_N: magnitude of the force on each main journal of a throw that stands alone; of
+            two different webs on that which has more.
     """
 
     angle_deg: Array
@@ -143,6 +144,22 @@ def throw_forces(
         main_journal_force_N=np.hypot(web - spinning.throw_N, tangential) / 2,
         torque_Nm=tangential * radius_mm / NMM_PER_NM,
     )
+
+
+def uneven_journal_force_N(
+    forces: ThrowForces, spinning_N: complex, couple_Nmm: complex, arms_mm: tuple[float, float]
+) -> Array:
+    """Return the larger of the forces on the main journals of a throw with two different webs, by lever rule.
+
+    Args:
+        spinning_N: centrifugal force of the throw alone, real along it, imaginary ahead of it.
+        couple_Nmm: of the throw's unbalance about the plane of its cylinder.
+        arms_mm: distances of the main bearings from that plane.
+    """
+    near, far = arms_mm
+    force = spinning_N - forces.web_force_N + 1j * forces.tangential_force_N
+    first, second = far * force - couple_Nmm, near * force + couple_Nmm
+    return np.asarray(np.maximum(np.abs(first), np.abs(second)) / (near + far))
 
 
 @dataclass(frozen=True)

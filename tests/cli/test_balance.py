@@ -1,12 +1,13 @@
 """The command `balance` as a user runs it."""
 
 import json
+import math
 import re
 
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
 from tests.engine_arrangements import MIKRON
 
 V2 = (
@@ -26,11 +27,27 @@ def run(capsys, *args):
     return code, out.out, out.err
 
 
+BALANCED = """
+[web.counterweight]
+outer_radius_mm = 60.0
+half_angle_deg = 70.0
+"""
+
+
 @pytest.fixture
 def vee(tmp_path):
     path = tmp_path / "v2.toml"
     path.write_text(V2)
     return str(path)
+
+
+@pytest.fixture
+def weighted_vee(tmp_path):
+    """The V2 with counterweights and half of its oscillating masses to be balanced; no envelope."""
+    path = tmp_path / "weighted.toml"
+    text = V2[: V2.index("[envelope]")].replace("[material]", f"{BALANCED}[material]", 1)
+    path.write_text(text.replace("layout = 'V'", "layout = 'V'\nbalanced_oscillating_share = 0.5"))
+    return path
 
 
 def test_json_has_the_contract_keys(capsys):
@@ -112,3 +129,64 @@ def test_bad_input_writes_nothing(capsys, tmp_path):
         assert message in err
     assert run(capsys, "--report", str(tmp_path / "b.pdf"))[0] == 2
     assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_loads_and_balance_ask_for_the_same_counterweights(capsys, weighted_vee):
+    """Both count the share of the oscillating masses; the two webs of a throw together."""
+    found = json.loads(run(capsys, str(weighted_vee), "--json")[1])
+    assert main(["loads", str(weighted_vee), "--json"]) == 0
+    loads = json.loads(capsys.readouterr().out)["balance"]
+    webs = [w for w in found["counterweights"] if w["throw"] == 1]
+    needed = -sum(w["unbalance_kg_mm"] * math.cos(math.radians(w["deg"])) for w in webs)
+    assert loads["counterweight_kg_mm"] == pytest.approx(needed, abs=1e-9)
+    assert abs(needed - loads["rotating_unbalance_kg_mm"]) > 1
+    assert found["balance_factor_percent"] == loads["balance_factor_percent"]
+
+
+def test_the_balance_factor_is_that_of_its_definition(capsys, weighted_vee):
+    """Mass times radius beyond the rotating masses, in percent of both rods' oscillating mass times throw."""
+    scene = load_scene(str(weighted_vee))
+    found = json.loads(run(capsys, str(weighted_vee), "--json")[1])
+    assert main(["loads", str(weighted_vee), "--json"]) == 0
+    rotating = json.loads(capsys.readouterr().out)["balance"]["rotating_unbalance_kg_mm"]
+    oscillating = 2 * scene.engine.reciprocating_kg * scene.throw.radius_mm
+    assert found["balance_factor_percent"] == pytest.approx(-100 * rotating / oscillating, rel=1e-12)
+    out = run(capsys, str(weighted_vee))[1]
+    assert f"Balance factor of each throw as it is: {found['balance_factor_percent']:.1f} %" in out
+    assert "for the rotating and 50 % of the oscillating masses" in out
+
+
+def test_a_proposed_counterweight_balances_the_share(capsys, weighted_vee):
+    found = json.loads(run(capsys, str(weighted_vee), "--propose", "65%", "--json")[1])
+    proposal = found["proposal"]
+    assert (proposal["half_angle_deg"], proposal["refused"]) == (70.0, None)
+    assert proposal["balance_factor_percent"] == pytest.approx(65, abs=0.05)
+    assert found["arrangement"]["balanced_oscillating_share"] == 0.65
+    text = weighted_vee.read_text()
+    radius = f"outer_radius_mm = {proposal['outer_radius_mm']:g}"
+    weighted_vee.write_text(text.replace("outer_radius_mm = 60.0", radius, 1))
+    again = json.loads(run(capsys, str(weighted_vee), "--json")[1])
+    assert again["balance_factor_percent"] == pytest.approx(65, abs=0.05)
+    assert radius in run(capsys, str(weighted_vee), "--propose", "65")[1]
+
+
+def test_a_proposal_that_finds_no_place_says_so(capsys):
+    code, out, _ = run(capsys, "car-diesel", "--propose", "50%")
+    assert code == 0
+    assert "car-diesel has no place for it: web.counterweight.outer_radius_mm" in out
+
+
+def test_a_share_that_nothing_can_balance_is_refused(capsys, weighted_vee):
+    code, _, err = run(capsys, "opposed-piston", "--propose", "50%")
+    assert (code, "engine.masses" in err) == (3, True)
+    weighted_vee.write_text(weighted_vee.read_text().replace("half_angle_deg = 70.0", "half_angle_deg = 5.0"))
+    code, _, err = run(capsys, str(weighted_vee), "--propose", "99%")
+    assert (code, "--propose 99%: no outer radius" in err) == (3, True)
+
+
+def test_counterweights_for_an_assumed_engine_say_so(capsys, tmp_path):
+    """The opposed-piston design names neither its cylinders nor its moving masses."""
+    code, out, _ = run(capsys, "opposed-piston", "--report", str(tmp_path / "b.md"))
+    told = "one cylinder, which is assumed; without piston and rod, whose masses are not given"
+    assert (code, told in out, told in (tmp_path / "b.md").read_text()) == (0, True, True)
+    assert "assumed" not in run(capsys, "mikron-iiic-plain")[1]

@@ -2,11 +2,15 @@
 
 import csv
 import json
+import math
 import re
 
+import numpy as np
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.engine.gas import pressure_curve
 
 CURVES = [
     "gas_force_N",
@@ -83,6 +87,98 @@ def test_sweep_json_csv_and_plot(capsys, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_mean_pressure_power_and_the_pistons_motion(capsys, tmp_path):
+    """Work over swept volume, work a second, and the textbook's speeds; the curves are in the CSV."""
+    table = tmp_path / "c.csv"
+    _, out, _ = run(capsys, "loads", "mikron-iiic-plain", "--json", "--csv", str(table))
+    loads = json.loads(out)
+    swept = math.pi / 4 * 0.095**2 * 0.096
+    work = loads["indicated_work_per_cylinder_J"]
+    assert loads["indicated_mean_pressure_MPa"] * 1e6 == pytest.approx(work / swept, rel=1e-12)
+    assert loads["indicated_power_kW"] == pytest.approx(4 * work * 2100 / 120 / 1000, rel=1e-12)
+    mean_torque = loads["engine_torque_Nm"]["mean"]
+    assert loads["indicated_power_kW"] == pytest.approx(mean_torque * 2100 * math.pi / 30 / 1000, rel=1e-4)
+    piston, rw, lam = loads["piston"], 0.048 * 2100 * math.pi / 30, 48 / 166
+    assert (piston["stroke_mm"], piston["mean_speed_m_per_s"]) == (96.0, pytest.approx(2 * rw / math.pi))
+    assert piston["acceleration_m_per_s2"]["max"] == {
+        "value": pytest.approx(rw**2 / 0.048 * (1 + lam)),
+        "deg": 0,
+    }
+    with table.open() as file:
+        rows = list(csv.DictReader(file))
+    speed, way = (
+        [float(row[f"piston_{key}"]) for row in rows] for key in ("speed_m_per_s", "displacement_mm")
+    )
+    assert max(speed) == pytest.approx(piston["speed_m_per_s"]["max"]["value"], rel=1e-6)
+    assert max(way) == pytest.approx(96.0)
+    step_s = 0.25 / 360 / 2100 * 60
+    assert (way[300] - way[298]) / 1000 / (2 * step_s) == pytest.approx(speed[299], rel=1e-4)
+    _, out, err = run(capsys, "loads", "mikron-iiic-plain")
+    assert "indicated mean pressure 1.078 MPa, power of the engine 51.3 kW" in out
+    assert "mean speed 6.72 m/s, largest 10.99 m/s at 75 deg" in out
+    assert (loads["warnings"], "warning" in err) == ([], False)
+
+
+@pytest.fixture
+def traced(tmp_path):
+    """The Mikron with its own pressure as a measured trace, late by some degrees."""
+
+    def write(late_deg, ratio="compression_ratio = 8.0"):
+        curve = pressure_curve(load_scene("mikron-iiic-plain"))
+        pressure = np.interp(curve.angle_deg - late_deg, curve.angle_deg, curve.pressure_MPa, period=720.0)
+        rows = np.column_stack([curve.angle_deg, pressure])
+        np.savetxt(
+            tmp_path / "t.csv", rows, delimiter=",", header="crank_angle_deg,pressure_MPa", comments=""
+        )
+        text = (designs_folder() / "mikron-iiic-plain.toml").read_text()
+        start, end = text.index("[engine.gas]"), text.index("[engine.masses]")
+        design = tmp_path / "traced.toml"
+        gas = f"[engine.gas]\nindicator_csv = 't.csv'\nambient_pressure_MPa = 0.10133\n{ratio}\n"
+        design.write_text(text[:start] + gas + text[end:])
+        return str(design)
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("late_deg", "told"),
+    [
+        (0.0, []),
+        (10.0, ["exponent 1.16, where gas has 1.2 to 1.45: the trace is late"]),
+        (-10.0, ["exponent 1.46, where gas has 1.2 to 1.45: the trace is early"]),
+        (360.0, ["largest 349 deg before firing top dead centre", "exponent"]),
+        (22.0, ["largest 33 deg after firing top dead centre", "mean pressure of 1.85 MPa", "exponent"]),
+        (-15.0, ["largest 4 deg before firing top dead centre", "exponent"]),
+    ],
+)
+def test_a_trace_at_wrong_angles_is_warned_of(capsys, traced, late_deg, told):
+    code, out, err = run(capsys, "loads", traced(late_deg), "--json")
+    warnings = json.loads(out)["warnings"]
+    assert code == 0
+    assert len(warnings) == len(told)
+    for line, part in zip(warnings, told, strict=True):
+        assert part in line
+        assert f"warning: mikron-iiic-plain: {line}" in err
+
+
+def test_without_a_compression_ratio_only_peak_and_mean_pressure_are_judged(capsys, traced):
+    assert json.loads(run(capsys, "loads", traced(10.0, ""), "--json")[1])["warnings"] == []
+    assert len(json.loads(run(capsys, "loads", traced(22.0, ""), "--json")[1])["warnings"]) == 2
+
+
+def test_a_charged_engine_without_its_intake_pressure_is_warned_of(capsys, tmp_path):
+    """A medium-speed engine of 200 bar, with 4.5 bar before compression and without a word of it."""
+    text = (designs_folder() / "industrial-gas.toml").read_text()
+    gas = "[engine.gas]\npeak_pressure_MPa = 20.0\npeak_angle_deg = 12.0\ncompression_ratio = 15.0\n"
+    start, end = text.index("[engine.gas]"), text.index("[engine.masses]")
+    design = tmp_path / "marine.toml"
+    for charged, expected in (("intake_pressure_MPa = 0.45\nexhaust_pressure_MPa = 0.35\n", 0), ("", 1)):
+        design.write_text(text[:start] + gas + charged + text[end:])
+        warnings = json.loads(run(capsys, "loads", str(design), "--json")[1])["warnings"]
+        assert len(warnings) == expected
+    assert "no engine has more than 20 times: give engine.gas.intake_pressure_MPa" in warnings[0]
+
+
 def test_a_scene_with_peaks_only(capsys):
     _, out, _ = run(capsys, "loads", "opposed-piston", "--json")
     loads = json.loads(out)
@@ -95,8 +191,6 @@ def test_a_scene_with_peaks_only(capsys):
 
 
 def test_without_an_engine(capsys, tmp_path):
-    from cranktopo.design.loading import designs_folder
-
     text = (designs_folder() / "opposed-piston.toml").read_text()
     design = tmp_path / "d.toml"
     design.write_text(text[: text.index("[engine]")] + text[text.index("[envelope]") :])
@@ -136,8 +230,6 @@ def test_bad_outputs(capsys, tmp_path):
 
 
 def test_bad_indicator_is_one_line(capsys, tmp_path):
-    from cranktopo.design.loading import designs_folder
-
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text()
     peak = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0"
     design = tmp_path / "d.toml"
@@ -170,8 +262,6 @@ def test_plan_json(capsys):
 
 
 def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
-    from cranktopo.design.loading import designs_folder
-
     path, text = tmp_path / "mine.toml", (designs_folder() / "mikron-iiic-plain.toml").read_text()
     shaft = "[shaft]\npropeller = {inertia_kg_m2 = 0.6}\n"
     path.write_text(text.replace("[engine]\n", f"{shaft}[engine]\n"), encoding="utf-8")

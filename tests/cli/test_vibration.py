@@ -10,8 +10,14 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.vibration.shaft_chain import estimated_chain
+from cranktopo.engine.vibration.steady import vibration
+from cranktopo.engine.vibration.study import study_vibration
+from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
+from cranktopo.tasks.vibration.text import DISKS, vibration_text
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 2000.0\n"
@@ -185,3 +191,23 @@ def test_damping_and_speeds_of_a_marine_shaft(tmp_path: Path, capsys: pytest.Cap
     out = capsys.readouterr().out
     assert "Mode 1 is also met at" in out
     assert "(order 1)" in out
+
+
+def test_the_range_is_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the varying inertia changes is told beside the mean inertia's peaks, without all speeds again."""
+    scene = load_scene(design(tmp_path, GIVEN + "propeller = {inertia_kg_m2 = 0.6}"))
+    solved: list[int] = []
+
+    def counted(shaft: Any, harmonics: Any, speeds_rpm: Any, **more: Any) -> Any:
+        solved.append(len(speeds_rpm))
+        return vibration(shaft, harmonics, speeds_rpm, **more)
+
+    monkeypatch.setattr("cranktopo.engine.vibration.vibrating_shaft.vibration", counted)
+    study = study_vibration(scene, estimated_chain(scene), throw_balance(scene).inertia_kg_mm2, "given")
+    assert study.varying.included
+    assert [count >= 200 for count in solved] == [True, False]
+    harmonics = torque_harmonics(scene)
+    assert harmonics is not None
+    every = vibration(study.shaft, harmonics, study.response.speeds_rpm)
+    assert vibration_text(study).endswith(DISKS)
+    assert study.mean_response.worst_Nm == pytest.approx(every.worst_Nm, rel=1e-4)

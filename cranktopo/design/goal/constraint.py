@@ -20,6 +20,8 @@ ACTIVE = 1e-2
 """Share of its scale within which a limit decides the design."""
 _MINIMUM_OFF_CENTRE = 0.01
 """Share of the largest unbalance that mass and inertia allow, by which small ones are measured."""
+_MINIMUM_BALANCE_FACTOR = 10.0
+"""Percent of the oscillating mass by which small balance factors are measured."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,8 @@ def minimum_scale(quantity: str, original: Mapping[str, float]) -> float:
     The unbalance of a body is at most the root of its mass times its inertia: its centre of mass is no
     farther out than its radius of gyration. Without mass and inertia of the original there is no minimum.
     """
+    if quantity == "balance_factor":
+        return _MINIMUM_BALANCE_FACTOR
     if not quantity_named(quantity).signed or not {"mass", "inertia"} <= original.keys():
         return 0.0
     return _MINIMUM_OFF_CENTRE * math.sqrt(original["mass"] * original["inertia"])

@@ -132,7 +132,7 @@ def _read(quantity: GoalQuantity, text: Any) -> Limit:
     sense = _sense(quantity, sign, f"{number}{rest}".strip())
     value = _number(quantity, number, f"{number}{rest}")
     unit = rest.strip()
-    if unit == "%":
+    if unit == "%" and unit not in quantity.units:
         return Limit(quantity.name, sense, _in_percent(quantity, value), percent=True)
     return Limit(quantity.name, sense, _in_unit(quantity, value, unit, sense))
 
@@ -173,13 +173,13 @@ def _in_percent(quantity: GoalQuantity, value: float) -> float:
 def _in_unit(quantity: GoalQuantity, value: float, unit: str, sense: LimitSense) -> float:
     size = unit_size(quantity, unit)
     if size is None:
-        names = [name for name in quantity.units if name]
-        valid = f"valid: {', '.join([*names, '%'])}" if names else "valid: none, or %"
+        named = any(quantity.units)
+        names = list(dict.fromkeys([*filter(None, quantity.units), "%"]))
+        valid = f"valid: {', '.join(names)}" if named else "valid: none, or %"
         if not unit:
-            raise refused(
-                f"the unit is missing; {valid}", f"For percent of the original write '{sense} {value:g} %'."
-            )
-        near = suggest(_clipped(unit), [*names, "%"])
+            percent = "it" if quantity.unit == "%" else "percent of the original"
+            raise refused(f"the unit is missing; {valid}", f"For {percent} write '{sense} {value:g} %'.")
+        near = suggest(_clipped(unit), names)
         hint = near if near.startswith("Did") else f"Write {_example(quantity)}."
         raise refused(f"unknown unit '{_clipped(unit)}'; {valid}", hint)
     if not quantity.signed and value <= 0:
@@ -222,7 +222,9 @@ def _example(quantity: GoalQuantity, number: str = "100") -> str:
 
 
 _Minimised = Literal["mass", "inertia", "unbalance"]
-_Maximised = Literal["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety"]
+_Maximised = Literal[
+    "torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "balance_factor"
+]
 _LimitText = Annotated[
     str | tuple[str, ...], WithJsonSchema({"type": "string", "kind": "text, or a list of two texts"})
 ]
@@ -260,6 +262,8 @@ class LimitsTable(SceneTable):
     """Inertia of the throw about the crank axis."""
     unbalance: _LimitText | None = Field(default=None, examples=["<= 40 kg mm"])
     """Mass times distance of the centre of mass from the crank axis, positive toward the crankpin."""
+    balance_factor: _LimitText | None = Field(default=None, examples=[[">= 48 %", "<= 52 %"]])
+    """Percent of the oscillating mass that a throw balances beyond its rotating masses."""
     torsion: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Torsional stiffness of the throw."""
     bending: _LimitText | None = Field(default=None, examples=[">= 100 %"])

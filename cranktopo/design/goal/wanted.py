@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
+from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.limit import Goal, GoalTable, Limit, LimitsTable, read_limits
 from cranktopo.design.goal.quantities import QUANTITIES, Optimiser, QuantityName, nearest_quantity
 from cranktopo.design.messages import explain, listed
@@ -70,9 +71,9 @@ def wanted(scene: Scene) -> Goal | None:
 
     By default nothing gets worse: mass stays at most, both stiffnesses and the fatigue safety at least 100 %
     of the original, but for the goal's own quantity; a stiffness per mass stands for that stiffness. With a
-    counterweight the unbalance stays at most as it is: a smaller one would only pass for a lighter web. A
-    goal does not drive the unbalance below 0. The safety is left out where the scene cannot give one. A given
-    limit replaces the default one of its quantity.
+    counterweight the unbalance stays at most as it is, unless a balance factor is asked for: a smaller one
+    would only pass for a lighter web. A goal does not drive the unbalance below 0. The safety is left out
+    where the scene cannot give one. A given limit replaces the default one of its quantity.
     """
     if scene.goal is None:
         return None
@@ -117,7 +118,8 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
     if goal == "unbalance":
         return (*kept, Limit("unbalance", ">=", 0.0, assumed=True))
     balanced = (Limit("unbalance", "<=", 100.0, percent=True, assumed=True),)
-    return (*kept, *balanced) if scene.web.counterweight else kept
+    asked = goal == "balance_factor" or (scene.goal and scene.goal.limits.balance_factor)
+    return (*kept, *balanced) if scene.web.counterweight and not asked else kept
 
 
 def _no_safety(scene: Scene) -> str:
@@ -196,6 +198,8 @@ def _written(scene: Scene, name: QuantityName) -> str:
 
 def _cannot_tell(scene: Scene, name: QuantityName) -> str:
     """Tell why the scene does not give a quantity its size; empty where it does."""
+    if name == "balance_factor" and not rods_kg_mm(scene)[1]:
+        return "needs [engine.masses]: without them nothing oscillates"
     if not QUANTITIES[name].engine_load:
         return ""
     return _no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)

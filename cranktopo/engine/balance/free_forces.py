@@ -111,7 +111,7 @@ class TurningMasses:
         web_kg_mm: unbalance of either web of a throw alone.
         own_kg_mm: unbalance that the counterweight of either web takes already.
         piston_kg_mm: oscillating mass of one cylinder times the throw radius.
-        share: of the oscillating masses that counterweights balance.
+        counterweight_kg_mm: what both counterweights of a throw balance, real along the throw.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
         w2: angular speed squared, 1/s2.
     """
@@ -122,15 +122,9 @@ class TurningMasses:
     web_kg_mm: tuple[float, float]
     own_kg_mm: tuple[float, float]
     piston_kg_mm: float
-    share: float
+    counterweight_kg_mm: complex
     harmonics: Array
     w2: float
-
-    @property
-    def counterweight_kg_mm(self) -> complex:
-        """What both counterweights of a throw balance, kg mm, real along the throw."""
-        rods = len(self.layout.throw_of) // len(self.layout.throw_deg)
-        return self.throw_kg_mm + self.share * rods * self.piston_kg_mm
 
     def on_webs(self, force: complex, couple: complex) -> tuple[complex, complex]:
         """What both webs of a throw carry of a force in the plane of its cylinder and a couple about it."""
@@ -149,7 +143,7 @@ def turning_masses(scene: Scene) -> TurningMasses:
         web_kg_mm=balance.web_kg_mm,
         own_kg_mm=balance.own_counterweights_kg_mm,
         piston_kg_mm=engine.reciprocating_kg * radius,
-        share=engine.arranged.balanced_oscillating_share,
+        counterweight_kg_mm=complex(balance.counterweight_kg_mm, balance.lateral_unbalance_kg_mm),
         harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
         w2=angular_speed_rad_s(engine.speed_rpm) ** 2,
     )

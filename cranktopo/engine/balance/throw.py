@@ -14,6 +14,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.volume import bolted_mass, counterweight_mass, web_moments
+from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.halves import difference, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.moments import drilled
@@ -34,6 +35,9 @@ class ThrowBalance:
         rotating_unbalance_kg_mm: with the rotating mass of the rods on the pin.
         inertia_kg_mm2: of the throw about the crank axis.
         rod_inertia_kg_mm2: what the rotating mass of the rod adds to it.
+        counterweight_kg_mm: mass times radius that counterweights of both webs need beside their own for the
+            rotating masses and the scene's share of the oscillating ones; negative where they are too heavy.
+        balance_factor_percent: of the oscillating mass, what the throw as it is balances; None without any.
         web_kg_mm: unbalance of each web with its counterweight, first and second.
         own_counterweights_kg: mass that its counterweight adds to each web.
         own_counterweights_kg_mm: unbalance that its counterweight takes away from each web.
@@ -49,6 +53,8 @@ class ThrowBalance:
     rotating_unbalance_kg_mm: float
     inertia_kg_mm2: float
     rod_inertia_kg_mm2: float
+    counterweight_kg_mm: float
+    balance_factor_percent: float | None
     web_kg_mm: tuple[float, float]
     own_counterweights_kg: tuple[float, float]
     own_counterweights_kg_mm: tuple[float, float]
@@ -57,14 +63,6 @@ class ThrowBalance:
     def own_counterweight_kg_mm(self) -> float:
         """Unbalance that the counterweights of both webs take away, kg mm."""
         return sum(self.own_counterweights_kg_mm)
-
-    @property
-    def counterweight_kg_mm(self) -> float:
-        """Mass times radius that counterweights of both webs need beside their own, kg mm.
-
-        They balance the rotating masses; negative where their own are too heavy.
-        """
-        return self.rotating_unbalance_kg_mm
 
 
 def throw_balance(scene: Scene) -> ThrowBalance:
@@ -76,7 +74,9 @@ def throw_balance(scene: Scene) -> ThrowBalance:
     journal, crankpin = first.journal + second.journal, first.crankpin + second.crankpin
     fillets = first.fillets + second.fillets
     total = journal + crankpin + fillets + first.web + second.web
-    rod_kg = scene.engine.rod_rotating_kg * scene.engine.rods_per_pin if scene.engine else 0.0
+    rotating_rods, oscillating = rods_kg_mm(scene)
+    rotating = total.first_y + rotating_rods
+    share = scene.engine.arranged.balanced_oscillating_share if scene.engine else 0.0
     own = first.counterweight, second.counterweight
     return ThrowBalance(
         mass_kg=total.volume,
@@ -86,9 +86,11 @@ def throw_balance(scene: Scene) -> ThrowBalance:
         crankpin_kg=crankpin.volume,
         throw_unbalance_kg_mm=total.first_y,
         lateral_unbalance_kg_mm=total.first_x,
-        rotating_unbalance_kg_mm=total.first_y + rod_kg * radius,
+        rotating_unbalance_kg_mm=rotating,
         inertia_kg_mm2=total.polar,
-        rod_inertia_kg_mm2=rod_kg * radius**2,
+        rod_inertia_kg_mm2=rotating_rods * radius,
+        counterweight_kg_mm=rotating + share * oscillating,
+        balance_factor_percent=balance_factor_percent(scene, total.first_y),
         web_kg_mm=(first.web.first_y, second.web.first_y),
         own_counterweights_kg=(own[0].volume, own[1].volume),
         own_counterweights_kg_mm=(0.0 - own[0].first_y, 0.0 - own[1].first_y),

@@ -60,8 +60,8 @@ def _wants_safety(goal: Goal | None) -> str:
 def bound(context: PlanningContext) -> Estimate:
     """Return what no web of the envelope can beat: wanted beside every result that it can be told of."""
     absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
-    if context.goal is not None and context.goal.quantity == "fatigue_safety":
-        absent = "nothing is proven about stress"
+    if context.goal is not None and context.goal.quantity in ("fatigue_safety", "balance_factor"):
+        absent = f"nothing is proven about {QUANTITIES[context.goal.quantity].label}"
     return Estimate(
         None,
         "",

@@ -74,8 +74,11 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
         because = f"no order meets the first natural frequency between {low:.0f} and {high:.0f} rpm"
         return Estimate(0.0, because, "nothing")
     kind = "major" if found.major else "minor"
+    shaft = context.scene.shaft
+    given = shaft is not None and shaft.throw_stiffness_Nm_per_rad is not None
+    source = "" if given else " (throws in closed form)"
     because = (
-        f"first natural frequency {found.frequency_Hz:.0f} Hz, {kind} order {found.order:g} at "
+        f"first natural frequency {found.frequency_Hz:.0f} Hz{source}, {kind} order {found.order:g} at "
         f"{found.speed_rpm:.0f} rpm, magnifier {found.magnifier:.3g}: torque amplitude {found.percent:+.3g} %"
     )
     without = 100 * (1 / (1 + found.percent / 100) - 1)

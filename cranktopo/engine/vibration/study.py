@@ -123,7 +123,7 @@ class VibrationStudy:
     Attributes:
         critical: crossings of orders and natural frequencies in the range.
         varying_inertia_percent: second harmonic of a throw's inertia over its mean.
-        mean_response: the response with the mean inertia alone.
+        mean_response: the response with the mean inertia alone, at the speeds where it is largest.
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.
         run_up: passage through the range in a given time, if one was asked for; with the mean inertia.
@@ -191,6 +191,7 @@ def study_vibration(
         )
     model = vibrating_shaft(scene, shaft, harmonics)
     response = model.over_the_range()
+    worst_rpm = float(response.speeds_rpm[response.worst.speed_index])
     permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
     return VibrationStudy(
         scene,
@@ -200,7 +201,7 @@ def study_vibration(
         response,
         varying_inertia_percent(scene, throw_inertia_kg_mm2),
         model.varying,
-        model.with_mean_inertia() if model.varying.included else response,
+        model.with_mean_inertia(worst_rpm) if model.varying.included else response,
         None if permitted is None else response.barred_rpm(permitted),
         shaft_warnings(scene),
         None if run_up_s is None else run_up(shaft, harmonics, model.range_rpm, run_up_s),

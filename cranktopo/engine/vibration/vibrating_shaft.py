@@ -50,9 +50,14 @@ class VibratingShaft:
         """Return the steady response over the scene's range, dense around its critical speeds."""
         return self.at(speeds_to_solve(self.range_rpm, self.critical, rise=self.varying.rise))
 
-    def with_mean_inertia(self) -> Vibration:
-        """Return the steady response over the range with the mean inertia alone."""
-        return vibration(self.shaft, self.harmonics, speeds_to_solve(self.range_rpm, self.critical))
+    def with_mean_inertia(self, worst_rpm: float) -> Vibration:
+        """Return the steady response with the mean inertia alone where it is largest.
+
+        That is at a critical speed, an end of the range, or the worst speed of the whole response: the range
+        is not solved again.
+        """
+        speeds = [*self.range_rpm, worst_rpm, *(found.speed_rpm for found in self.critical)]
+        return vibration(self.shaft, self.harmonics, np.unique(speeds))
 
 
 def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics) -> VibratingShaft:

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from cranktopo.base.notes import note
-from cranktopo.cli.options import DEFAULT_DESIGN, designs
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, percent
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -24,20 +24,29 @@ from cranktopo.cli.verbosity import verbosity_options
     type=click.Path(path_type=Path, dir_okay=False),
     help="Also write a page with polar plots (.html), or Markdown with PNGs (.md).",
 )
+@click.option(
+    "--propose",
+    "share",
+    metavar="SHARE",
+    callback=percent,
+    help="Propose the counterweight of each web that balances this share of the oscillating mass, such as "
+    "50%, in place of engine.arrangement.balanced_oscillating_share.",
+)
 @verbosity_options
-def command(design: str, as_json: bool, page: Path | None) -> None:
+def command(design: str, as_json: bool, page: Path | None, share: float | None) -> None:
     """Balance of DESIGN's whole engine at its speed: free forces and moments by order, and what takes them.
 
     In line, V or boxer, as [engine.arrangement] says. Counterweights of every web, for its throw and for the
-    shaft; bending moment inside the shaft; balancer shafts of the scene, or those that would be needed; loads
-    of the main bearings over the cycle with and without counterweights.
+    shaft; balance factor; bending moment inside the shaft; balancer shafts of the scene, or those that would
+    be needed; loads of the main bearings over the cycle with and without counterweights.
 
-    Example: cranktopo balance mikron-iiic --report balance.html
+    Example: cranktopo balance car-diesel --propose 50% --report balance.html
     """
     from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.balance.whole_engine import engine_balance
     from cranktopo.report.report_file import check_report_path
+    from cranktopo.tasks.balance.proposal import propose_counterweight, with_share
     from cranktopo.tasks.balance.result import balance_result
     from cranktopo.tasks.balance.stage import report_balance
     from cranktopo.tasks.balance.text import balance_text
@@ -45,11 +54,12 @@ def command(design: str, as_json: bool, page: Path | None) -> None:
     if page is not None:
         check_report_path(page)
     scene = load_scene(design, whole=True)
-    balance = engine_balance(scene)
+    proposal = None if share is None else propose_counterweight(scene, share)
+    balance = engine_balance(scene if share is None else with_share(scene, share))
     if page is not None:
-        report_balance(balance, page)
+        report_balance(balance, page, proposal)
         note(f"report: {page}")
-    data = balance_result(balance)
+    data = balance_result(balance, proposal)
     click.echo(json.dumps(data.as_json(), indent=2) if as_json else balance_text(data))
     if data.assumed and not as_json:
         note(assumed_text(data.assumed))

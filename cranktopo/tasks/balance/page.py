@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.tasks.balance.plot import balance_pictures
+from cranktopo.tasks.balance.proposal import ProposedCounterweight
 from cranktopo.tasks.balance.result import balance_result
 from cranktopo.tasks.balance.text import (
     angle_lines,
     arrangement_words,
+    balance_factor_words,
     balance_headline,
     bearing_table,
     bearings_caption,
     counterweight_table,
+    counterweights_caption,
     free_table,
     inner_moment_table,
     order_table,
+    proposal_words,
     shaft_table,
     shafts_caption,
 )
 
 
-def balance_page(balance: EngineBalance, written: str) -> Page:
+def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounterweight | None = None) -> Page:
     """Return the balance of an engine as content; `written` is a date."""
-    data = balance_result(balance)
+    data = balance_result(balance, proposal)
     *free, bearing = balance_pictures(balance)
     shafts = shaft_table(data)
     return Page(
@@ -46,9 +51,10 @@ def balance_page(balance: EngineBalance, written: str) -> Page:
                 "counterweights",
                 "Counterweights",
                 "Beyond what the webs have: for each throw on its own, or the least that leaves the whole "
-                "shaft without free force and moment but lets it bend.",
+                f"shaft without free force and moment but lets it bend. {balance_factor_words(data)} "
+                f"{proposal_words(data)}".rstrip(),
                 (
-                    ("What the webs need", counterweight_table(data)),
+                    (counterweights_caption(data), counterweight_table(data)),
                     ("Largest bending moment inside the shaft", inner_moment_table(data)),
                 ),
             ),
@@ -74,7 +80,7 @@ def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
         for name in ("force", "moment")
     )
     last = list(balance.free)[-1]
-    bearings = balance.bearings
+    bearings, share = balance.bearings, engine_of(balance.scene).arranged.balanced_oscillating_share
     index = bearings[AS_IT_IS].most_loaded
     plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
     return (
@@ -83,7 +89,7 @@ def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
         Fact(
             "Counterweights of a throw",
             f"{abs(balance.masses.counterweight_kg_mm):.4g} kg mm",
-            f"{100 * balance.masses.share:g} % of the oscillating masses with them",
+            f"{100 * share:g} % of the oscillating masses with them",
             "neutral",
         ),
         Fact(

@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import LOADS, THROW, Assumption, assumptions
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import ORDERS, FreeForce, NeededCounterweight
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h
+from cranktopo.tasks.balance.proposal import ProposedCounterweight
 
 
 class ArrangementSummary(Result):
@@ -96,7 +98,11 @@ class Balance(Result):
     arrangement: ArrangementSummary
     orders: tuple[MassForces, ...]
     free: tuple[StateForces, ...]
+    balance_factor_percent: float | None
+    """Percent of the oscillating mass that each throw balances as it is; null where nothing oscillates."""
     counterweights: tuple[NeededCounterweight, ...]
+    proposal: ProposedCounterweight | None = UNLESS_NONE
+    """The counterweight of each web for the share that `--propose` asks for."""
     inner_moment: tuple[StateMoment, ...]
     balancer_shafts: tuple[SizedShaft, ...]
     gas_in_bearing_loads: bool
@@ -104,7 +110,7 @@ class Balance(Result):
     assumed: tuple[Assumption, ...]
 
 
-def balance_result(balance: EngineBalance) -> Balance:
+def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | None = None) -> Balance:
     """Return the balance of an engine with what its design leaves out."""
     scene, engine = balance.scene, engine_of(balance.scene)
     kinds = ["rotating", *["oscillating"] * len(ORDERS)]
@@ -129,7 +135,9 @@ def balance_result(balance: EngineBalance) -> Balance:
             for state, parts in balance.free.items()
             for part in parts
         ),
+        balance_factor_percent=throw_balance(scene).balance_factor_percent,
         counterweights=balance.counterweights,
+        proposal=proposal,
         inner_moment=tuple(
             StateMoment(state=state, moment_Nm=inner.moment_Nm, z_mm=inner.z_mm, deg=inner.deg)
             for state, inner in balance.inner_moments.items()

@@ -8,12 +8,13 @@ from cranktopo.engine.balance.whole_engine import EngineBalance
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.balance.page import balance_page
+from cranktopo.tasks.balance.proposal import ProposedCounterweight
 
 
-def report_balance(balance: EngineBalance, path: Path) -> None:
+def report_balance(balance: EngineBalance, path: Path, proposal: ProposedCounterweight | None = None) -> None:
     """Write the page of a balance as HTML or Markdown, by the ending of its name.
 
     Raises:
         CranktopoError: another ending, no such folder, or it cannot be written.
     """
-    write_report(balance_page(balance, timestamp()[:10]), path)
+    write_report(balance_page(balance, timestamp()[:10], proposal), path)

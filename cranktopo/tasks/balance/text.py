@@ -77,6 +77,8 @@ _INNER: tuple[Column[StateMoment], ...] = (
     Column("place_mm", 1, lambda e: e.z_mm),
     Column("at_deg", 1, lambda e: e.deg),
 )
+_MASSES = {"piston_group_kg": "piston", "rod_rotating_kg": "rod"}
+"""Masses without which a counterweight is that of another engine."""
 _ANGLES = (
     "Forces are across the shaft, moments about its middle: along the force at the takeoff's end.",
     "Directions and phases count from the engine's plane of symmetry in the sense of rotation, when the",
@@ -129,11 +131,44 @@ def _balance_tables(data: Balance) -> list[tuple[str, ResultTable]]:
     return [
         ("Free forces and moments, the engine as it is", order_table(data)),
         ("All masses together; orders that stay as they are once", free_table(data)),
-        ("Counterweights that the webs need", counterweight_table(data)),
+        (counterweights_caption(data), counterweight_table(data)),
         ("Bending moment inside the shaft", inner_moment_table(data)),
         *([(shafts_caption(data), shafts)] if shafts is not None else []),
         (bearings_caption(data), bearing_table(data)),
     ]
+
+
+def counterweights_caption(data: Balance) -> str:
+    """Return what the counterweights that the webs need balance, and for which engine."""
+    share = 100 * data.arrangement.balanced_oscillating_share
+    oscillating = f" and {share:g} % of the oscillating masses" if share else ""
+    assumed = {item.key for item in data.assumed}
+    engine = "; one cylinder, which is assumed" if "engine.cylinders" in assumed else ""
+    missing = [name for key, name in _MASSES.items() if f"engine.masses.{key}" in assumed]
+    without = f"; without {' and '.join(missing)}, whose masses are not given" if missing else ""
+    return f"Counterweights that the webs need for the rotating{oscillating or ' masses'}{engine}{without}"
+
+
+def balance_factor_words(data: Balance) -> str:
+    """Return the balance factor of the throws as they are in a sentence; empty where nothing oscillates."""
+    factor = data.balance_factor_percent
+    if factor is None:
+        return ""
+    open_ = "; its rotating masses are not balanced" if factor < 0 else ""
+    return f"Balance factor of each throw as it is: {factor:.1f} % of its oscillating mass{open_}."
+
+
+def proposal_words(data: Balance) -> str:
+    """Return the counterweight that is proposed, as the scene's table; empty where none is asked for."""
+    found = data.proposal
+    if found is None:
+        return ""
+    fits = f"\n{data.design} has no place for it: {found.refused}" if found.refused else ""
+    return (
+        f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {found.share_percent:g} % of the "
+        f"oscillating mass (with it {found.balance_factor_percent:.2f} %):\n[web.counterweight]\n"
+        f"outer_radius_mm = {found.outer_radius_mm:g}\nhalf_angle_deg = {found.half_angle_deg:g}{fits}"
+    )
 
 
 def shafts_caption(data: Balance) -> str:
@@ -171,7 +206,8 @@ def balance_text(data: Balance) -> str:
     """Return what `cranktopo balance` prints."""
     parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
-    return "\n\n".join([*parts, "\n".join(_ANGLES)])
+    told = [words for words in (balance_factor_words(data), proposal_words(data)) if words]
+    return "\n\n".join([*parts, *told, "\n".join(_ANGLES)])
 
 
 def angle_lines() -> tuple[str, ...]:

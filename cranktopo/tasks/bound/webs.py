@@ -66,12 +66,12 @@ def convex_problem(goal: Goal, original: Mapping[str, float]) -> ConvexProblem:
     Raises:
         CranktopoError: a goal about which nothing can be proven.
     """
-    if goal.quantity == "fatigue_safety":
+    if goal.quantity in ("fatigue_safety", "balance_factor"):
         raise invalid(
             f"goal.{goal.sense}",
             goal.quantity,
-            "a bound is proven for mass, inertia, unbalance and stiffness, not for stress",
-            "Name another goal; limits of fatigue safety are left out, which keeps the bound valid.",
+            "a bound is proven for mass, inertia, unbalance and stiffness, not for stress or balance factor",
+            "Name another goal; limits of other quantities are left out, which keeps the bound valid.",
         )
     if goal.quantity == "unbalance" and original["unbalance"] <= 0:
         raise CranktopoError(
@@ -92,6 +92,8 @@ def _constraint(limit: Limit, original: Mapping[str, float]) -> Constraint | str
     """Return the limit over the original's value, or why no convex statement holds it."""
     if limit.quantity == "fatigue_safety":
         return "stress is not part of the proof"
+    if limit.quantity == "balance_factor":
+        return "the masses of the rods are not part of the proof: limit the unbalance"
     own = original[limit.quantity]
     if own == 0:
         return "the original's value is 0"

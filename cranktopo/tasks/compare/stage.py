@@ -17,7 +17,8 @@ from cranktopo.design.loading import builtin_designs
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.load_case import LoadCase
-from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.plan.effect import PhysicsPlan
+from cranktopo.engine.plan.planning import plan, plan_for_stress
 from cranktopo.engine.plan.simulated import without
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shell_volumes_mm3
@@ -37,7 +38,9 @@ from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, resolve_targets
 from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import shown_halves
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.sweep.result import SweepResult
+from cranktopo.tasks.sweep.text import condition_words
 
 
 def with_picks(targets: Sequence[str]) -> list[str]:
@@ -70,6 +73,8 @@ def _picked(run: RunStore) -> list[str]:
         points = {point.id: point for point in result.points}
         picked = [points[one] for one in result.picks.values()]
         found = [str(run.path / p.run / target) for p in picked if (target := p.number("target"))]
+    if not found and result.operating_conditions:
+        raise CranktopoError(f"run '{run.path}': picks nothing.", hint=f"{condition_words(result)}.")
     if not found:
         raise CranktopoError(
             f"run '{run.path}': its points have no webs to compare.",
@@ -80,11 +85,16 @@ def _picked(run: RunStore) -> list[str]:
 
 @dataclass(frozen=True)
 class ComparedTargets:
-    """A comparison, its targets in the same order, and those that miss the accuracy asked for."""
+    """A comparison, its targets in the same order, and those that miss the accuracy asked for.
+
+    Attributes:
+        loaded: the baseline's scene as its fatigue was assessed; None where it was not.
+    """
 
     comparison: Comparison
     targets: tuple[Target, ...]
     missed: tuple[str, ...] = ()
+    loaded: Scene | None = None
 
 
 def compare_targets(
@@ -111,10 +121,11 @@ def compare_targets(
     index = every.index(baseline)
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
-    safety = None
+    safety, loaded = None, None
     if fatigue is not None:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        safety = assess_fatigue(filleted, fatigue, baseline=index).compared()
+        assessed = assess_fatigue(filleted, fatigue, baseline=index)
+        safety, loaded = assessed.compared(), assessed.targets[assessed.baseline or 0].scene
     found = evaluate_targets(targets, wanted)
     published = [None if target.file else target.scene.published for target in targets]
     safeties = iter(safety.safeties if safety else ())
@@ -124,7 +135,7 @@ def compare_targets(
     ]
     comparison = compare(entries, entries[index].name, safety)
     comparison = replace(comparison, goals=_evaluated_goals(targets, entries, index))
-    return ComparedTargets(comparison, tuple(targets), found.missed)
+    return ComparedTargets(comparison, tuple(targets), found.missed, loaded)
 
 
 def _like_for_like(targets: Sequence[Target]) -> list[Target]:
@@ -187,8 +198,7 @@ def report_comparison(
     With `stresses` all are solved for the baseline's load cases, unless the halves of one differ.
     """
     check_report_path(path)
-    scene = found.targets[found.comparison.baseline].scene
-    effects = plan(scene)
+    scene, effects = _loaded(found)
     cases = load_cases(scene, effects.enabled)
     lonely = [target.name for target in found.targets if difference(target.scene)]
     if stresses and lonely:
@@ -201,7 +211,7 @@ def report_comparison(
         undercuts=tuple(design_undercuts(half.name, mesh, half.scene) for half, mesh, _ in shown),
         effects=effects,
         cases=cases,
-        loads=analyse(scene) if scene.engine else None,
+        loads=analyse(scene, effects.enabled) if scene.engine else None,
         hashes=_hashes(found.targets),
         command=" ".join(command),
         written=timestamp(),
@@ -209,6 +219,14 @@ def report_comparison(
         bound=bound,
     )
     write_report(comparison_page(record), path)
+
+
+def _loaded(found: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
+    """Return the baseline's scene with the stiffness that its shaft vibrates with, and its plan."""
+    if found.loaded is not None:
+        return found.loaded, plan_for_stress(found.loaded)
+    scene = with_throw_stiffness(found.targets[found.comparison.baseline]).scene
+    return scene, plan(scene)
 
 
 def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:

@@ -11,6 +11,7 @@ import numpy as np
 from cranktopo.base.errors import invalid
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.quantities import quantity_named
@@ -59,7 +60,9 @@ def build_problem(
         _of_volume(density_chain, model, weights, settings)
         if goal is None or original is None
         else _of_goal(
-            goal, quantities(model, scene.material.density_kg_m3, bolted_mass(scene)), original.quantities
+            goal,
+            quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene)),
+            original.quantities,
         )
     )
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"

@@ -99,18 +99,25 @@ def volume(density_chain: MaterialInterpolation) -> Response:
     return Response("volume fraction", "", value, needs_solve=False)
 
 
-def quantities(model: ThrowModel, density_kg_m3: float, bolted: Moments | None = None) -> dict[str, Response]:
+def quantities(
+    model: ThrowModel,
+    density_kg_m3: float,
+    bolted: Moments | None = None,
+    rods_kg_mm: tuple[float, float] = (0.0, 0.0),
+) -> dict[str, Response]:
     """Return every quantity of a goal or a limit that the model's load cases allow, by its name in a scene.
 
-    The stiffness of a load case has the case's name; `bolted` is of what is bolted to each web, kg and mm.
+    The stiffness of a load case has the case's name; `bolted` is of what is bolted to each web, kg and mm,
+    `rods_kg_mm` of the rods' masses that turn and that oscillate.
     """
     parts = (0.0,) * 3 if bolted is None else (bolted.volume, bolted.polar, bolted.first_y)
     mass, *others = (
         _of_solid(name, unit, of, model, density_kg_m3, 2 * part)
         for (name, unit, of), part in zip(_OF_SOLID, parts, strict=True)
     )
+    balanced = [_balance_factor(others[-1], *rods_kg_mm)] if rods_kg_mm[1] else []
     loaded = [r for index, case in enumerate(model.cases) for r in _of_case(index, case, mass)]
-    return {response.name: response for response in (mass, *others, *loaded)}
+    return {response.name: response for response in (mass, *others, *balanced, *loaded)}
 
 
 _OF_SOLID = (
@@ -133,6 +140,15 @@ def _of_solid(
         return found + part if part else found
 
     return Response(name, unit, value, needs_solve=False)
+
+
+def _balance_factor(unbalance: Response, rotating_kg_mm: float, oscillating_kg_mm: float) -> Response:
+    return Response(
+        "balance_factor",
+        "%",
+        lambda design: -100 * (unbalance.value(design) + rotating_kg_mm) / oscillating_kg_mm,
+        needs_solve=False,
+    )
 
 
 def _of_case(index: int, case: LoadCase, mass: Response) -> list[Response]:

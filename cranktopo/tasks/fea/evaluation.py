@@ -16,6 +16,7 @@ from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import bolted_mass, web_volume_mm3
 from cranktopo.design.assumed import EVALUATED, Assumption, filter_by_table
+from cranktopo.design.balance_factor import balance_factor_percent
 from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
@@ -83,6 +84,7 @@ class Evaluation:
 
     Attributes:
         second_web_kg: mass of the second web where the halves of the throw differ, else None.
+        balance_factor_percent: of the oscillating mass, what the throw balances; None without any.
         unbalance_kg_mm: mass times y of the centre of mass.
         assumed: what the design does not say and the stiffnesses depend on.
         triangles: the body is a surface of triangles, which the mesh replaces.
@@ -102,6 +104,7 @@ class Evaluation:
     assumed: tuple[Assumption, ...] = ()
     triangles: bool = False
     second_web_kg: float | None = None
+    balance_factor_percent: float | None = None
 
     @property
     def torsion_Nm_per_rad(self) -> float:
@@ -127,6 +130,7 @@ class Evaluation:
             mass_kg=EvaluatedMass(throw=kg, web=self.web_kg, second_web=self.second_web_kg),
             inertia_kg_mm2=self.inertia_kg_mm2,
             unbalance_kg_mm=self.unbalance_kg_mm,
+            balance_factor_percent=self.balance_factor_percent,
             torsion={f"{name}_Nm_per_rad": value for name, value in fine.torsion.items()},
             bending={f"{name}_N_per_mm": value for name, value in fine.bending.items()},
             supports=SupportNames(torsion=self.torsion_support, bending=self.bending_support),
@@ -280,6 +284,9 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
     scene = target.scene
     (near, far), supports = halves(scene), scene.supports
     density = density_kg_per_mm3(scene.material.density_kg_m3)
+    unbalance = (
+        meshed.copies * density * meshed.body.volume_mm3 * meshed.body.centre_mm[1] + _bolted(scene).first_y
+    )
     torsion, bending = _error_percent(fine.stiffness, coarse.stiffness if coarse else None, scene)
     return Evaluation(
         target=target.name,
@@ -287,8 +294,8 @@ def evaluation(fine: MeshResult, coarse: MeshResult | None, seconds: float) -> E
         web_kg=density * meshed.web_volume_mm3 + bolted_mass(near).volume,
         second_web_kg=None if far is near else density * web_volume_mm3(far) + bolted_mass(far).volume,
         inertia_kg_mm2=throw_inertia_kg_mm2(meshed, scene),
-        unbalance_kg_mm=meshed.copies * density * meshed.body.volume_mm3 * meshed.body.centre_mm[1]
-        + _bolted(scene).first_y,
+        unbalance_kg_mm=unbalance,
+        balance_factor_percent=balance_factor_percent(scene, unbalance),
         fine=fine.stiffness,
         torsion_support=supports.torsion,
         bending_support=supports.bending,

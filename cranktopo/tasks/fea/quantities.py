@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from cranktopo.design.balance_factor import balance_factor_percent
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
@@ -22,7 +23,10 @@ from cranktopo.tasks.fea.result import EvaluationResult
 def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
     """Return the quantities of a goal that an evaluation tells, each in its internal unit."""
     mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
-    safety = found.fatigue_safety
+    told = {
+        "balance_factor": balance_factor_percent(scene, found.unbalance_kg_mm),
+        "fatigue_safety": found.fatigue_safety,
+    }
     return {
         "mass": mass,
         "inertia": found.inertia_kg_mm2,
@@ -32,7 +36,7 @@ def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
         "torsion_per_mass": torsion / mass,
         "bending_per_mass": bending / mass,
         **_motions(scene, torsion, bending),
-        **({} if safety is None else {"fatigue_safety": safety}),
+        **{name: value for name, value in told.items() if value is not None},
     }
 
 

@@ -65,6 +65,8 @@ class EvaluationResult(Result):
     inertia_kg_mm2: float
     unbalance_kg_mm: float
     """Mass times y of the centre of mass."""
+    balance_factor_percent: float | None = UNLESS_NONE
+    """Percent of the oscillating mass that the throw balances, where the design has such a mass."""
     torsion: dict[str, float | None]
     """By support and unit, as in `free_Nm_per_rad`; None for a spring that nobody knows."""
     bending: dict[str, float | None]

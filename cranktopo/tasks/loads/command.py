@@ -22,7 +22,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs
 def command(
     design: str, speeds: list[float] | None, as_json: bool, csv_path: Path | None, plot_path: Path | None
 ) -> None:
-    """Forces of one throw over the working cycle, their extremes and the load cases.
+    """Forces of one throw over the working cycle, their extremes and the load cases; mean pressure and power.
 
     DESIGN is a TOML file or the name of a built-in design. A sweep repeats the analysis with the same gas
     pressures; the plot shows its last speed.
@@ -38,6 +38,8 @@ def command(
         plot_load_curves(scene, plot_path, None if speeds is None else speeds[-1])
     if csv_path is not None:
         write_load_curves(scene, csv_path, speeds)
+    for line in dict.fromkeys(warning for loads in results for warning in loads.warnings):
+        click.echo(f"warning: {scene.name}: {line}", err=True)
     if as_json:
         sweep = results if len(results) > 1 else None
         found = results[0].model_copy(update={"sweep": sweep})

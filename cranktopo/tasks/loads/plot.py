@@ -1,4 +1,4 @@
-"""Plot of the loads over the cycle: gas and inertia; tangential and radial; torque of throw and engine."""
+"""Plot of the loads over the cycle: gas and inertia, crankpin, torque of throw and engine, piston."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
+from cranktopo.base.units import stem_and_unit
 from cranktopo.engine.analysis import Cycle, LoadAnalysis
+from cranktopo.engine.performance import piston_motion
 from cranktopo.report.plot import save_figure
 from cranktopo.runs.destination import check_file
 
@@ -27,8 +31,9 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
 
     _cycle(analysis)
     check_file(path, "--plot", PLOTS)
-    figure = Figure(figsize=(9, 10), layout="constrained")
-    for axes, panel in zip(figure.subplots(3, 1, sharex=True), PANELS, strict=True):
+    panels = (*PANELS, _draw_piston)
+    figure = Figure(figsize=(9, 13), layout="constrained")
+    for axes, panel in zip(figure.subplots(len(panels), 1, sharex=True), panels, strict=True):
         panel(axes, analysis)
         axes.label_outer()
     figure.suptitle(title)
@@ -62,6 +67,17 @@ def _draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
     axes.plot(angle, cycle.torque.engine_Nm, label=f"engine, {analysis.engine.cylinders} cylinders")
     axes.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
     _frame(axes, analysis, "torque [N m]")
+
+
+def _draw_piston(axes: Any, analysis: LoadAnalysis) -> None:
+    """Path, speed and acceleration of the piston, each over its largest value."""
+    angle = _cycle(analysis).forces.angle_deg
+    units = {"displacement_mm": "path", "speed_m_per_s": "speed", "acceleration_m_per_s2": "acceleration"}
+    for name, curve in vars(piston_motion(analysis.engine, analysis.radius_mm, angle)).items():
+        largest = float(np.abs(curve).max())
+        unit = stem_and_unit(name)[1]
+        axes.plot(angle, curve / largest, label=f"{units[name]} of the piston, 1 = {largest:.4g} {unit}")
+    _frame(axes, analysis, "over the largest")
 
 
 PANELS: tuple[Callable[[Any, LoadAnalysis], None], ...] = (

@@ -6,10 +6,14 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.base.units import MM_PER_M
 from cranktopo.design.assumed import Assumption
 from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis
+from cranktopo.engine.analysis import extremes_of as extremes_of_curve
 from cranktopo.engine.balance.throw import ThrowBalance
+from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.load_case import LoadCase, LoadKind
+from cranktopo.engine.performance import piston_motion
 from cranktopo.engine.plan.effect import Effect
 from cranktopo.engine.states import ExtremeState
 
@@ -52,6 +56,15 @@ class EngineTorque(Result):
     min_deg: float | None = None
 
 
+class PistonExtremes(Result):
+    """Motion of the piston, positive away from the head."""
+
+    stroke_mm: float
+    mean_speed_m_per_s: float
+    speed_m_per_s: Range
+    acceleration_m_per_s2: Range
+
+
 class SeriesDifference(Result):
     """Largest difference of the textbook series from the exact motion, percent of the peak."""
 
@@ -66,6 +79,9 @@ class ThrowMassProperties(Result):
     rotating_unbalance_kg_mm: float
     inertia_kg_mm2: float
     counterweight_kg_mm: float
+    """What counterweights of both webs need beside their own, as `balance` has it."""
+    balance_factor_percent: float | None
+    """Percent of the oscillating mass that the throw balances; null where nothing oscillates."""
     own_counterweight_kg_mm: float
     own_counterweight_kg: float
     own_second_counterweight_kg: float
@@ -112,12 +128,19 @@ class LoadsAtSpeed(Result):
     extremes: dict[str, Range]
     engine_torque_Nm: EngineTorque
     indicated_work_per_cylinder_J: float | None
+    indicated_mean_pressure_MPa: float | None
+    """Work of a cycle over the swept volume; friction is not known."""
+    indicated_power_kW: float | None
+    """Power of all cylinders without friction."""
+    piston: PistonExtremes | None
     series_difference_percent: SeriesDifference | None
     balance: ThrowMassProperties
     clearance: WebClearance
     load_cases: tuple[LoadCase, ...]
     extreme_states: tuple[LoadState, ...]
     effects: tuple[Effect, ...]
+    warnings: tuple[str, ...]
+    """What no engine's cylinder pressure does."""
     assumed: tuple[Assumption, ...]
 
 
@@ -133,11 +156,13 @@ def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
     cycle = analysis.cycle
     if cycle is None:
         return {}
+    motion = piston_motion(analysis.engine, analysis.radius_mm, cycle.forces.angle_deg)
     columns = {
         "speed_rpm": np.full_like(cycle.forces.angle_deg, analysis.engine.speed_rpm),
         "angle_deg": cycle.forces.angle_deg,
         "pressure_MPa": cycle.pressure.pressure_MPa,
         **cycle.forces.curves(),
+        **{f"piston_{name}": curve for name, curve in vars(motion).items()},
     }
     for number, torque in enumerate(cycle.torque.passed_on_Nm, start=1):
         columns[f"torque_behind_throw_{number}_Nm"] = torque
@@ -157,6 +182,25 @@ def extremes_of(analysis: LoadAnalysis | None) -> dict[str, Range]:
     return result
 
 
+def piston_of(analysis: LoadAnalysis) -> PistonExtremes:
+    """Return stroke, mean and largest speed of the piston, and its largest accelerations."""
+    engine, radius = analysis.engine, analysis.radius_mm
+    angle = np.arange(0.0, 360.0, STEP_DEG)
+    motion = piston_motion(engine, radius, angle)
+    speed, acceleration = (
+        Range(max=_at(high), min=_at(low))
+        for high, low in (
+            extremes_of_curve(angle, curve) for curve in (motion.speed_m_per_s, motion.acceleration_m_per_s2)
+        )
+    )
+    return PistonExtremes(
+        stroke_mm=2 * radius,
+        mean_speed_m_per_s=4 * radius / MM_PER_M * engine.speed_rpm / 60,
+        speed_m_per_s=speed,
+        acceleration_m_per_s2=acceleration,
+    )
+
+
 def engine_torque_of(cycle: Cycle | None) -> EngineTorque:
     """Return mean and extremes of the engine's torque."""
     if cycle is None:
@@ -171,6 +215,7 @@ def balance_of(found: ThrowBalance) -> ThrowMassProperties:
         rotating_unbalance_kg_mm=found.rotating_unbalance_kg_mm,
         inertia_kg_mm2=found.inertia_kg_mm2,
         counterweight_kg_mm=found.counterweight_kg_mm,
+        balance_factor_percent=found.balance_factor_percent,
         own_counterweight_kg_mm=found.own_counterweight_kg_mm,
         own_counterweight_kg=found.own_counterweights_kg[0],
         own_second_counterweight_kg=found.own_counterweights_kg[1],

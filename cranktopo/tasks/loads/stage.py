@@ -14,6 +14,7 @@ from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.performance import implausible, mean_pressure_MPa, power_kW
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states, load_cases
@@ -26,6 +27,7 @@ from cranktopo.tasks.loads.result import (
     curve_columns,
     engine_torque_of,
     extremes_of,
+    piston_of,
     state_of,
 )
 
@@ -43,8 +45,9 @@ def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> 
 
 
 def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:
-    engine, analysis = scene.engine, analyse(scene) if scene.engine else None
+    engine, analysis, radius = scene.engine, analyse(scene) if scene.engine else None, scene.throw.radius_mm
     cycle = analysis.cycle if analysis else None
+    work = cycle.indicated_work_J if cycle else 0.0
     return Loads(
         design=scene.name,
         speed_rpm=engine.speed_rpm if engine else None,
@@ -54,13 +57,17 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         pressure_source=cycle.pressure.source if cycle else None,
         extremes=extremes_of(analysis),
         engine_torque_Nm=engine_torque_of(cycle),
-        indicated_work_per_cylinder_J=cycle.indicated_work_J if cycle else None,
+        indicated_work_per_cylinder_J=work if cycle else None,
+        indicated_mean_pressure_MPa=mean_pressure_MPa(work, engine, radius) if cycle and engine else None,
+        indicated_power_kW=power_kW(work, engine) if cycle and engine else None,
+        piston=piston_of(analysis) if analysis else None,
         series_difference_percent=SeriesDifference(**cycle.series_difference_percent) if cycle else None,
         balance=balance_of(throw_balance(scene)),
         clearance=WebClearance(room_mm=clearances_mm(scene), told=clearance_text(scene)),
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
         effects=effects.effects,
+        warnings=implausible(cycle, engine, radius) if cycle and engine else (),
         assumed=assumed,
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
-from cranktopo.tasks.loads.result import Loads, LoadState, Range, ThrowMassProperties
+from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
 
 def loads_text(loads: Loads) -> str:
@@ -14,6 +14,7 @@ def loads_text(loads: Loads) -> str:
     parts = [_heading(loads)]
     if loads.points:
         parts += [_extremes(loads.extremes), _two_rods(loads.rods_per_pin), _torque(loads)]
+    parts += [_piston(loads.piston)]
     clearance = loads.clearance.told
     parts += [_balance(loads.balance), clearance and f"room of web and counterweight: {clearance}"]
     parts += [_cases(loads.load_cases), _redundant(loads.extreme_states)]
@@ -75,8 +76,24 @@ def _torque(loads: Loads) -> str:
         f"engine torque: mean {_number(torque.mean)} N m, max {_number(torque.max)} at "
         f"{torque.max_deg:g} deg, min {_number(torque.min)} at {torque.min_deg:g} deg\n"
         f"indicated work per cylinder and cycle: {loads.indicated_work_per_cylinder_J:.1f} J\n"
+        f"indicated mean pressure {loads.indicated_mean_pressure_MPa:.3f} MPa, power of the engine "
+        f"{loads.indicated_power_kW:.1f} kW, without friction\n"
         f"textbook series off the exact motion: displacement {difference.displacement:.2f} %, "
         f"velocity {difference.velocity:.2f} %, acceleration {difference.acceleration:.2f} %"
+    )
+
+
+def _piston(piston: PistonExtremes | None) -> str:
+    if piston is None:
+        return ""
+    speed, (away, back) = (
+        piston.speed_m_per_s.max,
+        (piston.acceleration_m_per_s2.max, piston.acceleration_m_per_s2.min),
+    )
+    return (
+        f"piston: stroke {piston.stroke_mm:g} mm, mean speed {piston.mean_speed_m_per_s:.2f} m/s, largest "
+        f"{speed.value:.2f} m/s at {speed.deg:g} deg\n"
+        f"its acceleration: {away.value:.0f} m/s2 at {away.deg:g} deg, {back.value:.0f} at {back.deg:g} deg"
     )
 
 
@@ -85,6 +102,8 @@ def _balance(balance: ThrowMassProperties) -> str:
     one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
     own = f"\nits counterweights: {masses} kg take {balance.own_counterweight_kg_mm:.2f} kg mm"
+    factor = balance.balance_factor_percent
+    own += "" if factor is None else f", balance factor {factor:.1f} % of the oscillating mass"
     return (
         f"balance of the throw: rotating unbalance {balance.rotating_unbalance_kg_mm:.2f} kg mm "
         f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights "

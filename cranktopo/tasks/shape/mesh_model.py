@@ -23,6 +23,7 @@ from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
@@ -51,6 +52,7 @@ from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
@@ -100,7 +102,8 @@ def evaluated_web(
         # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
         with silent():
             field, found = side_by_side(
-                lambda: fatigue_field(target, "lsa"), lambda: evaluate(target, element_size_mm)
+                lambda: fatigue_field(with_throw_stiffness(target), "lsa"),
+                lambda: evaluate(target, element_size_mm),
             )
         return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
 
@@ -228,7 +231,10 @@ class MeshModel:
         parts = np.array([bolted.volume, bolted.first_y, bolted.polar])
         found = kg * (self._parts * integrals + self._missing) + 2 * parts
         pairs = zip(found.tolist(), kg * self._parts * gradients, strict=True)
-        return dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        told = dict(zip(("mass", "unbalance", "inertia"), pairs, strict=True))
+        unbalance, slope = told["unbalance"]
+        factor, (_, oscillating) = balance_factor_percent(self.scene, unbalance), rods_kg_mm(self.scene)
+        return told if factor is None else {**told, "balance_factor": (factor, -100 / oscillating * slope)}
 
 
 def _exact(meshed: MeshedThrow) -> Array:

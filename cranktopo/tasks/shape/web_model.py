@@ -16,6 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.cells.domain import Domain, build_domain, centres_mm
 from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.free_dimensions import (
     DimensionName,
     free_range_mm,
@@ -145,7 +146,7 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     domain = _domain_without_free_bores(scene, resolution_mm)
     effects = plan(scene).enabled - set(LOAD_TYPES) | set(MAIN_KINDS)
     model = build_model(scene, domain, load_cases(scene, effects))
-    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene))
+    known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.sweep.points import SweepPoint
@@ -38,6 +38,48 @@ def front_of(rows: Rows) -> tuple[list[str], list[str]]:
     first = {score: place for place, score in reversed(list(enumerate(scores)))}
     front = [score for score in first if not any(_beats(other, score) for other in first)]
     return [rows[place].id for place in sorted(first[score] for score in front)], list(known)
+
+
+_CONDITIONS = (
+    "engine.speed_rpm",
+    "engine.overspeed_rpm",
+    "engine.gas.",
+    "engine.max_gas_force_N",
+    "engine.max_torque_Nm",
+    "engine.min_torque_Nm",
+)
+"""Keys, or their beginnings, of speed and load: the crank has to bear all of them, none is a choice."""
+
+
+def conditions_of(keys: Iterable[str]) -> list[str]:
+    """Return those of the keys that vary which are operating conditions."""
+    return [key for key in keys if key.startswith(_CONDITIONS)]
+
+
+def choices_of(rows: Rows) -> list[PointResult]:
+    """Return the points that a designer can choose between: of a web that at the condition of least safety.
+
+    None where only conditions vary, or where every condition has a web of its own, made for it alone.
+    """
+    conditions = set(conditions_of(key for row in rows for key in row.varied))
+    if not conditions:
+        return list(rows)
+    groups: dict[str, list[PointResult]] = {}
+    for row in rows:
+        varied = {key: value for key, value in row.varied.items() if key not in conditions}
+        groups.setdefault(str((row.design, row.stage, varied)), []).append(row)
+    if len(groups) == 1 or any(row.stage not in _OF_ONE_WEB for row in rows):
+        return []
+    return [min(group, key=_safety) for group in groups.values()]
+
+
+def _safety(row: PointResult) -> float:
+    safety = row.number("fatigue_safety")
+    return safety if _finite(safety) else math.inf
+
+
+_OF_ONE_WEB = ("evaluate", "fatigue")
+"""Stages that judge the web of the scene; others find one."""
 
 
 def picks_of(rows: Rows, original: PointResult | None) -> dict[str, str]:
@@ -92,7 +134,10 @@ def worth_refining(looks: _Looks, full: Mapping[str, PointResult], original: Poi
     in the first look may have them at full accuracy.
     """
     rows = [row.model_copy(update={"id": point.id}) for point, row in looks if row.status == DONE]
-    seen = _seen_percent(looks, full)
+    choices = choices_of(rows)
+    if rows and not choices:  # nothing is chosen, so that all are told alike
+        return [point for point, _ in looks if point.id not in full]
+    rows, seen = choices, _seen_percent(looks, full)
     front, objectives = front_of(rows)
     leading = [row for row in rows if row.id in set(front)]
     kept = (row.id for row in rows if not any(_surely_beats(one, row, objectives, seen) for one in leading))

@@ -13,7 +13,7 @@ from cranktopo.report.report_file import TEMPLATES
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import point_words
+from cranktopo.tasks.sweep.text import condition_words, point_words
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -52,6 +52,7 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
         data=data,
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives),
         picks=[(name, point_words(data.points, rows[one])) for name, one in data.picks.items()],
+        conditions=condition_words(data),
         style=Markup(_joined(TEMPLATES / "report.css", _TEMPLATES / "sweep.css")),
         script=Markup(_joined(*[SCRIPT] * bool(original), _SCRIPT)),
         points=Markup(numbers),

@@ -108,6 +108,8 @@ class SweepResult(Result):
     """Ids of the points that no other one beats."""
     picks: dict[str, str]
     """Ids of the points that most users look for."""
+    operating_conditions: tuple[str, ...] | None = UNLESS_NONE
+    """Keys of speed and load that vary: in front and picks a web counts by its condition of least safety."""
     undecided: tuple[str, ...] | None = UNLESS_NONE
     """Ids of coarse points that may be on the front, for which the budget left no time."""
     files: SweepFiles

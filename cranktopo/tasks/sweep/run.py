@@ -19,7 +19,7 @@ from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind, working_in
 from cranktopo.tasks.sweep.computed import ALL_CORES, Computed, Session, Workplace
 from cranktopo.tasks.sweep.executor import check_packages, check_scheduler
-from cranktopo.tasks.sweep.front import OBJECTIVES, front_of, picks_of
+from cranktopo.tasks.sweep.front import OBJECTIVES, choices_of, conditions_of, front_of, picks_of
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
@@ -129,7 +129,7 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
     varied = {variation.key: value_at(own, variation.key) for variation in plan.vary}
     original = found.original.model_copy(update={"varied": varied})
     full = [row for row in rows if row.status == DONE and row.number("accuracy") != COARSE]
-    front, objectives = front_of(full)
+    front, objectives = front_of(choices_of(full))
     leading = [row for row in full if row.id in set(front)]
     return SweepResult(
         run=run.name,
@@ -142,6 +142,7 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
         objectives={name: "less" if OBJECTIVES[name] < 0 else "more" for name in objectives},
         front=tuple(front),
         picks=picks_of(leading, original if original.status == DONE else None),
+        operating_conditions=tuple(conditions_of(varied)) or None,
         undecided=found.undecided if plan.refine == "front" else None,
         files=SweepFiles(**write_tables(frame_of(rows, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),

@@ -65,7 +65,7 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
     """Return a finished sweep as text."""
     by_id = {row.id: row for row in data.points}
     ends = ", ".join(f"{count} {end}" for end, count in data.ends.items())
-    lines = [f"{len(data.points)} points: {ends}", *_reasons(data), *_accuracy(data), ""]
+    lines = [f"{len(data.points)} points: {ends}", *_reasons(data), *_accuracy(data), *_conditions(data), ""]
     if data.front:
         objectives = ", ".join(data.objectives)
         lines += [f"Pareto front of {objectives}: {len(data.front)} points", terminal(_front_table(data))]
@@ -113,6 +113,24 @@ def _reasons(data: SweepResult) -> list[str]:
     found = list(dict.fromkeys(f"{row.status}: {row.reason}" for row in data.points if row.reason))
     more = [f"  and {len(found) - _MOST_REASONS} other reasons"] * (len(found) > _MOST_REASONS)
     return [f"  {line}" for line in found[:_MOST_REASONS]] + more
+
+
+def condition_words(data: SweepResult) -> str:
+    """Tell which keys that vary are no choice of the designer; empty where all are."""
+    keys = data.operating_conditions
+    if not keys:
+        return ""
+    are = "is an operating condition" if len(keys) == 1 else "are operating conditions"
+    told = (
+        "every web counts by its condition of least safety"
+        if data.front
+        else "so there is no front and no pick"
+    )
+    return f"{' and '.join(keys)} {are}, not a choice: {told}"
+
+
+def _conditions(data: SweepResult) -> list[str]:
+    return [words] if (words := condition_words(data)) else []
 
 
 def _accuracy(data: SweepResult) -> list[str]:

@@ -6,6 +6,7 @@ from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
+    DISKS,
     barred_sentence,
     cancelled_sentence,
     critical_table,
@@ -48,7 +49,7 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
             Section(
                 "natural-vibrations",
                 "Natural vibrations",
-                varying_sentence(study),
+                f"{varying_sentence(study)} {DISKS}",
                 (("Natural frequencies", modes_table(study)),),
                 (modes,),
             ),

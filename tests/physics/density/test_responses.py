@@ -77,13 +77,16 @@ def responses(model: ThrowModel, density_chain: MaterialInterpolation) -> dict[s
         stress_norm(model, density_chain.web_layers),
         Response("far corner", "mm", lambda design: design.displacements[1, 0, 2, 9, 5], True),
     )
-    return quantities(model, DENSITY) | {response.name: response for response in more}
+    return quantities(model, DENSITY, rods_kg_mm=(20.0, 30.0)) | {
+        response.name: response for response in more
+    }
 
 
 NAMES = (
     "mass",
     "inertia",
     "unbalance",
+    "balance_factor",
     "torsion",
     "torsion_per_mass",
     "twist",

@@ -202,7 +202,7 @@ def test_an_ellipse_is_largest_along_its_axis():
 @pytest.mark.parametrize("scene", ASYMMETRIC, ids=NAMES)
 def test_counterweights_leave_nothing(scene):
     """Of each throw: no rotating force but the share of the pistons. Of the shaft: the least-squares one."""
-    masses = replace(turning_masses(scene), throw_kg_mm=41.0 + 7.0j, share=0.0)
+    masses = replace(turning_masses(scene), throw_kg_mm=41.0 + 7.0j, counterweight_kg_mm=41.0 + 7.0j)
     left = rotating_force(masses, counterweighted=True)
     assert (left.force.largest, left.moment.largest) == (0, 0)
     weights = counterweights(masses)

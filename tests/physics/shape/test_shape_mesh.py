@@ -182,7 +182,7 @@ def test_gradients_by_each_parameter_are_those_of_the_moved_mesh(case: Case) -> 
         above, below = (case.model.responses(case.values + s * change) for s in (1, -1))
         for quantity, value in case.found.values.items():
             measured = (above.values[quantity] - below.values[quantity]) / (2 * step)
-            exact = pytest.approx(measured, rel=1e-3, abs=1e-7 * value)
+            exact = pytest.approx(measured, rel=1e-3, abs=1e-7 * abs(value))
             assert case.found.gradients[quantity][i] == exact, f"{quantity} by {name}"
 
 

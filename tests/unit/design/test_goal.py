@@ -77,6 +77,29 @@ def test_a_given_limit_replaces_the_default_one_of_its_quantity() -> None:
     assert found == ["unbalance <= 40 kg mm", "torsion >= 120 %", "fatigue_safety >= 100 % assumed"]
 
 
+def test_a_balance_factor_is_percent_of_the_oscillating_mass() -> None:
+    """Not of the original; the counterweight then follows it and not the original's unbalance."""
+    found = limits(with_limit('balance_factor = [">= -20 %", "<= 52.5 %"]'))
+    assert found[:2] == ["balance_factor >= -20 %", "balance_factor <= 52.5 %"]
+    goal = wanted(scene_with(with_limit('balance_factor = ">= 50 %"')))
+    assert goal is not None
+    limit = goal.limits[0]
+    assert (limit.percent, limit.required(-140.0)) == (False, 50.0)
+    weighted = with_goal(load_scene("car-diesel"), minimise="mass", limits=["balance_factor >= 40 %"])
+    most = with_goal(load_scene("car-diesel"), maximise="balance_factor")
+    for goal in map(wanted, (weighted, most)):
+        assert goal is not None
+        assert "unbalance" not in {limit.quantity for limit in goal.limits}
+    with pytest.raises(CranktopoError, match=r"the unit is missing; valid: %\.") as caught:
+        with_goal(load_scene("car-diesel"), minimise="mass", limits=["balance_factor >= 40"])
+    assert caught.value.hint == "For it write '>= 40 %'."
+
+
+def test_a_balance_factor_needs_an_oscillating_mass() -> None:
+    with pytest.raises(CranktopoError, match=r"needs \[engine.masses\]: without them nothing oscillates"):
+        with_goal(load_scene("opposed-piston"), minimise="mass", limits=["balance_factor >= 50 %"])
+
+
 def test_a_range_is_two_limits() -> None:
     found = limits(with_limit('mass = [">= 90 %", "<= 1.5 kg"]', 'maximise = "torsion"'))
     assert found[:2] == ["mass >= 90 %", "mass <= 1.5 kg"]
@@ -247,7 +270,7 @@ def test_options_replace_goal_and_limits() -> None:
     ("limit", "message"),
     [
         ("torsoin >= 100 %", "limit 'torsoin >= 100 %': unknown quantity 'torsoin'. Did you mean 'torsion'?"),
-        (">= 100 %", "must begin with the name of a quantity. Valid: bending,"),
+        (">= 100 %", "must begin with the name of a quantity. Valid: balance_factor, bending,"),
         ("torsion", "goal.limits.torsion = '': must begin with <= or >="),
         ("torsion >= 3 \udcff\n", "goal.limits.torsion = '>= 3 \\udcff': unknown unit '\\udcff'"),
     ],

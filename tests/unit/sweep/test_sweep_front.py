@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 
-from cranktopo.tasks.sweep.front import front_of, picks_of
+from cranktopo.tasks.sweep.front import choices_of, front_of, picks_of
 from cranktopo.tasks.sweep.result import PointResult
 from cranktopo.tasks.sweep.text import point_words
 from tests.sweep_cases import point_result
@@ -69,3 +69,31 @@ def test_points_of_several_designs_are_told_with_their_design() -> None:
     assert point_words(rows[:1], rows[0]) == "web.width_mm = 50"
     bare = point_result("one", design="one")
     assert point_words([bare], bare) == "one"
+
+
+def speed(
+    name: str, rpm: float, safety: float, width_mm: float = 50.0, stage: str = "fatigue"
+) -> PointResult:
+    varied = {"engine.speed_rpm": rpm, "web.width_mm": width_mm}
+    return row(name, width_mm / 10, 2.0, fatigue_safety=safety).model_copy(
+        update={"varied": varied, "stage": stage}
+    )
+
+
+def test_a_speed_is_no_choice() -> None:
+    """Every web counts by the speed of its least safety; a sweep over speed alone has nothing to pick."""
+    rows = [speed("a", 1000, 1.4), speed("b", 2000, 1.1), speed("c", 3000, 1.2)]
+    assert choices_of(rows) == []
+    wide = [speed("d", 1000, 1.5, 60.0), speed("e", 2000, 1.6, 60.0), speed("f", 3000, 1.3, 60.0)]
+    chosen = choices_of([*rows, *wide])
+    assert [one.id for one in chosen] == ["b", "f"]
+    assert picks_of(chosen, None)["safest"] == "f"
+    plain = [one.model_copy(update={"varied": {"web.width_mm": 50.0}}) for one in rows]
+    assert choices_of(plain) == plain
+
+
+def test_of_webs_that_are_made_for_one_speed_each_none_is_picked() -> None:
+    rows = [
+        speed(f"{rpm}{width}", rpm, 1.0, width, "shape") for rpm in (1000, 2000) for width in (50.0, 60.0)
+    ]
+    assert choices_of(rows) == []

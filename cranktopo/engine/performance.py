@@ -1,0 +1,111 @@
+"""What a cycle gives: mean pressure, power, the piston's motion, and what is implausible in it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.units import MM_PER_M, NMM_PER_NM, W_PER_KW, angular_speed_rad_s
+from cranktopo.design.engine import Engine
+from cranktopo.engine.analysis import Cycle
+from cranktopo.engine.kinematics import exact_motion
+
+LATEST_PEAK_DEG = 30.0
+"""Latest crank angle of the largest pressure after firing top dead centre; the earliest is 0."""
+MOST_OF_CHARGE = 20.0
+"""Largest mean pressure over that before compression: a charge with all fuel it can burn gives 12 to 16."""
+EXPONENTS = 1.2, 1.45
+"""Range of the polytropic exponent of compression."""
+_COMPRESSION_DEG = -80.0, -40.0
+"""Crank angles between which it is taken: inlet closed, nothing burns yet."""
+
+
+@dataclass(frozen=True)
+class PistonMotion:
+    """Motion of the piston from top dead centre at a speed."""
+
+    displacement_mm: Array
+    speed_m_per_s: Array
+    acceleration_m_per_s2: Array
+
+
+def piston_motion(engine: Engine, radius_mm: float, angle_deg: Array) -> PistonMotion:
+    """Return the piston's path, speed and acceleration at crank angles, positive away from the head."""
+    motion = exact_motion(np.radians(angle_deg), radius_mm, engine.rod_length_mm)
+    w, radius_m = angular_speed_rad_s(engine.speed_rpm), radius_mm / MM_PER_M
+    return PistonMotion(
+        motion.displacement_mm,
+        motion.velocity_ratio * radius_m * w,
+        motion.acceleration_ratio * radius_m * w**2,
+    )
+
+
+def mean_pressure_MPa(work_J: float, engine: Engine, radius_mm: float) -> float:
+    """Return the work of a cycle over the swept volume."""
+    return work_J * NMM_PER_NM / (math.pi / 4 * engine.bore_mm**2 * 2 * radius_mm)
+
+
+def power_kW(work_J: float, engine: Engine) -> float:
+    """Return the power of all cylinders at the engine's speed from the work of a cycle of one."""
+    turns = angular_speed_rad_s(engine.speed_rpm) / (2 * math.pi)
+    return work_J * engine.cylinders * turns * 360.0 / engine.cycle_deg / W_PER_KW
+
+
+def implausible(cycle: Cycle, engine: Engine, radius_mm: float) -> tuple[str, ...]:
+    """Return what no engine's pressure does, one line each: angle of the peak, mean pressure, exponent."""
+    rules = (_peak_misplaced, _mean_too_high, _wrong_exponent)
+    return tuple(line for rule in rules if (line := rule(cycle, engine, radius_mm)))
+
+
+def _peak_misplaced(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+    curve = cycle.pressure
+    angle = float(curve.angle_deg[int(curve.pressure_MPa.argmax())])
+    after = angle if angle <= engine.cycle_deg / 2 else angle - engine.cycle_deg
+    if 0 <= after <= LATEST_PEAK_DEG:
+        return ""
+    return (
+        f"the pressure is largest {abs(after):g} deg {'after' if after > 0 else 'before'} firing top dead "
+        f"centre; an engine that fires has its peak 0 to {LATEST_PEAK_DEG:g} deg after it"
+    )
+
+
+def _mean_too_high(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+    mean, charge = mean_pressure_MPa(cycle.indicated_work_J, engine, radius_mm), _pressure_at(cycle, -180.0)
+    if mean <= 0:
+        return (
+            f"the gas does no work (mean pressure {mean:.3g} MPa): angles count from firing top dead centre"
+        )
+    if mean <= MOST_OF_CHARGE * charge:
+        return ""
+    return (
+        f"the indicated mean pressure of {mean:.3g} MPa is {mean / charge:.3g} times the {charge:.3g} MPa "
+        f"before compression; no engine has more than {MOST_OF_CHARGE:g} times: give "
+        "engine.gas.intake_pressure_MPa of a charged engine"
+    )
+
+
+def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+    """A trace at wrong angles does not rise with the volume; only where trace and compression are given."""
+    gas = engine.gas
+    if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
+        return ""
+    way = exact_motion(np.radians(_COMPRESSION_DEG), radius_mm, engine.rod_length_mm).displacement_mm
+    volume = 2 * radius_mm / (gas.compression_ratio - 1) + way
+    early, late = (_pressure_at(cycle, angle) for angle in _COMPRESSION_DEG)
+    exponent = math.log(late / early) / math.log(volume[0] / volume[1])
+    if EXPONENTS[0] <= exponent <= EXPONENTS[1]:
+        return ""
+    side = "late" if exponent < EXPONENTS[0] else "early"
+    return (
+        f"the pressure rises in compression with the exponent {exponent:.2f}, where gas has {EXPONENTS[0]:g} "
+        f"to {EXPONENTS[1]:g}: the trace is {side} by some degrees, "
+        "or engine.gas.compression_ratio is another"
+    )
+
+
+def _pressure_at(cycle: Cycle, angle_deg: float) -> float:
+    curve = cycle.pressure
+    return float(np.interp(angle_deg, curve.angle_deg, curve.pressure_MPa, period=curve.cycle_deg))

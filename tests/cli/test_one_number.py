@@ -1,0 +1,205 @@
+"""A quantity that several commands print has one number: every pair of commands, on three engines.
+
+The pages of `fatigue --report` and `compare --report` are among them, read as Markdown. With everything that
+takes elements: `pytest -m slow -s tests/cli/test_one_number.py`, which prints the count of pairs.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from itertools import combinations
+
+import pytest
+
+from cranktopo.app.main import main
+from tests.engine_arrangements import MIKRON
+
+_PLAIN = MIKRON[: MIKRON.index("[envelope]")]
+_WEIGHT = "[web.counterweight]\nouter_radius_mm = 60.0\nhalf_angle_deg = 70.0\n[material]"
+_VEE = "[engine.arrangement]\nlayout = 'V'\nbank_angle_deg = 90.0\nthrow_angles_deg = [0.0]\n"
+_SHAFT = "\n[shaft]\nthrow_loss_factor = 0.02\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n"
+SCENES = {
+    "four with a propeller": _PLAIN + _SHAFT,
+    "V2, half of the oscillating masses to be balanced": _PLAIN.replace("[material]", _WEIGHT, 1)
+    .replace("cylinders = 4", "cylinders = 2")
+    .replace("[1, 3, 4, 2]", "[1, 2]")
+    .replace("[engine.masses]", f"{_VEE}balanced_oscillating_share = 0.5\n[engine.masses]"),
+    "two different webs": _PLAIN.replace(
+        "[material]", "[second_web]\nthickness_mm = 23.0\noutline = 'obround'\nwidth_mm = 60.0\n[material]", 1
+    ),
+}
+CLOSED_FORM = {"loads": ["loads"], "balance": ["balance"], "plan": ["plan"]}
+BY_ELEMENTS = {"evaluate": ["evaluate"], "shaft": ["shaft"], "vibration": ["vibration"]}
+
+
+def _loads(data):
+    throw, torque = data["balance"], data["engine_torque_Nm"]
+    yield from {
+        "speed": data["speed_rpm"],
+        "counterweights of a throw": throw["counterweight_kg_mm"],
+        "counterweights that a throw has": throw["own_counterweight_kg_mm"],
+        "balance factor": throw["balance_factor_percent"],
+        "mass of the throw": throw["throw_mass_kg"],
+        "mass of the first web": throw["web_mass_kg"],
+        "mass of the second web": throw["second_web_mass_kg"],
+        "inertia of the throw": throw["inertia_kg_mm2"],
+        "unbalance of the throw": throw["throw_unbalance_kg_mm"],
+        "largest load of the first main bearing": data["extremes"]["main_journal_force_N"]["max"]["value"],
+        "mean torque of the engine": torque["mean"],
+    }.items()
+    yield from _effects(data)
+
+
+def _effects(data):
+    for effect in data["effects"]:
+        yield f"estimate of {effect['name']}", effect["estimate_percent"]
+        yield f"state of {effect['name']}", effect["state"]
+
+
+def _balance(data):
+    webs = [web for web in data["counterweights"] if web["throw"] == 1]
+    yield from {
+        "speed": data["speed_rpm"],
+        "counterweights of a throw": -sum(
+            web["unbalance_kg_mm"] * math.cos(math.radians(web["deg"])) for web in webs
+        ),
+        "counterweights that a throw has": sum(web["own_kg_mm"] for web in webs),
+        "balance factor": data["balance_factor_percent"],
+        "largest load of the first main bearing": data["main_bearings"][0]["max_N"],
+        "angles of the throws": data["arrangement"]["throw_angles_deg"],
+    }.items()
+
+
+def _evaluate(data):
+    entry = data["evaluations"][0]
+    yield from {
+        "mass of the throw": entry["mass_kg"]["throw"],
+        "mass of the first web": entry["mass_kg"]["web"],
+        "inertia of the throw": entry["inertia_kg_mm2"],
+        "unbalance of the throw": entry["unbalance_kg_mm"],
+        "balance factor": entry["balance_factor_percent"],
+        "torsional stiffness": entry["torsion"]["free_Nm_per_rad"],
+        "bending stiffness": entry["bending"]["pinned_N_per_mm"],
+    }.items()
+    if "second_web" in entry["mass_kg"]:
+        yield "mass of the second web", entry["mass_kg"]["second_web"]
+
+
+def _shaft(data):
+    disks, throws = data["opentorsion"]["disks"], data["torsion"]["throws_Nm_per_rad"]
+    yield from {
+        "mass of the throw": data["mass_kg"] / len(throws),
+        "angles of the throws": data["throw_angles_deg"],
+        "inertia of a throw that moves": sum(disk["I"] for disk in disks) / len(throws),
+    }.items()
+    if len(throws) > 1 and throws[0] == pytest.approx(throws[1]):  # equal halves: half a throw of either
+        yield "stiffness between the first throws", throws[0]
+    if len(throws) == 1:  # alone it has no neighbours that hold it
+        yield "torsional stiffness", throws[0]
+
+
+def _vibration(data):
+    sections = [one for one in data["sections"] if one["name"] == "throw 1 - throw 2"]
+    yield "inertia of a throw that moves", data["disks"][0]["inertia_kg_m2"]
+    yield "stiffness between the first throws", sections[0]["stiffness_Nm_per_rad"]
+
+
+def _fatigue(data):
+    entry = data["fatigue"][0]
+    yield "mass of the throw", entry["throw_kg"]
+    yield "acceptability", min(one["safety"] for one in data["fatigue"])
+    yield "alternating torque", entry["alternating"]["torque_Nm"]
+    yield "alternating bending moment", entry["alternating"]["moment_Nm"]
+
+
+def _compare(data):
+    yield from _evaluate(data)
+    yield from _fatigue(data["fatigue"])
+
+
+def _page(text):
+    """Frequency and speed of the vibration, and the load case of torsion, as a page has them."""
+    found = re.search(r"first natural frequency (\S+) Hz\D*order (\S+) at (\d+) rpm", text)
+    names = ("first natural frequency", "order that swings most", "speed where it swings most")
+    yield from zip(names, map(float, found.groups()), strict=True)
+    row = next(line for line in text.splitlines() if line.startswith("| torsion | ") and "vibrating" in line)
+    yield "torque of the load case", float(row.split("|")[4].replace(",", ""))
+
+
+_READERS = {
+    "loads": _loads,
+    "balance": _balance,
+    "plan": _effects,
+    "evaluate": _evaluate,
+    "shaft": _shaft,
+    "vibration": _vibration,
+    "fatigue": _fatigue,
+    "compare": _compare,
+}
+
+
+def told(capsys, path, commands):
+    """What each command tells, by command and quantity; a shaft of one throw has no torsional vibration."""
+    found = {}
+    for name, (command, *options) in commands.items():
+        as_json = ["--format", "json"] if command == "compare" else ["--json"]
+        code = main([command, str(path), *options, *as_json])
+        data = json.loads(capsys.readouterr().out)
+        if code == 0:
+            found[name] = dict(_READERS[name](data))
+        else:
+            assert "one throw with nothing joined to it" in data["error"]["message"]
+    return found
+
+
+def pairs(found):
+    """Every two commands that tell the same quantity, with both values."""
+    names = sorted({name for quantities in found.values() for name in quantities})
+    for name in names:
+        tellers = [command for command, quantities in found.items() if name in quantities]
+        for one, other in combinations(tellers, 2):
+            yield name, one, other, found[one][name], found[other][name]
+
+
+def check(found, least):
+    every = list(pairs(found))
+    differ = [pair for pair in every if not _alike(*pair[3:])]
+    print(f"\n{len(every)} pairs of commands tell the same quantity, {len(every) - len(differ)} agree")
+    assert differ == []
+    assert len(every) >= least
+
+
+def _alike(one, other):
+    return one == other if isinstance(one, str | None) else one == pytest.approx(other, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_what_closed_forms_tell(capsys, tmp_path, scene):
+    path = tmp_path / "engine.toml"
+    path.write_text(SCENES[scene])
+    check(told(capsys, path, CLOSED_FORM), least=30)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES)
+def test_what_elements_tell(capsys, tmp_path, scene):
+    path = tmp_path / "engine.toml"
+    path.write_text(SCENES[scene])
+    found = told(capsys, path, CLOSED_FORM | BY_ELEMENTS)
+    with capsys.disabled():
+        check(found, least=42)
+
+
+@pytest.mark.slow
+def test_what_the_rule_and_its_pages_tell(capsys, tmp_path):
+    """The shaft vibrates: dossier and comparison take the stiffness of its throws by elements."""
+    path, dossier, page = (tmp_path / name for name in ("engine.toml", "dossier.md", "page.md"))
+    path.write_text(SCENES["four with a propeller"])
+    rule = ["--method", "m53", "--report", str(dossier)]
+    beside = ["--baseline", str(path), "--fatigue", "m53", "--report", str(page)]
+    found = told(capsys, path, {"fatigue": ["fatigue", *rule], "compare": ["compare", *beside]})
+    found |= {one.stem: dict(_page(one.read_text(encoding="utf-8"))) for one in (dossier, page)}
+    with capsys.disabled():
+        check(found, least=8)
