@@ -15,6 +15,7 @@ import click
 
 from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import detail, note
+from cranktopo.base.units import number_text
 from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
@@ -179,9 +180,9 @@ class _Bar:
         done = len(state.history)
         self._bar.total = done + (0 if state.done else iterations_left(problem, state))
         cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
-        work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
+        work = ", ".join(f"{name} {number_text(value)} N mm" for name, value in cases)
         reached = [
-            f"{response.name} {value:.4g} {response.unit}".rstrip()
+            f"{response.name} {number_text(value)} {response.unit}".rstrip()
             for response, value in zip(
                 problem.optimisation.responses, (*row.goals, *row.limits), strict=False
             )
