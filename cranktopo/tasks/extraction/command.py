@@ -52,6 +52,8 @@ def command(
 def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> SurfaceFormat:
     """Return the format that is asked for, by option or by the name of a file that can be written."""
     if out is None:
+        if force:
+            raise click.UsageError("--force is about --out: without it the run's own surface is written")
         return form or "stl"
     from cranktopo.runs.destination import check_file
 

@@ -138,6 +138,8 @@ def _scene(
     evaluated = False if no_evaluation else None
     scene = one_web(load_scene(name, whole=True), web)
     scene = scene.with_optimise(**settings, limits_by_evaluation=evaluated)
+    if settings["draft_deg"] is not None and scene.optimise.process in ("free", "milled"):
+        raise click.UsageError(f"--draft-deg: process '{scene.optimise.process}' has no draft: leave it out")
     scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
     if settings["volume_fraction"] is not None and scene.goal is not None:
         raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
