@@ -9,6 +9,7 @@ import hashlib
 import importlib
 import inspect
 import json
+import pkgutil
 import re
 import shlex
 import shutil
@@ -21,6 +22,7 @@ from typing import Any
 import click
 import pytest
 
+import cranktopo
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder
@@ -329,6 +331,13 @@ def test_it_acts_or_is_refused(
         without = given(case.words)
         assert given(case.words) == without, "the same words give the same, or a difference says nothing"
         assert given(f"{case.words} {case.option}") != without
+
+
+@pytest.fixture(scope="module", autouse=True)
+def everything_imported() -> None:
+    """No module is imported while work is replaced: it would keep the stand-in for good."""
+    for module in pkgutil.walk_packages(cranktopo.__path__, "cranktopo."):
+        importlib.import_module(module.name)
 
 
 @pytest.fixture(scope="module")
