@@ -6,6 +6,7 @@ A script hears them with `logging.basicConfig(level="INFO", format="%(message)s"
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
@@ -13,6 +14,8 @@ from contextvars import ContextVar
 _LOG = logging.getLogger("cranktopo.notes")
 _listener: ContextVar[Callable[[str], None] | None] = ContextVar("listener", default=None)
 """Function that hears the notes in place of the logger."""
+_pace_listener: ContextVar[Callable[[str], None] | None] = ContextVar("pace_listener", default=None)
+"""Function that hears how far silent work is."""
 
 
 def note(line: str) -> None:
@@ -36,12 +39,63 @@ def redirected(listener: Callable[[str], None]) -> Iterator[None]:
         _listener.reset(token)
 
 
-def silent() -> AbstractContextManager[None]:
-    """Keep the notes of a part of the work to itself."""
-    return redirected(lambda _: None)
+@contextmanager
+def silent() -> Iterator[None]:
+    """Keep the notes of a part of the work to itself, but for the lines of its pace."""
+    token = _pace_listener.set(_pace_listener.get() or _listener.get() or _LOG.info)
+    try:
+        with redirected(lambda _: None):
+            yield
+    finally:
+        _pace_listener.reset(token)
 
 
 def indented() -> AbstractContextManager[None]:
     """Tell the notes of a part of the work as those of a part."""
     outer = _listener.get() or _LOG.info
     return redirected(lambda line: outer(f"  {line}"))
+
+
+_QUIET_S = 3.0
+"""Seconds that work may take without a line about how far it is."""
+_BAR = 12
+
+
+class Pace:
+    """Lines of work in parts: a bar, which part of how many, and the time left by the pace so far.
+
+    Parts that follow each other fast have a line together, so that short work has none.
+    """
+
+    def __init__(self, work: str, parts: int, *, at_most: bool = False, quiet_s: float = _QUIET_S) -> None:
+        self._work, self._parts, self._done, self._quiet_s = work, max(parts, 1), 0, quiet_s
+        self._most = "at most " if at_most else ""
+        self._began = self._told = time.perf_counter()
+
+    def begin(self, part: str = "") -> None:
+        """Tell that the next part begins, unless the last line is new."""
+        now = time.perf_counter()
+        if now - self._told >= self._quiet_s:
+            self._told = now
+            line = ", ".join([f"{self._where()}{part and f', {part}'}", *self._left(now)])
+            (_pace_listener.get() or note)(line)
+        self._done += 1
+
+    def _where(self) -> str:
+        full = min(_BAR * self._done // self._parts, _BAR)
+        bar = f"[{'#' * full}{'-' * (_BAR - full)}]"
+        return f"{self._work}: {bar} {self._done + 1} of {self._most}{max(self._parts, self._done + 1)}"
+
+    def _left(self, now: float) -> list[str]:
+        left = self._parts - self._done
+        if not self._done or left <= 0:
+            return []
+        return [f"{self._most or 'about '}{duration_text(left * (now - self._began) / self._done)} left"]
+
+
+def duration_text(seconds: float) -> str:
+    """Return a time for people: `40 s`, `12 min`, `3 h 20 min`."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"

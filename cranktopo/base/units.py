@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 MM_PER_M = 1000.0
 MM_PER_INCH = 25.4
@@ -30,6 +31,19 @@ def angular_speed_rad_s(speed_rpm: float) -> float:
     return speed_rpm * 2.0 * math.pi / 60.0
 
 
+def plain_number(value: float, digits: int = 4) -> str:
+    """Return a number to some significant digits, without an exponent and without a negative zero."""
+    text = f"{value:z.{digits}g}"
+    return f"{Decimal(text):f}" if "e" in text else text
+
+
+def number_text(value: float) -> str:
+    """Return a number as tables and sentences show it: `685.7`, `68,440`."""
+    return f"{value:,.0f}" if abs(value) >= _LARGE else plain_number(value)
+
+
+_LARGE = 1e4
+"""Such numbers are shown without decimals, in groups of three digits."""
 UNITS = {
     "N_per_mm": "N/mm",
     "N_per_mm_kg": "N/mm/kg",

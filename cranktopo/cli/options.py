@@ -241,16 +241,24 @@ def limit_options(function: Any) -> Any:
     return function
 
 
+def typed(*left_out: str) -> list[str]:
+    """Return what the command line of the running command has, as the user writes it, but for some names."""
+    context = click.get_current_context()
+    return [
+        parameter.opts[0] if isinstance(parameter, click.Option) else str(parameter.name).upper()
+        for parameter in context.command.params
+        if parameter.expose_value
+        and parameter.name not in left_out
+        and context.get_parameter_source(str(parameter.name)) == ParameterSource.COMMANDLINE
+    ]
+
+
 def refuse_beside_resume(*allowed: str) -> None:
     """Check that nothing but the `allowed` parameters is given beside --resume, as the run keeps the rest."""
-    context = click.get_current_context()
-    for parameter in context.command.params:
-        name = str(parameter.name)
-        typed = context.get_parameter_source(name) == ParameterSource.COMMANDLINE
-        if typed and parameter.expose_value and name not in ("resume", "as_json", *allowed):
-            what = parameter.opts[0] if isinstance(parameter, click.Option) else name.upper()
-            free = [p.opts[0] for p in context.command.params if p.name in allowed]
-            but = f"; only {' and '.join(free)} may be given" if free else ""
-            raise click.UsageError(
-                f"--resume takes the design and its options from the run{but}: leave out {what}"
-            )
+    for what in typed("resume", "as_json", *allowed):
+        parameters = click.get_current_context().command.params
+        free = [parameter.opts[0] for parameter in parameters if parameter.name in allowed]
+        but = f"; only {' and '.join(free)} may be given" if free else ""
+        raise click.UsageError(
+            f"--resume takes the design and its options from the run{but}: leave out {what}"
+        )

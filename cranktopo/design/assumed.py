@@ -8,6 +8,7 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import SceneTable
+from cranktopo.base.units import plain_number
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 
@@ -43,7 +44,7 @@ class Assumption:
     meaning: str
 
     def __str__(self) -> str:
-        value = self.value if isinstance(self.value, str) else f"{self.value:g}"
+        value = self.value if isinstance(self.value, str) else plain_number(self.value, 6)
         value = f'"{value}"' if " " in value else value
         return f"{self.key} = {value}" + (f" ({self.meaning})" if self.meaning else "")
 

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
 from cranktopo.design.checks.scene import check_scene
-from cranktopo.design.halves import difference, halves, of_second, require_equal_halves
+from cranktopo.design.halves import difference, halves, of_second, require_equal_halves, usual_scale
 from cranktopo.design.messages import explain, explain_unknown
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RUNS, runs_named
@@ -274,10 +274,19 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
         scene = Scene.model_validate(data)
     except ValidationError as error:
         raise explain(error, source) from None
+    scene = _with_usual_cells(scene)
     check_scene(scene)
     if not whole:
         require_equal_halves(scene)
     return scene
+
+
+def _with_usual_cells(scene: Scene) -> Scene:
+    """Return the scene with cells in proportion to its journals, where it gives no size of cells itself."""
+    scale = usual_scale(scene)
+    if scale == 1 or "resolution_mm" in scene.optimise.model_fields_set:
+        return scene
+    return scene.with_optimise(resolution_mm=float(f"{scene.optimise.resolution_mm / scale:.3g}"))
 
 
 def load_scene(design: str, *, whole: bool = False) -> Scene:

@@ -132,7 +132,8 @@ class Optimise(SceneTable):
     volume_fraction: Fraction = 0.3
     """Volume of the optimised web over the volume of the design space."""
     resolution_mm: float = Field(default=1.5, ge=1e-3, le=1000)
-    """Edge of the cells; each direction is adjusted so that cells end at the web's faces."""
+    """Edge of the cells; each direction is adjusted so that cells end at the web's faces. The default is for
+    journals of 42 to 84 mm; others have cells in proportion."""
     filter_radius_mm: Length | None = Field(default=None, examples=[3.0])
     """Radius of the cone filter; by default 2.5 cells, at least 3 mm, or more where `min_member_mm` or
     `min_gap_mm` need it; at most half of the design space."""

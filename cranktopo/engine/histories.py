@@ -43,9 +43,9 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
 
     "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
-    not tell counts as zero. "cycle" follows every throw of the shaft over its working cycle. With
-    `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed too. A load whose
-    effect is not enabled stays zero.
+    not tell, or a computed one above zero, counts as zero. "cycle" follows every throw of the shaft over its
+    working cycle. With `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed
+    too. A load whose effect is not enabled stays zero.
     """
     if scene.engine is None:
         raise CranktopoError(
@@ -68,10 +68,12 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
     analysis = analyse(scene, enabled)
     given = analysis.engine.max_gas_force_N is not None or analysis.cycle is None
     low_radial = 0.0 if given or analysis.cycle is None else analysis.cycle.extreme("web_force_N")[1].value
-    low_torque = states["min_torque"].case.torque_Nm if "min_torque" in states else 0.0
+    low_torque = min(states["min_torque"].case.torque_Nm, 0.0) if "min_torque" in states else 0.0
+    if analysis.engine.min_torque_Nm is not None:
+        low_torque = analysis.engine.min_torque_Nm
     speed = angular_speed_rad_s(analysis.engine.speed_rpm)
     forces = {"largest": radial.case.radial_N, "smallest": min(low_radial, 0.0)}
-    torques = {"largest": torque.case.torque_Nm, "smallest": min(low_torque, 0.0)}
+    torques = {"largest": torque.case.torque_Nm, "smallest": low_torque}
     pairs = [(force, twist) for force in forces for twist in torques]
     return LoadHistory(
         np.array([forces[force] for force, _ in pairs]),

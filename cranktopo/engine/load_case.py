@@ -8,6 +8,7 @@ from typing import Literal
 from pydantic import ConfigDict, Field
 
 from cranktopo.base.result import Result
+from cranktopo.base.units import number_text
 
 LoadKind = Literal["bending", "torsion", "tangential", "centrifugal"]
 _LoadField = Literal["radial_N", "tangential_N", "torque_Nm", "speed_rpm"]
@@ -85,8 +86,4 @@ class LoadCase(Result):
     def label(self) -> str:
         """Name and load, as in `bending, 32,377 N`."""
         loads = (("N", self.radial_N or self.tangential_N), ("N m", self.torque_Nm), ("rpm", self.speed_rpm))
-        return ", ".join([self.name, *(f"{_rounded(value)} {unit}" for unit, value in loads if value)])
-
-
-def _rounded(value: float) -> str:
-    return f"{value:,.0f}" if abs(value) >= _LARGE else f"{value:.4g}"
+        return ", ".join([self.name, *(f"{number_text(value)} {unit}" for unit, value in loads if value)])

@@ -164,7 +164,7 @@ def _mark_redundant(states: tuple[ExtremeState, ...], enabled: frozenset[str]) -
         if rival is not state:
             factor = _load(state) / _load(rival) if _load(rival) else 0.0
             why = (
-                f"{factor:+.3f} times {rival.name}: a linear structure has the same best shape, and "
+                f"{factor:+z.3f} times {rival.name}: a linear structure has the same best shape, and "
                 f"{100 * factor**2:.1f} % of its compliance"
             )
             state = replace(state, redundant=why)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.units import number_text
 from cranktopo.design.goal.constraint import ACTIVE
 from cranktopo.design.goal.outcome import (
     GoalEvaluation,
@@ -81,8 +82,7 @@ def value_text(value: float | None, unit: str) -> str:
     """Return a value with its unit, large ones without decimals; a dash for what is not known."""
     if value is None:
         return "-"
-    number = f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
-    return f"{number} {unit}".rstrip()
+    return f"{number_text(value)} {unit}".rstrip()
 
 
 def _limit(limit: LimitOutcome) -> str:

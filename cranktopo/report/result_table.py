@@ -8,41 +8,119 @@ import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
+from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 from cranktopo.base.units import stem_and_unit
 
+WIDTH = 80
+"""Letters of a line of the terminal that every table fits in."""
+_WORDS = 16
+"""A column of words is not made narrower; where that does not suffice the table is folded by columns."""
+_LONGEST_WORD = 38
+"""A longer word is broken: two such columns still fit."""
 
-def text_table(
-    align: str, header: Sequence[str], rows: Sequence[Sequence[str]], wrap: Mapping[int, int] | None = None
-) -> str:
-    """Return columns padded to their widest cell, two spaces apart.
+
+@dataclass(frozen=True)
+class _Printed:
+    """A column for the terminal: its head and the unit below it, its cells, the side that they stand on."""
+
+    head: str
+    unit: str
+    cells: Sequence[str]
+    right: bool
+
+    @cached_property
+    def longest_cell(self) -> int:
+        """Letters of the longest cell, or of the unit."""
+        return max(map(len, (self.unit, *self.cells)))
+
+    @cached_property
+    def longest_word(self) -> int:
+        """Letters of the longest word that is kept whole, of the head as of the cells."""
+        words = (word for text in (self.head, *self.cells) for word in text.split())
+        return min(max(map(len, words), default=0), _LONGEST_WORD)
+
+    def width(self, most: int) -> int:
+        """Return the letters that it takes where cells of more than `most` go on in the next line."""
+        if most >= WIDTH:
+            return max(len(self.head), self.longest_cell)
+        return max(min(self.longest_cell, most), self.longest_word)
+
+    def lines(self, text: str, width: int) -> list[str]:
+        """Return a text in lines of that width; one that goes on is read from the left."""
+        broken = textwrap.wrap(text, width, break_on_hyphens=False) or [""]
+        left = not self.right or (len(broken) > 1 and text in self.cells)
+        return [line.ljust(width) if left else line.rjust(width) for line in broken]
+
+    def heads(self, width: int) -> list[str]:
+        """Return the lines of the head, the unit last."""
+        return [*self.lines(self.head, width), self.lines(self.unit, width)[0]]
+
+
+def text_table(align: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return columns two spaces apart in lines of at most `WIDTH` letters.
 
     Args:
         align: one letter per column, `l` or `r`.
-        wrap: greatest width of a column, by its index; longer cells continue on the next line.
+        header: a unit behind a line break stands below its word; without words there is no line for it.
     """
-    limits = wrap or {}
-    lines = [line for row in (header, *rows) for line in _wrapped(row, limits)]
-    widths = [max(len(cell) for cell in column) for column in zip(*lines, strict=True)]
-    return "\n".join(_padded(line, widths, align) for line in lines)
+    columns = zip(header, align, zip(*rows, strict=True) if rows else [()] * len(header), strict=True)
+    printed = [_Printed(*head.partition("\n")[::2], cells, side == "r") for head, side, cells in columns]
+    return _folded(printed, ruled=False)
 
 
-def _wrapped(row: Sequence[str], limits: Mapping[int, int]) -> list[tuple[str, ...]]:
-    cells = [
-        textwrap.wrap(cell, limits[index]) or [""] if index in limits else [cell]
-        for index, cell in enumerate(row)
-    ]
-    return list(zip_longest(*cells, fillvalue=""))
+def labelled(rows: Sequence[tuple[str, str]]) -> str:
+    """Return texts beside their labels; a long text goes on below itself."""
+    return text_table("ll", ("", ""), rows)
 
 
-def _padded(cells: Sequence[str], widths: Sequence[int], align: str) -> str:
-    padded = [
-        cell.ljust(width) if side == "l" else cell.rjust(width)
-        for cell, width, side in zip(cells, widths, align, strict=True)
-    ]
-    return "  ".join(padded).rstrip()
+def _folded(columns: Sequence[_Printed], ruled: bool) -> str:
+    """Return the columns in as few blocks as fit, each with the first column, one below the other."""
+    fewest = len(_blocks(columns, WIDTH))
+    rooms = range(WIDTH // 2 if fewest > 1 else WIDTH, WIDTH + 1)
+    alike = next(room for room in rooms if len(_blocks(columns, room)) == fewest)
+    return "\n\n".join(_block(block, ruled) for block in _blocks(columns, alike))
+
+
+def _blocks(columns: Sequence[_Printed], room: int) -> list[list[_Printed]]:
+    """Return blocks that begin with the first column and take on the next ones while these find room."""
+    first, *rest = columns
+    blocks = [[first]]
+    for column in rest:
+        tried = [*blocks[-1], column]
+        if len(tried) > 2 and _fitting(tried, room) is None:
+            tried = [first, column]
+            blocks.append(tried)
+        blocks[-1] = tried
+    return blocks
+
+
+def _fitting(columns: Sequence[_Printed], room: int) -> list[int] | None:
+    """Return the widest widths at which the columns fit side by side, heads broken last; None if none do."""
+    for most in range(WIDTH, _WORDS - 1, -1):
+        widths = [column.width(most) for column in columns]
+        if sum(widths) + 2 * (len(widths) - 1) <= room:
+            return widths
+    return None
+
+
+def _block(columns: Sequence[_Printed], ruled: bool) -> str:
+    widths = _fitting(columns, WIDTH) or [column.width(_WORDS) for column in columns]
+    heads = [column.heads(width) for column, width in zip(columns, widths, strict=True)]
+    most = max(map(len, heads))
+    heads = [[" " * width] * (most - len(head)) + head for head, width in zip(heads, widths, strict=True)]
+    lines = [line for line in zip(*heads, strict=True) if "".join(line).strip()]
+    lines += [tuple("-" * width for width in widths)] * ruled
+    for row in zip(*(column.cells for column in columns), strict=True):
+        texts = zip(columns, row, widths, strict=True)
+        cells = [column.lines(text, width) for column, text, width in texts]
+        blank = [" " * width for width in widths]
+        for number in range(max(map(len, cells))):
+            lines.append(
+                tuple(c[number] if number < len(c) else b for c, b in zip(cells, blank, strict=True))
+            )
+    return "\n".join("  ".join(line).rstrip() for line in lines)
 
 
 _SPECIAL = re.compile(r"([\\`*_|\[\]<>~&$#])")
@@ -87,7 +165,7 @@ class ResultTable:
         value = self.rows[row][column]
         if value is None:
             return "-"
-        text = value if isinstance(value, str) else f"{value:.{self.columns[column]}f}"
+        text = value if isinstance(value, str) else f"{value:z.{self.columns[column]}f}"
         return f"{text}*" if (row, column) in self.best else text
 
     def cells(self, row: int) -> list[str]:
@@ -114,13 +192,11 @@ def tabulate(
 
 def terminal(table: ResultTable) -> str:
     """Return the table for a terminal: right-aligned numbers, a column's head broken at its unit."""
-    heads = [table.head(column) for column in table.columns]
-    body = [table.cells(row) for row in range(len(table.rows))]
-    lines = [[head[part] for head in heads] for part in (0, 1)] + body
-    widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
-    align = "l" + "r" * (len(heads) - 1)
-    lines.insert(2, ["-" * width for width in widths])
-    return "\n".join(_padded(line, widths, align) for line in lines)
+    printed = [
+        _Printed(*table.head(column), [table.cell(row, column) for row in range(len(table.rows))], number > 0)
+        for number, column in enumerate(table.columns)
+    ]
+    return _folded(printed, ruled=True)
 
 
 def markdown(table: ResultTable) -> str:

@@ -10,16 +10,19 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import design_text, designs_folder
+from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.loading import design_text, designs_folder, load_scene, with_values
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare.result import Entry, compare
+from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
 from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, dimensions
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
-from cranktopo.tasks.fea.quantities import SAFETY, TORSION
+from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE
 from cranktopo.tasks.fea.targets import Target, resolve_target
 
 NO_FATIGUE = FatigueResult(
@@ -334,3 +337,29 @@ def test_safeties_within_two_percent_are_level(other: float, best: int | None) -
     ]
     fatigue = FatigueComparison((1.3, other), (), NO_FATIGUE)
     assert compare(entries, NAMES[0], fatigue).best(SAFETY) == best
+
+
+def test_stars_by_what_is_wanted() -> None:
+    """The unbalance nearest to that of a balanced throw, not the algebraic least."""
+    base, lighter, over = (
+        replace(invented(resolve_target(NAMES[0])), target=name, unbalance_kg_mm=unbalance)
+        for name, unbalance in (("base", 35.0), ("lighter", 2.0), ("over", -40.0))
+    )
+    found = compare([Entry(base), Entry(lighter), Entry(over)], "base")
+    assert found.best(UNBALANCE) == 1
+    assert replace(found, balanced_kg_mm=-30.0).best(UNBALANCE) == 2
+    scene = load_scene("mikron-iiic-plain")
+    balance = throw_balance(scene)
+    assert balanced_kg_mm(scene) == balance.throw_unbalance_kg_mm - balance.rotating_unbalance_kg_mm
+    assert balanced_kg_mm(scene) < 0, "the rods of an engine are on the pin"
+    assert balanced_kg_mm(with_goal(scene, minimise="unbalance")) == 0.0
+
+
+def test_a_longer_throw_is_said_and_how_to_keep_the_pitch() -> None:
+    base = load_scene("mikron-iiic-plain")
+    thicker = with_values(base, {"web.thickness_mm": 29.0})
+    (line,) = pitch_lines([Target("base", base), Target("thick", thicker)], 0)
+    assert line.startswith("thick: pitch 134 mm, base has 114 mm: the engine is longer.")
+    assert line.endswith("throw.main_journal.length_mm or throw.crankpin.length_mm by -20 mm.")
+    kept = with_values(thicker, {"throw.main_journal.length_mm": 20.0})
+    assert pitch_lines([Target("base", base), Target("kept", kept)], 0) == []

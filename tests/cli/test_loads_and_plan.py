@@ -63,8 +63,8 @@ def test_speed_sweep(capsys):
     code, out, _ = run(capsys, "loads", "--speed", "1000:2800:200")
     rows = out.strip().splitlines()
     assert code == 0
-    assert [row.split()[0] for row in rows[1:]] == [str(n) for n in range(1000, 2801, 200)]
-    inertia = {int(row.split()[0]): float(row.split()[2]) for row in rows[1:]}
+    assert [row.split()[0] for row in rows[-10:]] == [str(n) for n in range(1000, 2801, 200)]
+    inertia = {int(row.split()[0]): float(row.split()[2]) for row in rows[-10:]}
     assert inertia[2000] == pytest.approx(4 * inertia[1000], abs=0.5)
 
 

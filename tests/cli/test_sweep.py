@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
@@ -16,6 +17,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.compare.stage import with_picks
+from cranktopo.tasks.sweep.run import SweptRun
 from tests import sweep_cases
 from tests.packed_scenes import small_web
 from tests.sweep_cases import FILLET, WIDTH
@@ -163,3 +165,15 @@ def test_an_interrupted_sweep_says_how_to_go_on(scheduler: str, tmp_path: Path) 
     assert (
         sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)["status"].tolist() == ["done"] * 2
     )
+
+
+def test_a_sweep_without_a_possible_point_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Webs that turn out to be impossible when they are computed, not when the plan is read."""
+    swept_points = SimpleNamespace(points=[SimpleNamespace(status="impossible", reason="no web.")])
+    done = SweptRun(tmp_path, swept_points)  # type: ignore[arg-type]
+    monkeypatch.setattr("cranktopo.tasks.sweep.run.run_sweep", lambda *_: done)
+    monkeypatch.setattr("cranktopo.tasks.sweep.text.sweep_summary", lambda *_: "1 points")
+    assert main(["sweep", "mikron-iiic-plain", "--vary", f"{WIDTH}=50,51"]) == ExitCode.INVALID_INPUT
+    assert "no point of the sweep is possible; the first: no web." in capsys.readouterr().err

@@ -166,7 +166,8 @@ def test_refused(name: str, said: str, tmp_path: Path, capsys: pytest.CaptureFix
         text = MIKRON.replace("cylinders = 4", "cylinders = 1").replace("firing_order = [1, 3, 4, 2]", "")
         path = design(tmp_path, GIVEN, text)
     page = tmp_path / "page.html"
-    assert main(["vibration", path, "--report", str(page), "--quiet", "--element-size-mm", "30"]) == 3
+    coarse = [] if name == "lone" else ["--element-size-mm", "30"]
+    assert main(["vibration", path, "--report", str(page), "--quiet", *coarse]) == 3
     found = capsys.readouterr()
     assert said in found.err
     assert len(found.err.splitlines()) == 1
@@ -211,3 +212,23 @@ def test_the_range_is_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     every = vibration(study.shaft, harmonics, study.response.speeds_rpm)
     assert vibration_text(study).endswith(DISKS)
     assert study.mean_response.worst_Nm == pytest.approx(every.worst_Nm, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "words", [["--bearings", "spring"], ["--bearings", "rigid"], ["--element-size-mm", "9"]]
+)
+def test_what_a_given_stiffness_leaves_out_is_refused(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["vibration", design(tmp_path, GIVEN), *words]) == 2
+    found = capsys.readouterr()
+    assert found.out == ""
+    assert found.err.startswith(f"error: {words[0]}: shaft.throw_stiffness_Nm_per_rad gives the stiffness")
+
+
+def test_an_endless_run_up_is_refused_before_anything_is_solved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", lambda *_: pytest.fail("solved"))
+    assert main(["vibration", design(tmp_path, "speed_min_rpm = 2000.0"), "--run-up", "20h"]) == 2
+    assert "--run-up 72000 s: must be >=" in capsys.readouterr().err

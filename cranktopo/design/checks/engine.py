@@ -207,6 +207,9 @@ def check_engine(scene: Scene) -> None:
         raise scene.invalid(
             "engine.overspeed_rpm", f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm"
         )
+    low, high = engine.min_torque_Nm, engine.max_torque_Nm
+    if low is not None and high is not None and low > high:
+        raise scene.invalid("engine.min_torque_Nm", f"must be at most engine.max_torque_Nm = {high:g} N m")
     _check_firing_order(scene, engine)
     _check_arrangement(scene)
     _check_rod(scene, engine)

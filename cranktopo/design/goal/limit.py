@@ -13,6 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from cranktopo.base.errors import quoted, suggest
 from cranktopo.base.table import SHOWN, SceneTable
+from cranktopo.base.units import plain_number
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.quantities import (
     QUANTITIES,
@@ -57,7 +58,7 @@ class Limit:
     @property
     def condition(self) -> str:
         """The limit without its quantity, as the scene's table has it."""
-        return f"{self.sense} {self.value:g} {self.unit}".rstrip()
+        return f"{self.sense} {plain_number(self.value, 6)} {self.unit}".rstrip()
 
     def required(self, original: float | None) -> float | None:
         """Return the value in the internal unit; None for percent of an unknown original."""

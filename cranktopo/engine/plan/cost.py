@@ -32,7 +32,7 @@ class Cost(Result):
         if self.cells:
             parts.append(f"{self.cells:+d} cells")
         if self.seconds:
-            parts.append(f"{self.seconds:+.0f} s")
+            parts.append(f"{self.seconds:+z.0f} s")
         return ", ".join(parts) if parts else "nothing"
 
 

@@ -109,7 +109,7 @@ def bearing_compliance(context: PlanningContext) -> Estimate:
     held = "spring" in (scene.supports.torsion, scene.supports.bending)
     needed = "a support is 'spring'" if held else ""
     stiffer = 100 * (1 / (2 * spring)) / own
-    changes = f"reported bending stiffness {stiffer:+.2g} %; the best shape stays, springs are in series"
+    changes = f"reported bending stiffness {stiffer:+z.2g} %; the best shape stays, springs are in series"
     return Estimate(percent, because, changes, needed=needed, indispensable=needed)
 
 
@@ -124,7 +124,7 @@ def fillets(context: PlanningContext) -> Estimate:
     sharp, rounded = context.compliance, throw_compliance(context.scene)
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
     bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
-    because = f"bending stiffness {bending:+.2g} %, torsional {torsion:+.2g} %"
+    because = f"bending stiffness {bending:+z.2g} %, torsional {torsion:+z.2g} %"
     wanted = context.scene.effects.fatigue
     needed = (
         "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(context)) else ""
@@ -132,7 +132,7 @@ def fillets(context: PlanningContext) -> Estimate:
     return Estimate(
         max(torsion, bending),
         because,
-        f"bending stiffness {-bending:+.2g} %, torsional {-torsion:+.2g} %, no stress",
+        f"bending stiffness {-bending:+z.2g} %, torsional {-torsion:+z.2g} %, no stress",
         needed=needed,
     )
 
@@ -147,7 +147,7 @@ def bores(context: PlanningContext) -> Estimate:
     stiffer = 100 * (hollow / throw_compliance(plain).torsion_rad_per_Nmm - 1)
     heavier = 100 * (throw_balance(plain).mass_kg / context.balance.mass_kg - 1)
     because = f"solid journals would be {stiffer:.3g} % stiffer in torsion, the throw {heavier:.3g} % heavier"
-    changes = f"torsional stiffness {stiffer:+.2g} %, mass {heavier:+.2g} %"
+    changes = f"torsional stiffness {stiffer:+z.2g} %, mass {heavier:+z.2g} %"
     return Estimate(max(stiffer, heavier), because, changes)
 
 
@@ -310,5 +310,5 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
     other = next(s for s in without if s.name == "max_radial").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
-    changes = f"radial force {100 * (other - full) / abs(full):+.2g} %"
+    changes = f"radial force {100 * (other - full) / abs(full):+z.2g} %"
     return Estimate(percent, because, changes)

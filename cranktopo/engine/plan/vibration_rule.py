@@ -79,10 +79,11 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
     source = "" if given else " (throws in closed form)"
     because = (
         f"first natural frequency {found.frequency_Hz:.0f} Hz{source}, {kind} order {found.order:g} at "
-        f"{found.speed_rpm:.0f} rpm, magnifier {found.magnifier:.3g}: torque amplitude {found.percent:+.3g} %"
+        f"{found.speed_rpm:.0f} rpm, magnifier {found.magnifier:.3g}: "
+        f"torque amplitude {found.percent:+z.3g} %"
     )
     without = 100 * (1 / (1 + found.percent / 100) - 1)
-    return Estimate(abs(found.percent), because, f"torque amplitude {without:+.2g} %")
+    return Estimate(abs(found.percent), because, f"torque amplitude {without:+z.2g} %")
 
 
 def _absent(scene: Scene) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import angular_speed_rad_s
-from cranktopo.design.checks.engine import shaft_warnings
+from cranktopo.design.checks.engine import shaft_warnings, speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
 from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration
@@ -46,18 +46,8 @@ def run_up(
     """
     from scipy.signal import lsim
 
+    steps = run_up_steps(harmonics, range_rpm, seconds)
     first, last = (angular_speed_rad_s(rpm) for rpm in range_rpm)
-    highest = float(harmonics.orders[ORDERS]) * max(first, last) / (2 * math.pi)
-    steps = math.ceil(seconds * highest * _STEPS_PER_PERIOD)
-    cycles = seconds * (first + last) / 2 * float(harmonics.orders[1]) / (2 * math.pi)
-    if cycles < _FEWEST_CYCLES or steps > _MOST_STEPS:
-        shortest, longest = seconds * _FEWEST_CYCLES / cycles, seconds * _MOST_STEPS / steps
-        raise CranktopoError(
-            f"--run-up {seconds:g} s: must be >= {shortest:.3g} and <= {longest:.3g} s from "
-            f"{range_rpm[0]:g} to {range_rpm[1]:g} rpm.",
-            hint="Take another time, or shaft.speed_min_rpm and speed_max_rpm.",
-            code=ExitCode.USAGE,
-        )
     time = np.linspace(0.0, seconds, steps + 1)
     speed = first + (last - first) * time / seconds
     angle = first * time + (last - first) * time**2 / (2 * seconds)
@@ -71,6 +61,23 @@ def run_up(
     count = np.diff(np.append(starts, len(cycle)))
     middle = np.add.reduceat(speed, starts) / count / angular_speed_rad_s(1.0)
     return RunUp(seconds, middle, swing / 2)
+
+
+def run_up_steps(harmonics: TorqueHarmonics, range_rpm: tuple[float, float], seconds: float) -> int:
+    """Return the number of steps in time of a run-up; raises CranktopoError for one too short or too long."""
+    first, last = (angular_speed_rad_s(rpm) for rpm in range_rpm)
+    highest = float(harmonics.orders[ORDERS]) * max(first, last) / (2 * math.pi)
+    steps = math.ceil(seconds * highest * _STEPS_PER_PERIOD)
+    cycles = seconds * (first + last) / 2 * float(harmonics.orders[1]) / (2 * math.pi)
+    if cycles < _FEWEST_CYCLES or steps > _MOST_STEPS:
+        shortest, longest = seconds * _FEWEST_CYCLES / cycles, seconds * _MOST_STEPS / steps
+        raise CranktopoError(
+            f"--run-up {seconds:g} s: must be >= {shortest:.3g} and <= {longest:.3g} s from "
+            f"{range_rpm[0]:g} to {range_rpm[1]:g} rpm.",
+            hint="Take another time, or shaft.speed_min_rpm and speed_max_rpm.",
+            code=ExitCode.USAGE,
+        )
+    return steps
 
 
 def _torques(shaft: ShaftChain, harmonics: TorqueHarmonics, speed: Array, angle: Array) -> Array:
@@ -162,6 +169,23 @@ class VibrationStudy:
         return float(self.run_up.speeds_rpm[cycle]), section, float(swing[cycle, section])
 
 
+def check_vibration(scene: Scene, run_up_s: float | None) -> None:
+    """Refuse before any solve what the study would refuse; raises CranktopoError as `study_vibration`."""
+    harmonics = _harmonics(scene)
+    if run_up_s is not None:
+        run_up_steps(harmonics, speed_range_rpm(scene), run_up_s)
+
+
+def _harmonics(scene: Scene) -> TorqueHarmonics:
+    harmonics = torque_harmonics(scene)
+    if harmonics is None:
+        raise CranktopoError(
+            "engine.gas: is missing, so nothing is known of the torque over the cycle.",
+            hint="Add [engine.gas] with a peak pressure or an indicator diagram.",
+        )
+    return harmonics
+
+
 def study_vibration(
     scene: Scene,
     shaft: ShaftChain,
@@ -178,12 +202,7 @@ def study_vibration(
         CranktopoError: the scene tells no torque over the cycle, the shaft is a single disk, or a run-up that
             is too short or too long.
     """
-    harmonics = torque_harmonics(scene)
-    if harmonics is None:
-        raise CranktopoError(
-            "engine.gas: is missing, so nothing is known of the torque over the cycle.",
-            hint="Add [engine.gas] with a peak pressure or an indicator diagram.",
-        )
+    harmonics = _harmonics(scene)
     if len(shaft.names) == 1:
         raise CranktopoError(
             "shaft: one throw with nothing joined to it cannot twist.",

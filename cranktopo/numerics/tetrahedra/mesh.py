@@ -137,7 +137,7 @@ def tetrahedralise(
     error = volume.sum() / surface.volume_mm3 - 1
     if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
         raise solver_error(
-            f"{name}: the remeshed body is {100 * error:+.2g} % off in volume.",
+            f"{name}: the remeshed body is {100 * error:+z.2g} % off in volume.",
             "Choose a smaller element size.",
         )
     return quadratic(points, tets)

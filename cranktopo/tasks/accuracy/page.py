@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any, TypeVar
 
+from cranktopo.base.units import plain_number
 from cranktopo.numerics.extrapolation import Extrapolation
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import GREY, Picture, picture, plain
@@ -111,7 +112,7 @@ def _limit_text(name: str, limit: Extrapolation) -> str:
     units = {_TORSION: ("torsion", "kN m/rad", _KILO), _BENDING: ("bending", "kN/mm", _KILO)}
     label, unit, scale = units.get(name, ("fillet stress", "MPa", 1.0))
     order = "" if limit.order is None else f", order {limit.order:.1f}"
-    return f"{label} {limit.value / scale:.5g} {unit} +-{limit.uncertainty_percent:.2g} %{order}"
+    return f"{label} {plain_number(limit.value / scale, 5)} {unit} +-{limit.uncertainty_percent:.2g} %{order}"
 
 
 _MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.units import number_text
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, Page, Section
@@ -84,11 +85,21 @@ def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
     index = bearings[AS_IT_IS].most_loaded
     plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
     return (
-        Fact("Free force", f"{forces[AS_IT_IS]:.4g} N", f"{last}: {forces[last]:.4g} N", "neutral"),
-        Fact("Free moment", f"{moments[AS_IT_IS]:.4g} N m", f"{last}: {moments[last]:.4g} N m", "neutral"),
+        Fact(
+            "Free force",
+            f"{number_text(forces[AS_IT_IS])} N",
+            f"{last}: {number_text(forces[last])} N",
+            "neutral",
+        ),
+        Fact(
+            "Free moment",
+            f"{number_text(moments[AS_IT_IS])} N m",
+            f"{last}: {number_text(moments[last])} N m",
+            "neutral",
+        ),
         Fact(
             "Counterweights of a throw",
-            f"{abs(balance.masses.counterweight_kg_mm):.4g} kg mm",
+            f"{number_text(abs(balance.masses.counterweight_kg_mm))} kg mm",
             f"{100 * share:g} % of the oscillating masses with them",
             "neutral",
         ),

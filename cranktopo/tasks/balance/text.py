@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from cranktopo.base.units import number_text
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
@@ -223,7 +224,7 @@ def _left(data: Balance, state: str) -> str:
     for sizes, unit, words in ((forces, "N", "force"), (moments, "N m", "moment")):
         rounded = [float(f"{size:.6g}") for size in sizes]
         index = rounded.index(max(rounded))
-        size = f"{sizes[index]:.4g} {unit} of order {entries[index].order}"
+        size = f"{number_text(sizes[index])} {unit} of order {entries[index].order}"
         found.append(f"free {words} {size}" if sizes[index] else f"no free {words}")
     return ", ".join(found)
 

@@ -60,12 +60,12 @@ def _statement_line(bound: BoundStatement | NoBound) -> str:
     cell = bound.model.cell_mm
     if (reached - 100 - most) * (1 if quantity.better == "high" else -1) > 0:
         return (
-            f"{name} {reached - 100:+.1f} %{at}: beyond {most:+.1f} %, the best that cells of {cell:.3g} mm "
-            "can hold; what is left to gain is less than their error"
+            f"{name} {reached - 100:+z.1f} %{at}: beyond {most:+z.1f} %, the best that cells of {cell:.3g} "
+            "mm can hold; what is left to gain is less than their error"
         )
     return (
-        f"{name} {reached - 100:+.1f} % of at most {most:+.1f} %{at}, which no web of the envelope can beat, "
-        f"however it is made (proven on cells of {cell:.3g} mm)"
+        f"{name} {reached - 100:+z.1f} % of at most {most:+z.1f} %{at}, which no web of the envelope can "
+        f"beat, however it is made (proven on cells of {cell:.3g} mm)"
     )
 
 
@@ -82,7 +82,7 @@ def _claim(found: BoundResult) -> str:
         return f"NO WEB of this envelope keeps these limits: {_ABOUT}"
     best = "at most" if found.goal.maximise else "not below"
     change = bound.percent_of_original - 100
-    told = f"{value_text(bound.value, bound.unit)}, {change:+.1f} % of the original"
+    told = f"{value_text(bound.value, bound.unit)}, {change:+z.1f} % of the original"
     return f"{best} {told}: {_ABOUT}"
 
 
@@ -147,6 +147,6 @@ def _draw(axes: Axes, table: ResultTable, name: str) -> None:
     for web, percent in reversed(rows):
         bar = axes.barh(web, percent, color=_COLOURS.get(web))
         axes.bar_label(bar, [web], label_type="center", color="white")
-        axes.bar_label(bar, [f"{percent - 100:+.1f} %"], padding=3)
+        axes.bar_label(bar, [f"{percent - 100:+z.1f} %"], padding=3)
     axes.set_yticks([])
     axes.set(xlabel=f"{name}, % of the original", xlim=(0, 1.25 * max(percent for _, percent in rows)))

@@ -14,7 +14,7 @@ import click
 
 from cranktopo.base.formats import PLOTS
 from cranktopo.base.notes import note
-from cranktopo.cli.options import Choice, bound_option, designs, mesh_options
+from cranktopo.cli.options import Choice, bound_option, designs, mesh_options, typed
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
@@ -80,6 +80,10 @@ def command(
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
+    if as_json and form != "json" and "--format" in typed():
+        raise click.UsageError(f"--json excludes --format {form}: give one of them")
+    if no_bound and plot is None and page is None:
+        raise click.UsageError("--no-bound is about --plot and --report, which alone show it: leave it out")
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
     if plot is not None:

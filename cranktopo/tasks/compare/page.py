@@ -123,7 +123,7 @@ def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
 
 def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
     percent = comparison.percent(row, quantity)
-    change = f"{percent - 100:+.1f}"
+    change = f"{percent - 100:+z.1f}"
     if quantity.error is None or row == comparison.baseline:
         return f"{change} %"
     error = percent / 100 * comparison.change_error_percent(row, comparison.baseline, quantity)

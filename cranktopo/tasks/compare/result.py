@@ -15,7 +15,7 @@ from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
-from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, Quantity, evaluation_values
+from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values
 from cranktopo.tasks.fea.result import EvaluationResult
 
 
@@ -79,12 +79,14 @@ class Comparison:
     Attributes:
         baseline: position of the entry that counts as 100 %.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
+        balanced_kg_mm: unbalance that is wanted of a throw; the nearest to it is best, not the least.
     """
 
     entries: tuple[Entry, ...]
     baseline: int
     fatigue: FatigueComparison | None = None
     goals: Mapping[str, GoalOutcome] = field(default_factory=dict)
+    balanced_kg_mm: float = 0.0
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -123,8 +125,11 @@ class Comparison:
 
     def leading(self, quantity: Quantity) -> int:
         """Return the row with the best value of a quantity, by however little."""
-        value = [quantity.better * entry.values.get(quantity.key, 0.0) for entry in self.entries]
-        return max(self.having(quantity), key=lambda row: value[row])
+        return max(self.having(quantity), key=lambda row: self._worth(row, quantity))
+
+    def _worth(self, row: int, quantity: Quantity) -> float:
+        value = self.entries[row].values[quantity.key]
+        return -abs(value - self.balanced_kg_mm) if quantity == UNBALANCE else quantity.better * value
 
     def level(self, quantity: Quantity) -> list[int]:
         """Return rows that the best value of a quantity does not beat by as much as the error estimates."""

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
+from cranktopo.base.units import plain_number
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
@@ -16,6 +17,7 @@ from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import builtin_designs
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan, plan_for_stress
@@ -83,6 +85,9 @@ def _picked(run: RunStore) -> list[str]:
     return found
 
 
+_SAME_PITCH_MM = 1e-6
+
+
 @dataclass(frozen=True)
 class ComparedTargets:
     """A comparison, its targets in the same order, and those that miss the accuracy asked for.
@@ -121,6 +126,8 @@ def compare_targets(
     index = every.index(baseline)
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
+    for line in pitch_lines(targets, index):
+        note(line)
     safety, loaded = None, None
     if fatigue is not None:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
@@ -134,8 +141,40 @@ def compare_targets(
         for evaluation, printed in zip(found.evaluations, published, strict=True)
     ]
     comparison = compare(entries, entries[index].name, safety)
-    comparison = replace(comparison, goals=_evaluated_goals(targets, entries, index))
+    comparison = replace(
+        comparison,
+        goals=_evaluated_goals(targets, entries, index),
+        balanced_kg_mm=balanced_kg_mm(targets[index].scene),
+    )
     return ComparedTargets(comparison, tuple(targets), found.missed, loaded)
+
+
+def pitch_lines(targets: Sequence[Target], baseline: int) -> list[str]:
+    """Return a line for every target whose throws are farther apart, or closer, than the baseline's."""
+    base, lines = targets[baseline], list[str]()
+    for target in targets:
+        longer = target.scene.pitch_mm - base.scene.pitch_mm
+        if abs(longer) > _SAME_PITCH_MM:
+            own, its, change = (
+                plain_number(mm, 6) for mm in (target.scene.pitch_mm, base.scene.pitch_mm, -longer)
+            )
+            lines.append(
+                f"{target.name}: pitch {own} mm, {base.name} has {its} mm: the engine is "
+                f"{'longer' if longer > 0 else 'shorter'}. To keep the pitch change "
+                f"throw.main_journal.length_mm or throw.crankpin.length_mm by {change} mm."
+            )
+    return lines
+
+
+def balanced_kg_mm(scene: Scene) -> float:
+    """Return the unbalance that is wanted of a throw: with the engine's rods no counterweight is missing.
+
+    A goal that minimises the unbalance of the throw alone wants 0.
+    """
+    goal, balance = wanted_goal(scene), throw_balance(scene)
+    if goal is not None and goal.quantity == "unbalance":
+        return 0.0
+    return balance.throw_unbalance_kg_mm - balance.counterweight_kg_mm
 
 
 def _like_for_like(targets: Sequence[Target]) -> list[Target]:

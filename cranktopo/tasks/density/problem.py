@@ -14,6 +14,7 @@ from typing import Literal
 import jax
 import jax.numpy as jnp
 
+from cranktopo.base.units import plain_number
 from cranktopo.design.goal.constraint import scale_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import Precision
@@ -67,7 +68,7 @@ class ResponseConstraint:
 
     def in_unit(self, value: float) -> str:
         """Return a value of the response in its own unit."""
-        return f"{value:.6g} {self.response.unit}".rstrip()
+        return f"{plain_number(value, 6)} {self.response.unit}".rstrip()
 
     def scaled(self, design: Design) -> jax.Array:
         """Share by which the limit is broken: at most 0 where it holds.

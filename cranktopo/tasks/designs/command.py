@@ -40,9 +40,9 @@ def list_command(as_json: bool) -> None:
         entries = [{"name": name, "description": text} for name, text in found.items()]
         click.echo(json.dumps({"schema_version": 1, "designs": entries}, indent=2))
         return
-    width = max(len(name) for name in found)
-    for name, text in found.items():
-        click.echo(f"{name:{width}}  {text}")
+    from cranktopo.report.result_table import labelled
+
+    click.echo(labelled(list(found.items())))
 
 
 @command.command("copy")

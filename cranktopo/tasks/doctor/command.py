@@ -6,6 +6,7 @@ Check this machine: Python, JAX, gmsh, memory, extras, optional tools, and how t
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.doctor.stage import Check
 
 _COLOURS = {"ok": "green", "missing": "red", "absent": "yellow"}
+_STATE = re.compile(rf"(?m)^(\S.*?  +)({'|'.join(_COLOURS)})\b")
 
 
 @click.command("doctor")
@@ -44,12 +46,16 @@ def command(as_json: bool) -> int:
 
 
 def _text(checks: list[Check]) -> str:
-    width = max(len(check.name) for check in checks)
-    lines = []
+    from cranktopo.report.result_table import text_table
+
+    rows: list[tuple[str, str, str]] = []
     for check in checks:
-        state = coloured(f"{check.state:8}", _COLOURS[check.state])
-        lines.append(f"{check.name:{width}}  {state}{check.value}".rstrip())
-        if check.state != "ok":
-            lines += [f"{'':{width}}          without it: {check.cost}"] if check.cost else []
-            lines += [f"{'':{width}}          remedy:     {check.remedy}"] if check.remedy else []
-    return "\n".join(lines)
+        rows.append((check.name, check.state, check.value))
+        rows += [("", "", f"without it: {check.cost}")] * bool(check.state != "ok" and check.cost)
+    table = re.sub(_STATE, _in_its_colour, text_table("lll", ("", "", ""), rows))
+    remedies = [f"{check.name}: {check.remedy}" for check in checks if check.state != "ok" and check.remedy]
+    return "\n".join([table, *["", "remedies, to be copied:"] * bool(remedies), *remedies])
+
+
+def _in_its_colour(found: re.Match[str]) -> str:
+    return f"{found[1]}{coloured(found[2], _COLOURS[found[2]])}"

@@ -36,6 +36,7 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
     from cranktopo.runs.destination import check_file
 
     check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
+    _check_options(file.suffix.lower(), part, facet_mm)
     scene = load_scene(design, whole=True)
     assumed = assumptions(scene, (THROW,))
     if assumed:
@@ -50,3 +51,13 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
 
     volume = export_solid(scene, part, file, facet_mm)
     click.echo(f"{file}: {part}, {volume:.1f} mm3")
+
+
+def _check_options(suffix: str, part: SolidPart, facet_mm: float | None) -> None:
+    if facet_mm is not None and suffix != ".stl":
+        raise click.UsageError(f"--facet-mm is the size of STL facets, and {suffix} has none: leave it out")
+    if part != "throw" and suffix in PLOTS:
+        raise click.UsageError(
+            f"--part {part}: a workshop drawing shows the throw with its web; leave --part out, or give a "
+            ".step or .stl file"
+        )

@@ -56,7 +56,7 @@ def check_surface(surface: WebSurface) -> SurfaceReport:
     error = 100 * (surface.volume_mm3 / surface.target_volume_mm3 - 1)
     if not abs(error) <= _VOLUME_TOLERANCE_PERCENT:
         raise surface_refusal(
-            f"the web has {surface.volume_mm3:.0f} mm3, {error:+.2f} % of the density's "
+            f"the web has {surface.volume_mm3:.0f} mm3, {error:+z.2f} % of the density's "
             f"{surface.target_volume_mm3:.0f} mm3 (allowed {_VOLUME_TOLERANCE_PERCENT} %; "
             f"{surface.dropped_islands} islands with {surface.dropped_volume_mm3:.0f} mm3 left out)",
             "Run more iterations, or raise the filter radius so that no islands form.",

@@ -52,6 +52,8 @@ def command(
 def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> SurfaceFormat:
     """Return the format that is asked for, by option or by the name of a file that can be written."""
     if out is None:
+        if force:
+            raise click.UsageError("--force is about --out: without it the run's own surface is written")
         return form or "stl"
     from cranktopo.runs.destination import check_file
 
@@ -60,6 +62,7 @@ def _format(form: SurfaceFormat | None, out: Path | None, force: bool) -> Surfac
 
 
 def _text(found: Extraction, path: Path) -> str:
+    from cranktopo.report.result_table import labelled
     from cranktopo.tasks.extraction.result import LEAST_MEMBER_CELLS
     from cranktopo.tasks.extraction.text import undercut_text
 
@@ -68,23 +71,29 @@ def _text(found: Extraction, path: Path) -> str:
         ("thinnest member", surface.minimum_member_mm, surface.minimum_member_cells),
         ("narrowest gap", surface.minimum_gap_mm, surface.minimum_gap_cells),
     )
-    lines = [
-        f"{found.run}, iteration {found.iteration}",
-        f"web volume       {surface.web_volume_mm3:.0f} mm3, "
-        f"{surface.web_volume_error_percent:+.3f} % from the density's",
-        f"mass             throw {masses.throw:.3f} kg, web {masses.web:.3f} kg",
-        f"iso-value        {surface.iso_value:.4f}; distance of its surface {distance.mean:.3f} mm "
-        f"in the mean, {distance.max:.3f} mm at most",
-        *(
-            f"{name:<17}{'none' if mm is None else f'{mm:.1f} mm, {cells:.1f} cells'}"
-            for name, mm, cells in lengths
+    rows = [
+        (
+            "web volume",
+            f"{surface.web_volume_mm3:.0f} mm3, {surface.web_volume_error_percent:+z.3f} % from the "
+            "density's",
         ),
-        f"undercuts        {undercut_text(surface.undercuts)}",
-        f"surface          {surface.faces} faces, closed, 1 body, {surface.cavities} closed hollows, "
-        f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
+        ("mass", f"throw {masses.throw:.3f} kg, web {masses.web:.3f} kg"),
+        (
+            "iso-value",
+            f"{surface.iso_value:.4f}; distance of its surface {distance.mean:.3f} mm in the mean, "
+            f"{distance.max:.3f} mm at most",
+        ),
+        *((name, "none" if mm is None else f"{mm:.1f} mm, {cells:.1f} cells") for name, mm, cells in lengths),
+        ("undercuts", undercut_text(surface.undercuts)),
+        (
+            "surface",
+            f"{surface.faces} faces, closed, 1 body, {surface.cavities} closed hollows, "
+            f"{surface.dropped_islands} islands left out ({surface.dropped_volume_mm3:.0f} mm3)",
+        ),
     ]
     if surface.fallback:
-        lines.append(f"fallback         the usual surface was not sound: {surface.fallback}")
+        rows.append(("fallback", f"the usual surface was not sound: {surface.fallback}"))
+    lines = [f"{found.run}, iteration {found.iteration}", labelled(rows)]
     cells = surface.minimum_member_cells
     if cells is not None and cells < LEAST_MEMBER_CELLS:
         lines.append(f"warning: members thinner than {LEAST_MEMBER_CELLS:g} cells are not resolved")

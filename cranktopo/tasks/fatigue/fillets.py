@@ -49,7 +49,9 @@ class Place:
             return f"oil outlet on the {self.outlet}{web}, {where}"
         if not self.fillet:
             return where
-        return f"{self.fillet} fillet{web}, {self.around_deg:+.0f} deg around, {self.along_deg:.0f} deg along"
+        return (
+            f"{self.fillet} fillet{web}, {self.around_deg:+z.0f} deg around, {self.along_deg:.0f} deg along"
+        )
 
 
 def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:

@@ -115,7 +115,7 @@ class RuleCheck:
             return ()
         return tuple(
             f"{fillet} fillet: Q {rule.acceptability:.3f} by polynomials, {fem.acceptability:.3f} by "
-            f"elements ({100 * (fem.acceptability / rule.acceptability - 1):+.1f} %, element error "
+            f"elements ({100 * (fem.acceptability / rule.acceptability - 1):+z.1f} %, element error "
             f"{self.quality.jump_percent:.1f} %): {self.governing[fillet]} govern"
             for (fillet, rule), fem in zip(self.rule_checks.items(), self.fem_checks.values(), strict=True)
             if abs(fem.acceptability / rule.acceptability - 1) > self.quality.jump_percent / 100

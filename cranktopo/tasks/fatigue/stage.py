@@ -148,6 +148,7 @@ def assess_fatigue(
         field = fatigue_field(target, method, loads, fillet_fraction)
         fields.append(field)
         _note_quality(field)
+        note_yielding(field, target.scene.material.yield_MPa)
         if field.web_safety:
             told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
             note(f"{target.name}: least safety: {told}")
@@ -274,6 +275,18 @@ def _note_quality(field: FatigueField) -> None:
         note(
             f"note: {field.model.name}: {sharp.safety:.3f} at a sharp inner edge ({sharp.place}) is not "
             "counted: it falls with every finer mesh. Give the edge a radius."
+        )
+
+
+def note_yielding(field: FatigueField, yield_MPa: float | None) -> None:
+    """Warn of a stress that no material carries: the loads, a dimension or a unit may be wrong."""
+    place = field.critical
+    largest = place.amplitude_MPa + abs(place.mean_MPa)
+    if yield_MPa is not None and largest > yield_MPa:
+        note(
+            f"warning: {field.model.name}: {largest:.0f} MPa by linear elasticity at {place.place}, "
+            f"{largest / yield_MPa:.1f} times the yield strength of {yield_MPa:g} MPa: the material yields, "
+            "and no safety here holds. Check loads, dimensions and units."
         )
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
+from cranktopo.base.notes import Pace
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.halves import default_element_size_mm, halves
@@ -105,6 +106,9 @@ class StressModel:
         return self.on_journal | self.on_pin
 
 
+_STEPS = ("a mesh that follows the fillets", "unit loads", "stresses on the surface")
+
+
 def solve_stresses(
     target: Target, kinds: Collection[FieldKind], fillet_fraction: float = RULE_FRACTION
 ) -> StressModel:
@@ -117,12 +121,16 @@ def solve_stresses(
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
     """
     start = time.perf_counter()
+    pace = Pace(f"{target.name}: stresses", len(_STEPS))
+    pace.begin(_STEPS[0])
     meshed, scene = _meshed(target, fillet_fraction)
+    pace.begin(_STEPS[1])
     material = scene.material
     began_solving = time.perf_counter()
     youngs = material.E_GPa * MPA_PER_GPA
     model = assemble(meshed.mesh, youngs, material.poisson)
     fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds, whole=meshed.whole)
+    pace.begin(_STEPS[2])
     found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
     end = scene.pitch_mm if meshed.whole else scene.pitch_mm / 2
     planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])

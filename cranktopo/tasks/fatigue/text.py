@@ -142,8 +142,8 @@ def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
         ratio = one.safety / base.safety
         safe = "as safe as" if abs(ratio - 1) <= SAME else "safer than" if ratio > 1 else "less safe than"
         lines.append(
-            f"{one.name}: {100 * (one.mass_kg / base.mass_kg - 1):+.1f} % mass, "
-            f"{100 * (ratio - 1):+.1f} % safety: {safe} {base.name}."
+            f"{one.name}: {100 * (one.mass_kg / base.mass_kg - 1):+z.1f} % mass, "
+            f"{100 * (ratio - 1):+z.1f} % safety: {safe} {base.name}."
         )
     return lines
 

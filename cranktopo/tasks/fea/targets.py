@@ -66,7 +66,9 @@ def resolve_targets(
     whole: bool = False,
 ) -> list[Target]:
     """Return targets from what the user typed, each with a name of its own; errors as of `resolve_target`."""
-    found = [resolve_target(text, design, fillets, align, whole=whole) for text in texts]
+    found = [_resolved(text, design, fillets, align, whole) for text in texts]
+    if not any(target.file and not target.run for target in found):
+        _refuse_for_bodies(design, align)
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)
         found = [
@@ -88,9 +90,23 @@ def resolve_target(
         whole: the halves of a design's throw may differ.
 
     Raises:
-        CranktopoError: nothing of that name, no finished run of `optimise`, or a geometry file without a
-            design.
+        CranktopoError: nothing of that name, no finished run of `optimise`, a geometry file without a
+            design, or `design` or `align` without a geometry file.
     """
+    return resolve_targets([text], design, fillets, align, whole=whole)[0]
+
+
+def _refuse_for_bodies(design: str | None, align: bool) -> None:
+    for option, given in (("--design", design is not None), ("--align", align)):
+        if given:
+            raise CranktopoError(
+                f"{option} is for bodies from CAD, and no target is an STL or STEP file.",
+                hint="Leave it out: designs and runs have journals, material and place of their own.",
+                code=ExitCode.USAGE,
+            )
+
+
+def _resolved(text: str, design: str | None, fillets: bool, align: bool, whole: bool) -> Target:
     path = Path(text)
     named = not path.exists() and text not in builtin_designs() and runs_named(text)
     if path.is_dir() or named:

@@ -151,7 +151,7 @@ def _misfit(body: Manifold, name: str, journal: Journal, y: float, z: float) -> 
     elif abs(ring.bore_mm - journal.bore_diameter_mm) > size:
         yield f"{at}: bore {ring.bore_mm:.2f} mm instead of {journal.bore_diameter_mm:g}"
     elif abs(ring.polar_ratio - 1) > _ROUND:
-        yield f"{at}: not round (polar moment {100 * (ring.polar_ratio - 1):+.0f} % off a circle's)"
+        yield f"{at}: not round (polar moment {100 * (ring.polar_ratio - 1):+z.0f} % off a circle's)"
 
 
 def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
@@ -166,7 +166,7 @@ def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
         area = math.pi / 4 * (journal.outer_diameter_mm**2 - journal.bore_diameter_mm**2)
         share = part.volume() / (area * journal.length_mm / 2) - 1
         if abs(share) > _ZONE:
-            yield f"{name}, {where} mm: {100 * share:+.0f} % of its material; the web lies elsewhere"
+            yield f"{name}, {where} mm: {100 * share:+z.0f} % of its material; the web lies elsewhere"
 
 
 def ring_at(body: Manifold, z_mm: float) -> Ring | None:

@@ -231,5 +231,5 @@ def _reason(found: Verdict, steps: Sequence[LoopStep], settings: Settings) -> st
     gain = 100 * (last.torsion_per_kg / best.torsion_per_kg - 1)
     return (
         f"step {last.number}: torsional stiffness per mass no longer improves "
-        f"({gain:+.2f} % on step {best.number})"
+        f"({gain:+z.2f} % on step {best.number})"
     )

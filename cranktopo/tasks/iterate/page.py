@@ -73,7 +73,7 @@ def _headline(loop: LoopResult) -> str:
     changes = {quantity: share[quantity.key] - 100 for quantity in (MASS, TORSION, BENDING)}
     gain = share[TORSION_PER_MASS.key] - 100
     return (
-        f"{best.words.capitalize()} is the best: {gain:+.1f} % torsional stiffness per mass. "
+        f"{best.words.capitalize()} is the best: {gain:+z.1f} % torsional stiffness per mass. "
         + comparison_sentence("It", changes, "the original web")
     )
 
@@ -94,9 +94,9 @@ def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
     estimate = max(getattr(step, error), getattr(original, error)) if quantity.error else 0.0
     note = f"{step.words} against the original web"
     if abs(change) < estimate:
-        return Fact(label, f"{change:+.1f} %", f"{note}, less than the error estimate", "neutral")
+        return Fact(label, f"{change:+z.1f} %", f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
-    return Fact(label, f"{change:+.1f} %", note, status)
+    return Fact(label, f"{change:+z.1f} %", note, status)
 
 
 def _steps(loop: LoopResult) -> Section:

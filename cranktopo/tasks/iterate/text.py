@@ -84,8 +84,8 @@ def best_line(loop: LoopResult) -> str:
     share = row.percent_of_original
     return (
         f"best: {row.words}, "
-        f"torsional stiffness per mass {share[TORSION_PER_MASS.key] - 100:+.1f} %, "
-        f"mass {share[MASS.key] - 100:+.1f} %, bending stiffness {share[BENDING.key] - 100:+.1f} %"
+        f"torsional stiffness per mass {share[TORSION_PER_MASS.key] - 100:+z.1f} %, "
+        f"mass {share[MASS.key] - 100:+z.1f} %, bending stiffness {share[BENDING.key] - 100:+z.1f} %"
     )
 
 

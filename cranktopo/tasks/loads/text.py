@@ -23,8 +23,8 @@ def loads_text(loads: Loads) -> str:
 
 def sweep_text(sweep: Sequence[Loads]) -> str:
     """Return one row per speed."""
-    header = ["speed rpm", "small end N", "inertia N", "radial N", "tangential N", "main journal N"]
-    header += ["engine N m mean", "max", "min"]
+    header = ["speed\nrpm", "small end\nN", "inertia\nN", "radial\nN", "tangential\nN", "main journal\nN"]
+    header += ["engine mean\nN m", "max\nN m", "min\nN m"]
     rows = []
     for loads in sweep:
         extremes, torque = loads.extremes, loads.engine_torque_Nm
@@ -114,7 +114,7 @@ def _balance(balance: ThrowMassProperties) -> str:
 
 
 def _cases(cases: Sequence[LoadCase]) -> str:
-    header = ("load case", "radial N", "tangential N", "torque N m", "body rpm", "from")
+    header = ("load case", "radial\nN", "tangential\nN", "torque\nN m", "body\nrpm", "from")
     rows = []
     for case in cases:
         loads = (case.radial_N, case.tangential_N, case.torque_Nm, case.speed_rpm)
@@ -130,4 +130,4 @@ def _redundant(states: Sequence[LoadState]) -> str:
 def _number(value: float | None) -> str:
     if value is None:
         return "-"
-    return f"{value:.1f}" if abs(value) < 10000 else f"{value:.0f}"
+    return f"{value:z.1f}" if abs(value) < 10000 else f"{value:.0f}"

@@ -15,6 +15,7 @@ import click
 
 from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import detail, note
+from cranktopo.base.units import number_text
 from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
@@ -137,6 +138,8 @@ def _scene(
     evaluated = False if no_evaluation else None
     scene = one_web(load_scene(name, whole=True), web)
     scene = scene.with_optimise(**settings, limits_by_evaluation=evaluated)
+    if settings["draft_deg"] is not None and scene.optimise.process in ("free", "milled"):
+        raise click.UsageError(f"--draft-deg: process '{scene.optimise.process}' has no draft: leave it out")
     scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
     if settings["volume_fraction"] is not None and scene.goal is not None:
         raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
@@ -179,9 +182,9 @@ class _Bar:
         done = len(state.history)
         self._bar.total = done + (0 if state.done else iterations_left(problem, state))
         cases = zip(problem.model.case_names, row.compliance_N_mm, strict=True)
-        work = ", ".join(f"{name} {value:.4g} N mm" for name, value in cases)
+        work = ", ".join(f"{name} {number_text(value)} N mm" for name, value in cases)
         reached = [
-            f"{response.name} {value:.4g} {response.unit}".rstrip()
+            f"{response.name} {number_text(value)} {response.unit}".rstrip()
             for response, value in zip(
                 problem.optimisation.responses, (*row.goals, *row.limits), strict=False
             )

@@ -148,7 +148,7 @@ def accuracy_section(metrics: RunMetrics, studies: StudyResult | None, folder: s
         ("cycles per solve, mean and most", f"{solver.cg_iterations.mean:.1f}, {solver.cg_iterations.max}"),
     ]
     if isinstance(surface, RunSurface):
-        error = f"{surface.web_volume_error_percent:+.4f} %"
+        error = f"{surface.web_volume_error_percent:+z.4f} %"
         rows.append(("volume of the surface against the density", error))
     text = (
         "Cells cut by a cylinder make the optimiser's model a little too stiff; the error falls with the "

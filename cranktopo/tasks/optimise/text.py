@@ -15,7 +15,7 @@ from cranktopo.report.goal_table import (
     unjudged_line,
 )
 from cranktopo.report.page import Fact, FactStatus
-from cranktopo.report.result_table import terminal
+from cranktopo.report.result_table import terminal, text_table
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.result import NoSurface, RunSurface, WallMeasures
 from cranktopo.tasks.extraction.text import (
@@ -137,7 +137,7 @@ def _limits(metrics: RunMetrics) -> list[Fact]:
 def _mass(metrics: RunMetrics) -> Fact:
     now, before = metrics.mass_kg.throw, metrics.original_web.mass_kg.throw
     change = percent_change(now, before)
-    note = f"{change:+.1f} % against the original's {before:.3f} kg"
+    note = f"{change:+z.1f} % against the original's {before:.3f} kg"
     return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
 
 
@@ -150,9 +150,9 @@ def _stiffness(metrics: RunMetrics) -> list[Fact]:
             continue
         webs = (metrics, metrics.original_web)
         now, before = (web.load_cases[quantity.key].stiffness / 1000 for web in webs)
-        note = f"{change:+.1f} % against the original's {before:.1f}"
+        note = f"{change:+z.1f} % against the original's {before:.1f}"
         if quantity.key in gains:
-            note += f"; per mass {gains[quantity.key]:+.1f} %"
+            note += f"; per mass {gains[quantity.key]:+z.1f} %"
         unit = "kN m/rad" if quantity is TORSION else "kN/mm"
         found.append(Fact(quantity.label.capitalize(), f"{now:.1f} {unit}", note, _status(change)))
     return found
@@ -176,19 +176,13 @@ _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
 def run_summary(metrics: RunMetrics, folder: Path) -> str:
     """Return a finished optimise run in words."""
-    original = metrics.original_web
     lines = [
         *filter(None, [unjudged_line(metrics.goal)]),
         f"{metrics.ended}: {metrics.stop_reason}",
         *filter(None, [worse_line(metrics.changes_percent, "the original web")]),
         "",
-        f"{'':24}{'optimised':>14}{'original web':>14}{'change':>12}{'estimate':>12}{'gain per kg':>14}",
-        *(_case_line(name, metrics) for name in original.gain_of_stiffness_per_mass_percent),
+        _changes(metrics),
     ]
-    for part, now in metrics.mass_kg:
-        before = getattr(original.mass_kg, part)
-        masses = f"{now:14.3f}{before:14.3f}{percent_change(now, before):+10.1f} %"
-        lines.append(f"{'mass of ' + part + ', kg':24}{masses}")
     lines += _goal_lines(metrics)
     bound = bound_lines(metrics.bound)
     lines += ["", *bound] if bound else []
@@ -215,15 +209,25 @@ def _goal_lines(metrics: RunMetrics) -> list[str]:
     return ["", goal_line(goal), terminal(limits_table(goal)), *filter(None, [evaluation_note(goal)])]
 
 
-def _case_line(name: str, metrics: RunMetrics) -> str:
+def _changes(metrics: RunMetrics) -> str:
+    header = ("", "optimised", "original web", "change", "estimate", "gain per kg")
+    rows = [_case_row(name, metrics) for name in metrics.original_web.gain_of_stiffness_per_mass_percent]
+    for part, now in metrics.mass_kg:
+        before = getattr(metrics.original_web.mass_kg, part)
+        change = f"{percent_change(now, before):+z.1f} %"
+        rows.append([f"mass of {part}, kg", f"{now:.3f}", f"{before:.3f}", change, "", ""])
+    return text_table("lrrrrr", header, rows)
+
+
+def _case_row(name: str, metrics: RunMetrics) -> list[str]:
     original, case = metrics.original_web, metrics.load_cases[name]
     unit = "kN/mm" if case.stiffness_Nm_per_rad is None else "kN m/rad"
     now, before = (web.load_cases[name].stiffness for web in (metrics, original))
-    values = f"{now / 1000:14.1f}{before / 1000:14.1f}{percent_change(now, before):+10.1f} %"
+    values = [f"{now / 1000:.1f}", f"{before / 1000:.1f}", f"{percent_change(now, before):+z.1f} %"]
     error = case.error_estimate_percent
     estimate = "" if error is None else f"+-{error:.2g} %"
     gain = original.gain_of_stiffness_per_mass_percent[name]
-    return f"{name + ', ' + unit:24}{values}{estimate:>12}{gain:+12.1f} %"
+    return [f"{name}, {unit}", *values, estimate, f"{gain:+z.1f} %"]
 
 
 def _surface_warning(surface: RunSurface | NoSurface) -> list[str]:

@@ -13,4 +13,4 @@ def plan_text(plan: PhysicsPlan) -> str:
         size = "-" if effect.estimate_percent is None else f"{effect.estimate_percent:.3g} %"
         rows.append([effect.name, effect.state, size, str(effect.cost), effect.reason, effect.changes])
     header = ("effect", "state", "size", "costs", "because", "leaving it out changes")
-    return text_table("llrlll", header, rows, wrap={3: 13, 4: 46, 5: 30})
+    return text_table("llrlll", header, rows)

@@ -14,6 +14,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.near_ties import best_first
+from cranktopo.base.notes import Pace
 from cranktopo.base.reproducible import SEED
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
@@ -27,6 +28,7 @@ from cranktopo.tasks.refit.select import (
     fit_from,
     model_fill,
     residual_regions,
+    searches,
     select,
 )
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
@@ -118,8 +120,10 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
     usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)
     body, within = solid_of(usual, "surface to be re-modelled"), _scaled_limits(limits, scale)
     coarse_mm = _SCALED_DOWN_CELL_MM if scale < 1 else _SEARCH_CELL_MM
-    chosen, trials = select(fit_problem(body, throw, within, coarse_mm))
-    fine = fit_problem(body, throw, within, within.cell_mm)
+    coarse = Pace("features and stations, search", searches(within))
+    chosen, trials = select(fit_problem(body, throw, within, coarse_mm, coarse))
+    final = Pace("final fit on finer cells, search", within.starts)
+    fine = fit_problem(body, throw, within, within.cell_mm, final)
     fits = _final_fits(fine, chosen)
     best = fits[0]
     rest = residual_regions(fine, model_fill(fine, best))
@@ -145,10 +149,12 @@ def scene_with_web(scene: Scene, web: dict[str, Any]) -> Scene:
     return scene_from_dict({**data, "name": name, "web": web}, f"re-model of {scene.name}")
 
 
-def fit_problem(body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float) -> FitProblem:
+def fit_problem(
+    body: Manifold, scene: Scene, limits: ManufacturingLimits, cell_mm: float, pace: Pace | None = None
+) -> FitProblem:
     """Return what a fit to a body has to match, on cells of at most the given edge."""
     cells = voxel_fill(body, scene, cell_mm)
-    return FitProblem(cells, _free_of_bores(scene, cells), scene, limits)
+    return FitProblem(cells, _free_of_bores(scene, cells), scene, limits, pace or Pace("fit", 1))
 
 
 def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:

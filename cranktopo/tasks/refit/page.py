@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cranktopo.report.page import Fact, Page, Section, pairs, versions_section
-from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.report.result_table import Column, ResultTable, labelled, tabulate, terminal
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.fea.quantities import estimate_line
 from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
@@ -35,7 +35,7 @@ def refit_text(data: RefitResult) -> str:
         terminal(tabulate(_TRIALS, data.trials)),
         *_fit_lines(data),
         "",
-        *(f"{name:19} {text}" for name, text in rows),
+        labelled(rows),
         *_estimate(data.stiffness),
         *_rest(data),
     ]
@@ -53,7 +53,7 @@ def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
         ("surface distance", f"mean {distance.mean:.2f} mm, largest {distance.max:.2f} mm at ({place}) mm"),
         (
             "mass of the web",
-            f"{mass.fitted:.3f} kg, body {mass.body:.3f} kg ({mass.difference_percent:+.1f} %)",
+            f"{mass.fitted:.3f} kg, body {mass.body:.3f} kg ({mass.difference_percent:+z.1f} %)",
         ),
     ]
 
@@ -68,7 +68,7 @@ def _stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
     for kind, unit, values in (("torsion", "kN m/rad", torsion), ("bending", "kN/mm", bending)):
         bare, body, whole = (value / 1000 for value in values)
         difference = stiffness.difference_percent[kind]
-        text = f"{bare:.1f} without fillets, body {body:.1f} ({difference:+.1f} %); with fillets {whole:.1f}"
+        text = f"{bare:.1f} without fillets, body {body:.1f} ({difference:+z.1f} %); with fillets {whole:.1f}"
         rows.append((f"{kind}, {unit}", text))
     return rows
 
@@ -170,13 +170,13 @@ def _facts(data: RefitResult) -> tuple[Fact, ...]:
         Fact(
             "Mass of the web",
             f"{mass.fitted:.3f} kg",
-            f"{mass.difference_percent:+.1f} % against the body",
+            f"{mass.difference_percent:+z.1f} % against the body",
             "neutral",
         )
     ]
     changes = {} if stiffness is None else stiffness.difference_percent
     for kind, label in _KINDS.items() if changes else ():
-        change = f"{changes[kind]:+.1f} %"
+        change = f"{changes[kind]:+z.1f} %"
         facts.append(Fact(label, change, "without fillets, against the body", "neutral"))
     distance = data.distance_mm
     note = f"{distance.mean:.2f} mm on average"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import Pace
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import minimise
 from cranktopo.tasks.refit.family import Layout, flank_of, station_shares
@@ -119,12 +120,16 @@ _REACH = 15.0
 
 @dataclass(frozen=True)
 class FitProblem:
-    """Fill to match and rules to keep; `free` is the share of each cell, (nx, ny), that no bore takes."""
+    """Fill to match and rules to keep; `free` is the share of each cell, (nx, ny), that no bore takes.
+
+    `pace` hears of every search.
+    """
 
     target: VoxelFill
     free: Array
     scene: Scene
     limits: ManufacturingLimits
+    pace: Pace = field(default_factory=lambda: Pace("fit", 1))
 
 
 class Fit:
@@ -154,25 +159,29 @@ class Fit:
         return float(np.minimum(model, self._target).sum() / np.maximum(model, self._target).sum())
 
 
-def minimise_misfit(fit: Fit, guess: Array, widths_mm: tuple[float, ...]) -> tuple[Array, float]:
+def minimise_misfit(
+    fit: Fit, guess: Array, widths_mm: tuple[float, ...], step: str = "fit"
+) -> tuple[Array, float]:
     """Return values that keep the constraints, by searches with ever sharper steps, and their misfit.
 
     The misfit is infinite when none were found.
     """
     values, error = guess, np.inf
+    pace = Pace(f"{step}, webs of {len(guess)} dimensions", len(widths_mm) * _EVALUATIONS, at_most=True)
     for width in widths_mm:
-        values, error = _minimise(fit, values, width)
+        values, error = _minimise(fit, values, width, pace)
         if not np.isfinite(error):
             break
     return values, error
 
 
-def _minimise(fit: Fit, guess: Array, width_mm: float) -> tuple[Array, float]:
+def _minimise(fit: Fit, guess: Array, width_mm: float, pace: Pace) -> tuple[Array, float]:
     best, least = guess, np.inf
     bounds = np.maximum(fit.web.bounds[0], guess - _REACH), np.minimum(fit.web.bounds[1], guess + _REACH)
 
     def value(values: Array) -> tuple[float, Array]:
         nonlocal best, least
+        pace.begin()
         result, gradient = fit.misfit(values, width_mm)
         if result < least and np.max(fit.web.constraints(values)) < _KEPT:
             best, least = values.copy(), float(result)

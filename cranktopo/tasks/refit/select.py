@@ -18,6 +18,7 @@ from cranktopo.base.near_ties import best_first, first_of_the_best
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.search import MOST, Fit, FitProblem, minimise_misfit, outline_guess, with_stations
 from cranktopo.throw.fitted import FittedFeature
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.web import FITTED_TO_REGIONS, FITTED_TO_SECTIONS
 
 Mask = NDArray[np.bool_]
@@ -140,6 +141,12 @@ class FitTrial:
     kept: bool
 
 
+def searches(limits: ManufacturingLimits) -> int:
+    """Return about how many searches a selection takes: pockets depend on what the body lacks."""
+    features = sum(map(len, FITTED_TO_SECTIONS)) + _MOST_POCKETS * len(FITTED_TO_REGIONS)
+    return 1 + features + limits.max_stations - _LEAST_STATIONS + 1
+
+
 def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
     """Return the web in which every parameter gains enough overlap, and all trials in their order.
 
@@ -163,8 +170,9 @@ def select(problem: FitProblem) -> tuple[Candidate, tuple[FitTrial, ...]]:
 def fit_from(problem: FitProblem, layout: Layout, guess: Array, step: str) -> Candidate | None:
     """Return one search from one initial guess; None when it finds nothing that keeps the limits."""
     cell = float(problem.target.cell_mm[0])
+    problem.pace.begin(step)
     fit = Fit(problem, layout)
-    values, error = minimise_misfit(fit, guess, (2 * cell, cell, cell / 2))
+    values, error = minimise_misfit(fit, guess, (2 * cell, cell, cell / 2), step)
     if not np.isfinite(error):
         return None
     return Candidate(layout, values, float(fit.overlap(values, _SHARP * cell)), step)

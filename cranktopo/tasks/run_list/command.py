@@ -127,12 +127,12 @@ def clean_command(root: Path, states: tuple[str, ...], yes: bool) -> None:
 def _table(entries: list[RunEntry]) -> str:
     from cranktopo.report.result_table import text_table
 
-    header = ("run", "command", "status", "result", "throw kg", "torsion per kg", "bending per kg")
+    header = ("run", "command", "status", "result", "throw\nkg", "torsion per kg", "bending per kg")
     rows = []
     for entry in entries:
         gains, mass = entry.gain_of_stiffness_per_mass_percent or {}, entry.mass_of_throw_kg
         row = [entry.run, entry.command or "-", entry.status, entry.result or "-"]
         row += ["-" if mass is None else f"{mass:.3f}"]
-        row += [f"{gains[kind]:+.1f} %" if kind in gains else "-" for kind in ("torsion", "bending")]
+        row += [f"{gains[kind]:+z.1f} %" if kind in gains else "-" for kind in ("torsion", "bending")]
         rows.append(row)
     return text_table("llllrrr", header, rows)

@@ -56,7 +56,7 @@ def command(
 
 
 def _text(shaft: ShaftEvaluation) -> str:
-    from cranktopo.report.result_table import ResultTable, terminal
+    from cranktopo.report.result_table import ResultTable, labelled, terminal
 
     throws = terminal(
         ResultTable(
@@ -72,9 +72,12 @@ def _text(shaft: ShaftEvaluation) -> str:
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
     error = shaft.error_percent
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
+    rows = (
+        ("mass of the throws", f"{shaft.mass_kg:.3f} kg"),
+        (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
+        ("natural frequencies", f"{frequencies} Hz (shaft and moving masses alone, free ends)"),
+    )
     return (
-        f"{throws}\n\nmass of the throws        {shaft.mass_kg:.3f} kg\n"
-        f"end to end, {shaft.bearings} bearings {end:.2f} kN m/rad\n"
-        f"natural frequencies       {frequencies} Hz (shaft and moving masses alone, free ends)\n\n"
+        f"{throws}\n\n{labelled(rows)}\n\n"
         f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
     )

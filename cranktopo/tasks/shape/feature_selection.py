@@ -49,7 +49,7 @@ _REFINED = Refinement(3, 12, 5.0, 1.5e-3)
 def _trial_text(trial: FeatureTrial) -> str:
     if trial.objective is None:
         return f"{trial.step}: no web that keeps limits and rules"
-    gain = "" if trial.gain_percent is None else f", gain {trial.gain_percent:+.2f} %"
+    gain = "" if trial.gain_percent is None else f", gain {trial.gain_percent:+z.2f} %"
     violation = f", a limit missed by {trial.missed_percent:.2f} %" if trial.missed_percent else ""
     out = "" if trial.kept else ", left out"
     return f"{trial.step}: goal at {100 * abs(trial.objective):.2f} % of the original{violation}{gain}{out}"

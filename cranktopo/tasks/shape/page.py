@@ -67,7 +67,7 @@ def shape_page(
 def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
     change, error = found.change_percent[key], _change_error_percent(found, key)
     label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
-    shown = f"{change:+.1f} %" if not error else f"{change:+.1f} +-{error:.1g} %"
+    shown = f"{change:+z.1f} %" if not error else f"{change:+z.1f} +-{error:.1g} %"
     if abs(change) <= error:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"

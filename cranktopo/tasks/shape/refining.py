@@ -14,7 +14,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.notes import note
+from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Work
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -162,8 +162,9 @@ def refined(
     web = meshed.web(layout)
     found = meshed.responses(web, start, goal.quantities)
     best, solved, reach = Step(start, found, merit(goal, found.values), 1), 1, extent.reach
-    kept_share = 1.0
+    kept_share, pace = 1.0, Pace("steps judged by elements", extent.steps, at_most=True)
     for _ in range(extent.steps):
+        pace.begin()
         effort = SearchBudget(extent.evaluations, reach, nearest=True)
         step = stepped(cells, layout, best.values, best.found, goal, work, effort)
         solved += step.solved

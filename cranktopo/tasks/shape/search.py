@@ -10,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.notes import note
+from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
@@ -92,8 +92,8 @@ class _WebSearch:
             the one with the best goal: relative excess, goal, parameters.
     """
 
-    def __init__(self, webs: WebSolver, layout: Layout, goal: SearchGoal) -> None:
-        self.goal = goal
+    def __init__(self, webs: WebSolver, layout: Layout, goal: SearchGoal, pace: Pace) -> None:
+        self.goal, self._pace = goal, pace
         self.web: ParametricWeb = webs.web(layout)
         self.evaluations = 0
         self.best: tuple[float, float, Array] | None = None
@@ -104,6 +104,7 @@ class _WebSearch:
 
     def responses(self, values: Array) -> Quantities:
         if self._last is None or self._last[0] != values.tobytes():
+            self._pace.begin()
             found = self._webs.responses(self.web, values, self.goal.quantities)
             self._last = values.tobytes(), found
             self.evaluations += 1
@@ -155,7 +156,8 @@ def best_values(
 
     def make() -> Json:
         model = webs()
-        task = _WebSearch(model, layout, goal)
+        pace = Pace(f"{name}, webs of {len(start)} dimensions", effort.evaluations, at_most=True)
+        task = _WebSearch(model, layout, goal, pace)
         _minimise(task, start, effort, work)
         best = task.best
         broken = None if best else rules_at(model.scene, task.web, task.sound).violation_text

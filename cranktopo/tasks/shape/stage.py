@@ -15,7 +15,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.notes import note
+from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
@@ -195,7 +195,9 @@ class _LocalRefinement:
         """Return the web of the cells and those of the finishes, until they keep limits and settle."""
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+        pace = Pace("finish on body-fitted elements", maximum, at_most=True, quiet_s=0.0)
         for number in range(1, maximum + 1):
+            pace.begin()
             before = rounds[_best(rounds, self._goal)]
             try:
                 found = self._finished(before, number, effort, violation)
@@ -253,7 +255,7 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
 
 def _round_text(number: int, found: ShapeRound, original: EvaluatedWeb) -> str:
     changes = ", ".join(
-        f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+.2f} %"
+        f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
         for name in ("mass", "torsion", "bending", "fatigue_safety")
         if name in original.values
     )

@@ -136,7 +136,7 @@ def named_first(found: ShapeResult) -> tuple[str, ...]:
 def shape_headline(found: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
     change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
-    said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+.1f} %" for name in names)
+    said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+z.1f} %" for name in names)
     judged = f"NOT MET: {'; '.join(missed)};" if missed else "Every limit holds:"
     unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found)}. "
     return f"{unmade}{judged} {said} against the original web."

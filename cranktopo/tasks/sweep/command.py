@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
 from cranktopo.base.errors import ExitCode
 from cranktopo.cli.options import (
@@ -24,11 +23,15 @@ from cranktopo.cli.options import (
     refuse_beside_resume,
     run_options,
     seconds,
+    typed,
 )
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.tasks.sweep.plan import SweepPlan
+
+_BESIDE_FILE = ("target", "workers", "scheduler", "out", "as_json")
+"""Parameters that may stand beside a file, which says all of the points."""
 
 
 @click.command("sweep")
@@ -114,7 +117,12 @@ def command(
         plan = _plan(target or DEFAULT_DESIGN, **asked)
         done = run_sweep(plan, place, out, ["cranktopo", *sys.argv[1:]])
     click.echo(json.dumps(done.result.as_json()) if as_json else sweep_summary(done.result, done.folder))
-    return ExitCode.SOLVER if done.failed else ExitCode.DONE
+    if done.failed:
+        return ExitCode.SOLVER
+    if done.impossible:
+        click.echo(f"error: no point of the sweep is possible; the first: {done.impossible}", err=True)
+        return ExitCode.INVALID_INPUT
+    return ExitCode.DONE
 
 
 def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
@@ -124,19 +132,8 @@ def _plan(target: str, vary: tuple[str, ...], **asked: Any) -> SweepPlan:
     given = {name: value for name, value in asked.items() if value not in (None, ())}
     if is_plan(target):
         if vary or given:
-            raise click.UsageError(f"{target} says all of it: leave out {_typed()}")
+            raise click.UsageError(f"{target} says all of it: leave out {typed(*_BESIDE_FILE)[0]}")
         return read_plan(Path(target))
     if not vary and not given.get("limits"):
         raise click.UsageError('nothing varies: give --vary "web.width_mm=46:56:6" or the like, or a FILE')
     return sweep_plan([target], [read_option(text) for text in vary], **given)
-
-
-def _typed() -> str:
-    context = click.get_current_context()
-    kept = ("target", "workers", "scheduler", "out", "as_json")
-    typed = (
-        p.opts[0]
-        for p in context.command.params
-        if p.name not in kept and context.get_parameter_source(str(p.name)) == ParameterSource.COMMANDLINE
-    )
-    return next(typed)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
-from cranktopo.base.notes import note
+from cranktopo.base.notes import duration_text, note
 from cranktopo.bodies.memory import available_memory_MiB, evaluation_memory_MiB, optimiser_memory_MiB
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
@@ -47,15 +47,7 @@ class _Progress:
     def _time_left(self, now: float) -> list[str]:
         """Count the points that ended since the first one, which waited for the workers to start."""
         since, left = self._ends.total() - 1, self._points - self._done
-        return [f"about {_duration(left * (now - self._first) / since)} left"] if since and left else []
-
-
-def _duration(seconds: float) -> str:
-    """Return a time for people: `40 s`, `12 min`, `3 h 20 min`."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
+        return [f"about {duration_text(left * (now - self._first) / since)} left"] if since and left else []
 
 
 _PROGRAM_MIB = 500.0

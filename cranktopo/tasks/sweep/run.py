@@ -59,6 +59,12 @@ class SweptRun:
         """Points that failed, of webs that may well be possible."""
         return sum(point.status == FAILED for point in self.result.points)
 
+    @property
+    def impossible(self) -> str:
+        """Why no web of the sweep is possible, by its first point; empty where one is."""
+        points = self.result.points
+        return "" if any(point.status == DONE for point in points) else points[0].reason or points[0].status
+
 
 def run_sweep(
     plan: SweepPlan, place: Workplace = ALL_CORES, out: Path | None = None, command: Sequence[str] = ()

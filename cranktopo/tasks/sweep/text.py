@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.files import replacing, write_text
+from cranktopo.base.units import plain_number
 from cranktopo.report.result_table import ResultTable, Row, no_formula, terminal
 from cranktopo.tasks.sweep.result import COARSE, DONE, PointResult, SweepResult
 
@@ -100,7 +101,11 @@ def _designs(points: Sequence[PointResult]) -> int:
 def _cell(value: Any) -> str | None:
     if value is None:
         return None
-    return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+    return (
+        plain_number(value, 6)
+        if isinstance(value, int | float) and not isinstance(value, bool)
+        else str(value)
+    )
 
 
 def point_words(points: Sequence[PointResult], row: PointResult) -> str:

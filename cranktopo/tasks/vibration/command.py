@@ -11,7 +11,15 @@ from typing import get_args
 
 import click
 
-from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, bearings_option, body_options, designs, seconds
+from cranktopo.cli.options import (
+    CELL_MM,
+    DEFAULT_DESIGN,
+    bearings_option,
+    body_options,
+    designs,
+    seconds,
+    typed,
+)
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -66,7 +74,8 @@ def command(
     from cranktopo.tasks.vibration.text import vibration_text
 
     resolved = resolve_target(target, design, align=align, whole=True)
-    support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    chosen = bearings if "--bearings" in typed() else None
+    support: Bearings | None = next((name for name in get_args(Bearings) if name == chosen), None)
     study = shaft_vibration(resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s)
     assumed = filter_by_table(resolved.assumed, (*SHAFT, LOADS, VIBRATION))
     if as_json:

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
-from cranktopo.engine.vibration.study import VibrationStudy, study_vibration
+from cranktopo.engine.vibration.study import VibrationStudy, check_vibration, study_vibration
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
@@ -24,7 +25,7 @@ from cranktopo.tasks.vibration.page import vibration_page
 
 def shaft_vibration(
     target: Target | str,
-    bearings: Bearings = "rigid",
+    bearings: Bearings | None = None,
     element_size_mm: float | None = None,
     report: Path | None = None,
     csv: Path | None = None,
@@ -38,13 +39,14 @@ def shaft_vibration(
 
     Args:
         target: a design, a run, or an STL or STEP file of the half throw.
-        bearings: radial support of the mid-journal sections.
+        bearings: radial support of the mid-journal sections; rigid by default.
         report: page to write, HTML or Markdown.
         csv: file for the torque of every section by speed and order.
         run_up_s: time in which the speed rises through its range; None for the steady vibration alone.
 
     Raises:
-        CranktopoError: no engine or gas, a failed solve, or a file that cannot be written.
+        CranktopoError: no engine or gas, bearings or elements beside a given stiffness, a failed solve, or a
+            file that cannot be written.
     """
     if report is not None:
         check_report_path(report)
@@ -52,8 +54,11 @@ def shaft_vibration(
         check_file(csv, "--csv")
     resolved = resolve_target(target, design, align=align, whole=True) if isinstance(target, str) else target
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
-    print_assumed([resolved], (*shaft_tables(resolved.scene, bearings), LOADS, VIBRATION))
-    study = _studied(resolved, bearings, element_size_mm, run_up_s)
+    _check_solved(resolved, bearings, element_size_mm)
+    check_vibration(resolved.scene, run_up_s)
+    support = bearings or "rigid"
+    print_assumed([resolved], (*shaft_tables(resolved.scene, support), LOADS, VIBRATION))
+    study = _studied(resolved, support, element_size_mm, run_up_s)
     for line in study.warnings:
         note(f"warning: {resolved.name}: {line}")
     if report is not None:
@@ -65,12 +70,27 @@ def shaft_vibration(
     return study
 
 
+def _given(target: Target) -> bool:
+    """Tell whether the design gives the stiffness of its throw, so that no elements are needed."""
+    shaft = target.scene.shaft
+    return target.file is None and shaft is not None and shaft.throw_stiffness_Nm_per_rad is not None
+
+
+def _check_solved(target: Target, bearings: Bearings | None, size_mm: float | None) -> None:
+    options = {"--bearings": bearings, "--element-size-mm": size_mm}
+    for option in (name for name, value in options.items() if value is not None and _given(target)):
+        raise CranktopoError(
+            f"{option}: shaft.throw_stiffness_Nm_per_rad gives the stiffness of a throw, so none is solved.",
+            hint=f"Leave out {option}, or that key of '{target.name}'.",
+            code=ExitCode.USAGE,
+        )
+
+
 def _studied(
     target: Target, bearings: Bearings, size_mm: float | None, run_up_s: float | None
 ) -> VibrationStudy:
     scene = target.scene
-    given = scene.shaft.throw_stiffness_Nm_per_rad if scene.shaft else None
-    if given is not None and target.file is None:
+    if _given(target):
         inertia = throw_balance(scene).inertia_kg_mm2
         source = "shaft.throw_stiffness_Nm_per_rad"
         return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.units import number_text, plain_number
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
@@ -108,7 +109,7 @@ def varying_sentence(study: VibrationStudy) -> str:
     if change is not None:
         return (
             f"{start}, above the threshold of {threshold:g} %: included, it changes the largest torque "
-            f"amplitude by {change:+.1f} %."
+            f"amplitude by {change:+z.1f} %."
         )
     if part.share_percent < threshold:
         return f"{start}, below the threshold of {threshold:g} %: they count with their mean inertia."
@@ -138,8 +139,8 @@ def _stiffness_sentence(study: VibrationStudy) -> str:
     first = study.shaft.first
     found, estimated = chain.stiffness_Nm_per_rad[first], throw_stiffness_Nm_per_rad(scene)
     return (
-        f"Load cases take {estimated:.4g} N m/rad for a throw, in closed form; to have them take that of "
-        f"this run write shaft.throw_stiffness_Nm_per_rad = {found:.4g}."
+        f"Load cases take {number_text(estimated)} N m/rad for a throw, in closed form; to have them take "
+        f"that of this run write shaft.throw_stiffness_Nm_per_rad = {plain_number(found)}."
     )
 
 

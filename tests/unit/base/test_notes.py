@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from cranktopo.base.notes import detail, indented, note, redirected, silent
+from cranktopo.base.notes import Pace, detail, duration_text, indented, note, redirected, silent
 from cranktopo.base.side_by_side import Ahead, side_by_side
 
 
@@ -31,3 +31,38 @@ def test_another_listener_hears_threads_as_well() -> None:
     late.result()
     note("after")
     assert sorted(lines) == ["first", "second", "third"]
+
+
+def test_a_pace_tells_the_part_and_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([0.0, 1.0, 4.0, 5.0, 8.0, 11.0])
+    monkeypatch.setattr("cranktopo.base.notes.time.perf_counter", lambda: next(clock))
+    lines: list[str] = []
+    with redirected(lines.append):
+        pace = Pace("fit", 4)
+        for part in ("outline", "bevel", "groove", "pocket", "more"):
+            pace.begin(part)
+    assert lines == [
+        "fit: [###---------] 2 of 4, bevel, about 12 s left",
+        "fit: [#########---] 4 of 4, pocket, about 3 s left",
+        "fit: [############] 5 of 5, more",
+    ]
+
+
+def test_short_work_has_no_line() -> None:
+    lines: list[str] = []
+    with redirected(lines.append):
+        pace = Pace("fit", 1000, at_most=True)
+        for _ in range(1000):
+            pace.begin()
+    assert lines == []
+    assert [duration_text(seconds) for seconds in (40, 700, 12_000)] == ["40 s", "12 min", "3 h 20 min"]
+
+
+def test_silent_work_still_tells_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([0.0, 4.0])
+    monkeypatch.setattr("cranktopo.base.notes.time.perf_counter", lambda: next(clock))
+    lines: list[str] = []
+    with redirected(lines.append), silent():
+        note("not heard")
+        Pace("mesh", 2).begin()
+    assert lines == ["mesh: [------------] 1 of 2"]

@@ -15,7 +15,7 @@ from cranktopo.bodies.cells.domain import throw_ranges_mm
 from cranktopo.bodies.envelope_file import envelope_from_file
 from cranktopo.bodies.solid.step import step_surface
 from cranktopo.bodies.volume import web_moments
-from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.loading import designs_folder, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene, ThrowTable
 from cranktopo.numerics.surfaces.files import read_stl
 
@@ -174,3 +174,25 @@ def _solid(hollow: Scene) -> ThrowTable:
     throw = hollow.throw
     main, pin = (j.model_copy(update={"bore_diameter_mm": 0.0}) for j in (throw.main_journal, throw.crankpin))
     return throw.model_copy(update={"main_journal": main, "crankpin": pin})
+
+
+@pytest.mark.parametrize(("diameter_mm", "cell_mm"), [(290.0, 5.18), (84.0, 1.5), (42.0, 1.5), (21.0, 0.75)])
+def test_cells_are_in_proportion_to_the_journals(diameter_mm: float, cell_mm: float) -> None:
+    """Those of a design that does not say how large: 1.5 mm were 12 million cells for a journal of 290 mm."""
+    factor = diameter_mm / 42.0
+    journal = {"outer_diameter_mm": diameter_mm, "bore_diameter_mm": 0.0, "fillet_mm": 2.5 * factor}
+    throw = {
+        "radius_mm": 48.0 * factor,
+        "main_journal": {**journal, "length_mm": 40.0 * factor},
+        "crankpin": {**journal, "length_mm": 36.0 * factor},
+    }
+    web = {"thickness_mm": 19.0 * factor, "outline": "obround", "width_mm": 50.0 * factor}
+    data = {
+        "schema_version": 1,
+        "name": "large",
+        "throw": throw,
+        "web": web,
+        "material": {"name": "31CrMoV9"},
+    }
+    assert scene_from_dict(data).optimise.resolution_mm == cell_mm
+    assert scene_from_dict({**data, "optimise": {"resolution_mm": 2.0}}).optimise.resolution_mm == 2.0
