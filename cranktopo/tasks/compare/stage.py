@@ -95,15 +95,16 @@ def compare_targets(
     names: Sequence[str],
     baseline: str,
     wanted: MeshRequest | None = None,
-    fatigue: FatigueMethod | None = None,
+    fatigue: FatigueMethod | Sequence[FatigueMethod] | None = None,
     design: str | None = None,
     align: bool = False,
 ) -> ComparedTargets:
-    """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
+    """Evaluate targets beside a baseline, and assess their fatigue where methods are given.
 
     Args:
         names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
             them where it is not among them.
+        fatigue: one method or several; goals and limits take the safety by the first.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
 
@@ -115,18 +116,19 @@ def compare_targets(
     index = every.index(baseline)
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
-    safety = None
-    if fatigue is not None:
+    methods = list(dict.fromkeys([fatigue] if isinstance(fatigue, str) else fatigue or ()))
+    fatigues = []
+    if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        safety = assess_fatigue(filleted, fatigue, baseline=index).compared()
+        fatigues = [assess_fatigue(filleted, method, baseline=index).compared() for method in methods]
     found = evaluate_targets(targets, wanted)
-    published = [None if target.file else target.scene.published for target in targets]
-    safeties = iter(safety.safeties if safety else ())
-    entries = [
-        Entry(evaluation, printed, next(safeties, None))
-        for evaluation, printed in zip(found.evaluations, published, strict=True)
-    ]
-    comparison = compare(entries, entries[index].name, safety)
+    entries = []
+    for row, (evaluation, target) in enumerate(zip(found.evaluations, targets, strict=True)):
+        printed = None if target.file else target.scene.published
+        safeties = {one.result.method: one.safeties[row] for one in fatigues}
+        first = safeties.pop(methods[0]) if methods else None
+        entries.append(Entry(evaluation, printed, first, safeties))
+    comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(comparison, goals=_evaluated_goals(targets, entries, index))
     return ComparedTargets(comparison, tuple(targets), found.missed)
 
