@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
+from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import difference, halves, of_second, require_equal_halves
@@ -221,7 +221,10 @@ def _toml_reason(error: Exception, text: str) -> str:
     if isinstance(error, tomllib.TOMLDecodeError):
         reason, place = quoted(str(error))[1:-1], _TOML_PLACE.search(str(error))
         lines = text.splitlines()[int(place[1]) - 1 :] if place else []
-        return f"{reason}: {quoted(lines[0].strip())}" if lines else reason
+        if not lines:
+            return reason
+        comma = decimal_comma(lines[0].partition("=")[2]).rstrip(".").lower()
+        return f"{comma or reason}: {quoted(lines[0].strip())}"
     return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
 
 
