@@ -59,6 +59,17 @@ class TableReference:
     keys: tuple[KeyReference, ...]
 
 
+SKETCHES = {
+    "throw": "throw",
+    "throw.drilling": "drilling",
+    "web": "web",
+    "web.bevel": "bevel",
+    "web.pocket": "pocket",
+    "web.counterweight": "counterweight",
+}
+"""Sketches of `cranktopo designs sketch`, by the table whose keys they show."""
+
+
 def scene_reference() -> list[TableReference]:
     """Return every table of a scene in the order of a file: the keys of a table before the tables in it."""
     schema = Scene.model_json_schema()
@@ -200,11 +211,13 @@ def template(name: str, values: Mapping[str, Any] | None = None, origin: str = "
 def _blocks(tables: list[TableReference], values: Mapping[str, Any], off: str) -> Iterator[str]:
     common, *choices = tables
     header = f"[[{common.path}]]" if common.repeated else f"[{common.path}]"
-    top = [_prose(common.meaning), off + header] if common.path else []
+    sketch = SKETCHES.get(common.path)
+    drawn = [f"# Sketch: cranktopo designs sketch {sketch} {sketch}.svg"] if sketch else []
+    top = [_prose(common.meaning), *drawn, off + header] if common.path else []
     if common.repeated and choices:
         for choice in choices:
             keys = [*_lines(choice.keys, off), *_lines(common.keys, off)]
-            yield "\n".join([off + header, *keys])
+            yield "\n".join([*drawn, off + header, *keys])
         return
     start = f"{common.path}." if common.path else ""
     own = {key.removeprefix(start): value for key, value in values.items() if key.startswith(start)}

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.base.formats import PLOTS
 from cranktopo.cli.group import SuggestingGroup
 from cranktopo.cli.options import Choice, Number
 from cranktopo.cli.options import designs as complete_designs
+from cranktopo.design.reference import SKETCHES
 
 if TYPE_CHECKING:
     from cranktopo.design.starting_point import LayoutName
@@ -101,6 +103,25 @@ def pair_command(design: str, file: Path, first: str | None, second: str | None,
     webs = [None if text is None else parametric_scene(text, web_target(text)) for text in (first, second)]
     write_text(file, pair_text(design, file, *webs))
     click.echo(f"{file}: {shlex.join(['cranktopo', 'evaluate', str(file)])}")
+
+
+@command.command("sketch")
+@click.argument("part", type=Choice(list(SKETCHES.values())))
+@_FILE
+@_FORCE
+def sketch_command(part: str, file: Path, force: bool) -> None:
+    """Draw the dimensions of a part of the throw under the names of their keys (.svg, .pdf or .png).
+
+    PART is throw, web (all outlines), bevel, pocket, counterweight or drilling.
+
+    Example: cranktopo designs sketch counterweight counterweight.svg
+    """
+    from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.drawing.sketch import write_sketch
+
+    check_file(file, "file", PLOTS, replace=force)
+    write_sketch(part, file)
+    click.echo(str(file))
 
 
 @command.command("new")
