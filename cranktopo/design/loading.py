@@ -6,7 +6,6 @@ import os
 import re
 import shlex
 import tomllib
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -274,19 +273,8 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
     return scene
 
 
-def load_scene(design: str, *, whole: bool = False) -> Scene:
+def load_scene(design: str | Path, *, whole: bool = False) -> Scene:
     """Return a validated scene from a TOML path or a built-in name; `whole` as in `scene_from_dict`."""
+    design = str(design)
     path = resolve_design(design)
     return parse_scene(design_text(design), str(path), path.resolve().parent, whole=whole)
-
-
-def with_values(scene: Scene, values: Mapping[str, object]) -> Scene:
-    """Return the scene with other values, by key path such as `web.width_mm`, checked as those of a file.
-
-    Raises:
-        CranktopoError: unknown key, value outside its range, or inconsistent geometry.
-    """
-    data = scene.model_dump(mode="json", exclude_none=True)
-    for key, value in values.items():
-        data = with_value(data, key, value)
-    return scene_from_dict(data, str(data.get("name", "scene")), whole=True)

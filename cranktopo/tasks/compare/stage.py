@@ -34,20 +34,24 @@ from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
-from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.sweep.result import SweepResult
 
 
-def with_picks(targets: Sequence[str]) -> list[str]:
-    """Return the targets as the user types them, every sweep replaced by the webs of its picks, each once.
+def with_picks(targets: Sequence[TargetLike]) -> list[TargetLike]:
+    """Return the targets, every sweep replaced by the webs of its picks, each once.
 
     Raises:
         CranktopoError: a sweep that is not finished, or has no webs to compare.
     """
-    runs = [(text, _sweep(text)) for text in targets]
-    return list(dict.fromkeys(one for text, run in runs for one in (_picked(run) if run else [text])))
+    found: list[TargetLike] = []
+    for target in targets:
+        run = _sweep(str(target)) if isinstance(target, str | Path) else None
+        for one in _picked(run) if run else [target]:
+            found += [] if one in found else [one]
+    return found
 
 
 def _sweep(text: str) -> RunStore | None:
@@ -92,8 +96,8 @@ class ComparedTargets:
 
 
 def compare_targets(
-    names: Sequence[str],
-    baseline: str,
+    names: Sequence[TargetLike],
+    baseline: TargetLike,
     wanted: MeshRequest | None = None,
     fatigue: FatigueMethod | Sequence[FatigueMethod] | None = None,
     design: str | None = None,
@@ -102,8 +106,8 @@ def compare_targets(
     """Evaluate targets beside a baseline, and assess their fatigue where methods are given.
 
     Args:
-        names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
-            them where it is not among them.
+        names: scenes, targets, or paths and names as the user types them, of a sweep those picked out of it;
+            the baseline is put before them where it is not among them.
         fatigue: one method or several; goals and limits take the safety by the first.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
