@@ -10,8 +10,12 @@ What a command does is one call as well: `optimise_design`, `resume_optimisation
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`,
 `study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`,
-`summarise_runs`, `clean_runs`, `check_machine`. A name loads its module when it is first used, so that
-importing the package costs nothing.
+`summarise_runs`, `clean_runs`, `check_machine`.
+
+A design is a `Scene`, the path of a file or a name, whatever the function; a target may be a `Target` too.
+What they return is a class of this list (`Loads`, `EvaluationResult`, `FatigueResult`, `RunMetrics`, ...).
+
+A name loads its module when it is first used, so that importing the package costs nothing.
 """
 
 from __future__ import annotations
@@ -25,8 +29,8 @@ if TYPE_CHECKING:
     from cranktopo.base.errors import CranktopoError
     from cranktopo.bodies.solid.files import export_solid
     from cranktopo.design.goal.limit import Goal, Limit
-    from cranktopo.design.goal.wanted import wanted, with_goal
-    from cranktopo.design.loading import load_scene, with_values
+    from cranktopo.design.loading import load_scene
+    from cranktopo.design.named import wanted, with_goal, with_values
     from cranktopo.design.schema import Scene
     from cranktopo.design.writing import save_scene
     from cranktopo.engine.balance.whole_engine import EngineBalance, engine_balance
@@ -34,48 +38,82 @@ if TYPE_CHECKING:
     from cranktopo.engine.plan.effect import PhysicsPlan
     from cranktopo.engine.plan.planning import plan
     from cranktopo.engine.states import load_cases
+    from cranktopo.engine.vibration.study import VibrationStudy
     from cranktopo.numerics.precision import double_precision
     from cranktopo.numerics.surfaces.files import write_stl
-    from cranktopo.tasks.accuracy.stage import study_accuracy
-    from cranktopo.tasks.balance.result import balance_result
+    from cranktopo.tasks.accuracy.stage import AccuracyStudy, study_accuracy
+    from cranktopo.tasks.balance.result import Balance, balance_result
     from cranktopo.tasks.balance.stage import report_balance
+    from cranktopo.tasks.bound.result import BoundResult
     from cranktopo.tasks.bound.stage import bound_of
-    from cranktopo.tasks.compare.result import Comparison, Entry, compare
-    from cranktopo.tasks.compare.stage import compare_targets, report_comparison
+    from cranktopo.tasks.compare.result import Comparison, ComparisonResult, Entry, compare
+    from cranktopo.tasks.compare.stage import ComparedTargets, compare_targets, report_comparison
     from cranktopo.tasks.density.stage import Optimum, Prepared, optimise_density, prepare
     from cranktopo.tasks.designs.run_webs import WebTarget, web_target
-    from cranktopo.tasks.doctor.stage import check_machine
+    from cranktopo.tasks.doctor.stage import Check, check_machine
     from cranktopo.tasks.evaluate.sensitivities import Sensitivities, evaluate_sensitivities
     from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
+    from cranktopo.tasks.extraction.result import Extraction
     from cranktopo.tasks.extraction.stage import extract_surface
-    from cranktopo.tasks.fatigue.stage import assess_fatigue
+    from cranktopo.tasks.fatigue.result import FatigueResult
+    from cranktopo.tasks.fatigue.stage import FatigueAssessment, assess_fatigue
     from cranktopo.tasks.fea.evaluation import Evaluation
-    from cranktopo.tasks.fea.stage import MeshRequest, evaluate_target, evaluate_targets
+    from cranktopo.tasks.fea.result import EvaluationResult
+    from cranktopo.tasks.fea.stage import Evaluations, MeshRequest, evaluate_target, evaluate_targets
+    from cranktopo.tasks.fea.studies import StudyResult
     from cranktopo.tasks.fea.targets import Target, resolve_target, resolve_targets
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
-    from cranktopo.tasks.iterate.result import loop_settings
+    from cranktopo.tasks.iterate.result import LoopResult, LoopRun, loop_settings
+    from cranktopo.tasks.loads.result import Loads
     from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
+    from cranktopo.tasks.optimise.result import OptimisedRun, RunMetrics
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation, with_cells_for
     from cranktopo.tasks.refit.fit import FittedWeb, fit_web
+    from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
-    from cranktopo.tasks.run_list.stage import clean_runs, summarise_runs
-    from cranktopo.tasks.shaft.stage import evaluate_shaft
+    from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
+    from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
+    from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.tasks.sweep.run import sweep
+    from cranktopo.tasks.vibration.result import ShaftVibration
     from cranktopo.tasks.vibration.stage import shaft_vibration
     from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 _HOMES = {
+    "Loads": "tasks.loads.result",
+    "Balance": "tasks.balance.result",
+    "BoundResult": "tasks.bound.result",
+    "ComparedTargets": "tasks.compare.stage",
+    "ComparisonResult": "tasks.compare.result",
+    "AccuracyStudy": "tasks.accuracy.stage",
+    "StudyResult": "tasks.fea.studies",
+    "FatigueAssessment": "tasks.fatigue.stage",
+    "FatigueResult": "tasks.fatigue.result",
+    "OptimisedRun": "tasks.optimise.result",
+    "RunMetrics": "tasks.optimise.result",
+    "ShapeResult": "tasks.shape.result",
+    "LoopRun": "tasks.iterate.result",
+    "LoopResult": "tasks.iterate.result",
+    "RefitResult": "tasks.refit.result",
+    "Extraction": "tasks.extraction.result",
+    "Evaluations": "tasks.fea.stage",
+    "EvaluationResult": "tasks.fea.result",
+    "ShaftEvaluation": "tasks.shaft.stage",
+    "VibrationStudy": "engine.vibration.study",
+    "ShaftVibration": "tasks.vibration.result",
+    "RunEntry": "tasks.run_list.stage",
+    "Check": "tasks.doctor.stage",
     "CranktopoError": "base.errors",
     "Scene": "design.schema",
     "load_scene": "design.loading",
-    "with_values": "design.loading",
+    "with_values": "design.named",
     "save_scene": "design.writing",
     "Goal": "design.goal.limit",
     "Limit": "design.goal.limit",
-    "with_goal": "design.goal.wanted",
-    "wanted": "design.goal.wanted",
+    "with_goal": "design.named",
+    "wanted": "design.named",
     "PhysicsPlan": "engine.plan.effect",
     "plan": "engine.plan.planning",
     "LoadCase": "engine.load_case",
@@ -141,25 +179,48 @@ _HOMES = {
 }
 
 __all__ = [
+    "AccuracyStudy",
+    "Balance",
+    "BoundResult",
+    "Check",
     "CheckedSurface",
+    "ComparedTargets",
     "Comparison",
+    "ComparisonResult",
     "CranktopoError",
     "EngineBalance",
     "Entry",
     "Evaluation",
+    "EvaluationResult",
+    "Evaluations",
+    "Extraction",
+    "FatigueAssessment",
+    "FatigueResult",
     "FittedWeb",
     "Goal",
     "Limit",
     "LoadCase",
+    "Loads",
+    "LoopResult",
+    "LoopRun",
     "ManufacturingLimits",
     "MeshRequest",
+    "OptimisedRun",
     "Optimum",
     "PhysicsPlan",
     "Prepared",
+    "RefitResult",
+    "RunEntry",
+    "RunMetrics",
     "Scene",
     "Sensitivities",
+    "ShaftEvaluation",
+    "ShaftVibration",
+    "ShapeResult",
     "ShapedRun",
+    "StudyResult",
     "Target",
+    "VibrationStudy",
     "WebTarget",
     "assess_fatigue",
     "balance_result",

@@ -19,7 +19,7 @@ import cranktopo
 from cranktopo.app.main import COMMANDS, cli
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.material import material_library
-from cranktopo.design.reference import KeyReference, TableReference, scene_reference
+from cranktopo.design.reference import SKETCHES, KeyReference, TableReference, scene_reference
 from cranktopo.design.shaft import bearing_library
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -73,7 +73,9 @@ def _scene_table(table: TableReference) -> str:
     anchor = table.path.replace(".", "-") or "top"
     heading = f"## `{name}` {{#{anchor}}}" if table.path else f"## The top of the file {{#{anchor}}}"
     needed = "Required." if table.required else "Optional."
-    return "\n\n".join(filter(None, (heading, f"{table.meaning} {needed}", _key_rows(table.keys))))
+    part = SKETCHES.get(table.path)
+    sketch = f"![The keys of `{name}` on a throw](images/sketches/{part}.svg)" if part else ""
+    return "\n\n".join(filter(None, (heading, f"{table.meaning} {needed}", sketch, _key_rows(table.keys))))
 
 
 def _key_rows(keys: tuple[KeyReference, ...]) -> str:

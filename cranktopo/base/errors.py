@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -75,6 +76,15 @@ def suggest(word: str, valid: list[str]) -> str:
     """Return a did-you-mean sentence for a misspelt word, listing all choices when nothing is near."""
     near = get_close_matches(word, valid, n=1, cutoff=0.6)
     return f"Did you mean '{near[0]}'?" if near else f"Valid: {', '.join(sorted(valid))}."
+
+
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
+
+
+def decimal_comma(text: str) -> str:
+    """Return what to write in place of a number with a decimal comma; empty where there is none."""
+    found = _DECIMAL_COMMA.match(text.strip())
+    return f"A decimal comma: write {found[0].replace(',', '.')}." if found else ""
 
 
 EXTRAS = {"sweep": "sweep", "fatigue": "fatigue by method 'fkm'"}

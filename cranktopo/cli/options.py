@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from cranktopo.base.errors import quoted, suggest
+from cranktopo.base.errors import decimal_comma, quoted, suggest
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Number(click.FloatRange):
             number = math.nan
         if not (self.min is not None and self.max is not None and self.min <= number <= self.max):
             allowed = f"must be a number >= {self.min:g} and <= {self.max:g}"
-            self.fail(f"{quoted(str(value))}: {allowed}.", param, ctx)
+            self.fail(f"{quoted(str(value))}: {allowed}. {decimal_comma(str(value))}".rstrip(), param, ctx)
         return number
 
 
@@ -98,7 +98,7 @@ class Speeds(click.ParamType[list[float]]):
             if 0 <= start <= stop < math.inf and step > 0 and (stop - start) / step < self.most:
                 return [start + index * step for index in range(int((stop - start) / step + 1e-9) + 1)]
         form = f"must be RPM or FROM:TO:STEP with 0 <= FROM <= TO and at most {self.most} steps"
-        self.fail(f"{quoted(str(value))}: {form}.", param, ctx)
+        self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
 
 
 def goal_options(function: Any) -> Any:
@@ -188,7 +188,7 @@ def _number(value: str | None, units: dict[str, float], form: str) -> float | No
     try:
         return None if value is None else float(text.removesuffix(unit)) * units.get(unit, 1.0)
     except ValueError:
-        raise click.BadParameter(f"{value!r} is not {form}.") from None
+        raise click.BadParameter(f"{value!r} is not {form}. {decimal_comma(text)}".rstrip()) from None
 
 
 def body_options(function: Any) -> Any:

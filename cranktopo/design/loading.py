@@ -6,13 +6,12 @@ import os
 import re
 import shlex
 import tomllib
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
+from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import difference, halves, of_second, require_equal_halves, usual_scale
@@ -230,7 +229,10 @@ def _toml_reason(error: Exception, text: str) -> str:
     if isinstance(error, tomllib.TOMLDecodeError):
         reason, place = quoted(str(error))[1:-1], _TOML_PLACE.search(str(error))
         lines = text.splitlines()[int(place[1]) - 1 :] if place else []
-        return f"{reason}: {quoted(lines[0].strip())}" if lines else reason
+        if not lines:
+            return reason
+        comma = decimal_comma(lines[0].partition("=")[2]).rstrip(".").lower()
+        return f"{comma or reason}: {quoted(lines[0].strip())}"
     return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
 
 
@@ -289,19 +291,8 @@ def _with_usual_cells(scene: Scene) -> Scene:
     return scene.with_optimise(resolution_mm=float(f"{scene.optimise.resolution_mm / scale:.3g}"))
 
 
-def load_scene(design: str, *, whole: bool = False) -> Scene:
+def load_scene(design: str | Path, *, whole: bool = False) -> Scene:
     """Return a validated scene from a TOML path or a built-in name; `whole` as in `scene_from_dict`."""
+    design = str(design)
     path = resolve_design(design)
     return parse_scene(design_text(design), str(path), path.resolve().parent, whole=whole)
-
-
-def with_values(scene: Scene, values: Mapping[str, object]) -> Scene:
-    """Return the scene with other values, by key path such as `web.width_mm`, checked as those of a file.
-
-    Raises:
-        CranktopoError: unknown key, value outside its range, or inconsistent geometry.
-    """
-    data = scene.model_dump(mode="json", exclude_none=True)
-    for key, value in values.items():
-        data = with_value(data, key, value)
-    return scene_from_dict(data, str(data.get("name", "scene")), whole=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -57,6 +57,17 @@ class TableReference:
     empty: bool
     repeated: bool
     keys: tuple[KeyReference, ...]
+
+
+SKETCHES = {
+    "throw": "throw",
+    "throw.drilling": "drilling",
+    "web": "web",
+    "web.bevel": "bevel",
+    "web.pocket": "pocket",
+    "web.counterweight": "counterweight",
+}
+"""Sketches of `cranktopo designs sketch`, by the table whose keys they show."""
 
 
 def scene_reference() -> list[TableReference]:
@@ -175,43 +186,57 @@ in it has another.
 """
 
 
-def template(name: str) -> str:
-    """TOML text of a design of that name with every key of a scene; it is a valid design as it stands."""
-    heading = "\n".join(_prose(line) for line in _HEADING.format(name=name).splitlines())
+def template(name: str, values: Mapping[str, Any] | None = None, origin: str = "") -> str:
+    """Return TOML text of a design of that name with every key of a scene; it is valid as it stands.
+
+    Args:
+        values: by key path; they are switched on with their tables, in place of the examples.
+        origin: where the values are from, for the heading.
+    """
+    given = {"name": name, **(values or {})}
+    lines = [*_HEADING.format(name=name).splitlines(), *filter(None, [origin])]
+    heading = "\n".join(map(_prose, lines))
     off: set[str] = set()
     blocks = [heading]
     for path, group in groupby(scene_reference(), key=lambda table: table.path):
         tables = list(group)
         first = tables[0]
-        if first.path.rpartition(".")[0] in off or not (first.required or first.empty):
+        wanted = any(key.startswith(f"{path}.") for key in given)
+        if not wanted and (first.path.rpartition(".")[0] in off or not (first.required or first.empty)):
             off.add(path)
-        blocks += _blocks(tables, name, "#" if path in off else "")
+        blocks += _blocks(tables, given, "#" if path in off else "")
     return "\n\n".join(blocks) + "\n"
 
 
-def _blocks(tables: list[TableReference], name: str, off: str) -> Iterator[str]:
+def _blocks(tables: list[TableReference], values: Mapping[str, Any], off: str) -> Iterator[str]:
     common, *choices = tables
     header = f"[[{common.path}]]" if common.repeated else f"[{common.path}]"
-    top = [_prose(common.meaning), off + header] if common.path else []
+    sketch = SKETCHES.get(common.path)
+    drawn = [f"# Sketch: cranktopo designs sketch {sketch} {sketch}.svg"] if sketch else []
+    top = [_prose(common.meaning), *drawn, off + header] if common.path else []
     if common.repeated and choices:
         for choice in choices:
             keys = [*_lines(choice.keys, off), *_lines(common.keys, off)]
-            yield "\n".join([off + header, *keys])
+            yield "\n".join([*drawn, off + header, *keys])
         return
-    named = {"name": name} if not common.path else {}
-    lines = [*top, *_lines(common.keys, off, named)]
+    start = f"{common.path}." if common.path else ""
+    own = {key.removeprefix(start): value for key, value in values.items() if key.startswith(start)}
+    lines = [*top, *_lines(common.keys, off, own)]
     for number, choice in enumerate(choices):
         if number:
             lines.append(_prose(f"Instead of {choice.choice} and the keys that follow it above:"))
-        lines += _lines(choice.keys, off + "#" * bool(number))
+        lines += _lines(choice.keys, off + "#" * bool(number), {} if number else own)
     yield "\n".join(lines)
 
 
-def _lines(keys: tuple[KeyReference, ...], off: str, values: dict[str, Any] | None = None) -> Iterator[str]:
+def _lines(
+    keys: tuple[KeyReference, ...], off: str, values: Mapping[str, Any] | None = None
+) -> Iterator[str]:
+    given = values or {}
     for key in keys:
-        on = (key.required and not key.unless) or key.shown
+        on = (key.required and not key.unless) or key.shown or key.name in given
         use_example = on or key.default is None
-        value = (values or {}).get(key.name, key.example if use_example else key.default)
+        value = given.get(key.name, key.example if use_example else key.default)
         yield _prose(f"{key.meaning} ({_facts(key)})")
         yield f"{off}{'' if on else '#'}{key.name} = {json.dumps(value, ensure_ascii=False)}"
 

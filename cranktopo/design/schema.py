@@ -14,6 +14,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.goal.limit import GoalTable
 from cranktopo.design.material import Fatigue, Material
 from cranktopo.design.messages import explain, register_root
+from cranktopo.design.published import Published
 from cranktopo.design.shaft import ShaftTable, Supports
 from cranktopo.design.shape import ShapeTable
 from cranktopo.throw.drilling.table import Drilling
@@ -171,17 +172,6 @@ class Optimise(SceneTable):
     """Least angle between the walls of a forged or cast web and the way its die or mould opens."""
     tool_radius_mm: Length | None = Field(default=None, examples=[5.0])
     """Radius of the end mill of a milled web; by default a tenth of the throw radius."""
-
-
-class Published(SceneTable):
-    """Values printed for this variant elsewhere, to be shown beside the computed ones as ratios only."""
-
-    source: str = Field(examples=["author, title, year"])
-    """Where the values are printed."""
-    mass_kg: float = Field(ge=1e-6, le=1e6, examples=[1.6])
-    """Printed mass."""
-    torsional_stiffness_kNm_per_rad: float = Field(ge=1e-9, le=1e9, examples=[140.0])
-    """Printed torsional stiffness."""
 
 
 class Original(SceneTable):

@@ -20,6 +20,7 @@ from cranktopo.design.loading import (
     resolve_design,
     scene_from_dict,
 )
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.throw.journal import Journal
@@ -77,8 +78,9 @@ def toml_text(scene: Scene, heading: str) -> str:
     return f"# {heading}\n{tomlkit.dumps(data)}"
 
 
-def save_scene(scene: Scene, path: Path) -> None:
+def save_scene(scene: DesignLike, path: Path) -> None:
     """Write a scene as a TOML file that every command takes; raises CranktopoError where it cannot."""
+    scene = as_scene(scene)
     write_text(path, toml_text(scene, f"{scene.name}, written by cranktopo"))
 
 

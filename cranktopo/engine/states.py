@@ -13,6 +13,7 @@ import numpy as np
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_worst_speed, extremes_of
 from cranktopo.engine.forces import INERTIA_EFFECTS, near_share, rods_on_pins, rotating_forces
@@ -190,7 +191,7 @@ __all__ = ["DEFAULT_EFFECTS", "LoadCase", "LoadKind", "load_cases"]
 DEFAULT_EFFECTS = INERTIA_EFFECTS | set(MAIN_KINDS)
 
 
-def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
+def load_cases(scene: DesignLike, enabled: frozenset[str] | None = None) -> tuple[LoadCase, ...]:
     """Return the load cases of a scene, one per kind that is enabled, in the order of `LOAD_TYPES`.
 
     Args:
@@ -201,6 +202,7 @@ def load_cases(scene: Scene, enabled: frozenset[str] | None = None) -> tuple[Loa
     Raises:
         CranktopoError: gas data that cannot be used.
     """
+    scene = as_scene(scene)
     effects = DEFAULT_EFFECTS if enabled is None else enabled
     states = extreme_states(scene, effects)
     return tuple(state.case for state in states if not state.redundant and state.case.kind in effects)

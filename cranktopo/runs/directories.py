@@ -185,14 +185,14 @@ def create_run(
         return RunStore(_published(folder, root / stem) if out is None else moved(folder, out))
 
 
-def open_run(reference: str, root: Path = RUNS) -> RunStore:
+def open_run(reference: str | Path, root: Path = RUNS) -> RunStore:
     """Return an existing run by path, by name or by the beginning of its name.
 
     Raises CranktopoError: no such run, several with that beginning, not a run, manifest unusable.
     """
     path = Path(reference)
     if not path.exists():
-        path = _by_name(reference, root)
+        path = _by_name(str(reference), root)
     if not path.is_dir() or not (path / _MANIFEST).is_file():
         what = f"{_MANIFEST} is missing" if path.is_dir() else "a file"
         raise CranktopoError(

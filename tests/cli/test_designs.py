@@ -156,3 +156,33 @@ def test_copy_keeps_comments_and_order(tmp_path: Path) -> None:
     assert main(["designs", "copy", str(tmp_path / "one.toml"), str(tmp_path / "two.toml")]) == 0
     copied = (tmp_path / "two.toml").read_text(encoding="utf-8")
     assert copied == text.replace('name = "mikron-iiic-plain"', 'name = "two"')
+
+
+def test_new_design_of_a_layout(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Firing order, throws and proportions are proposed; every command takes the file."""
+    path = tmp_path / "eight.toml"
+    assert main(["designs", "new", str(path), "--layout", "V", "--cylinders", "8", "--bore-mm", "86"]) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.startswith("assumed: firing order 1-3-7-2-6-5-4-8, every 90 deg")
+    assert second.startswith(str(path))
+    engine = load_scene(str(path)).engine
+    assert engine is not None
+    assert (engine.bore_mm, engine.throws, engine.bank_angle_deg) == (86.0, 4, 90.0)
+    assert "all of them assumed" in " ".join(path.read_text(encoding="utf-8").replace("#", "").split())
+    assert main(["balance", str(path), "--json"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--layout", "V", "--cylinders", "14"], "known: 2, 4, 6, 8, 10, 12"),
+        (["--layout", "boxxer"], "Did you mean 'boxer'?"),
+        (["--cylinders", "7"], "no firing order is known for layout 'in-line'"),
+    ],
+)
+def test_new_design_of_an_unknown_layout(
+    arguments: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["designs", "new", str(tmp_path / "mine.toml"), *arguments]) == 2
+    assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

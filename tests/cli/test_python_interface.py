@@ -115,6 +115,55 @@ def test_solids_and_shafts(mikron: Scene, tmp_path: Path) -> None:
     assert cranktopo.evaluate_shaft(cranktopo.resolve_target("mikron-iiic-plain"), "rigid", 20.0).mass_kg > 0
 
 
+def a_path(tmp_path: Path) -> Path:
+    path = tmp_path / "mikron-iiic-plain.toml"
+    cranktopo.save_scene("mikron-iiic-plain", path)
+    return path
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        cranktopo.plan,
+        cranktopo.load_cases,
+        cranktopo.wanted,
+        cranktopo.loop_scene,
+        cranktopo.loop_settings,
+        cranktopo.shape_settings,
+        lambda design: cranktopo.loads_at_speeds(design)[0].extremes,
+        lambda design: cranktopo.engine_balance(design).counterweights,
+        lambda design: cranktopo.prepare(design).cases,
+        lambda design: cranktopo.web_target(design).design,
+        lambda design: cranktopo.resolve_target(design).scene,
+        lambda design: cranktopo.with_values(design, {"web.width_mm": 60.0}),
+        lambda design: cranktopo.with_goal(design, minimise="mass"),
+    ],
+)
+def test_a_scene_a_path_and_a_name_are_the_same(call: Any, tmp_path: Path) -> None:
+    name, scene = "mikron-iiic-plain", cranktopo.load_scene("mikron-iiic-plain")
+    assert call(name) == call(scene) == call(a_path(tmp_path)) == call(str(a_path(tmp_path)))
+
+
+def test_scenes_are_targets(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Variants that have no file, told apart where they have one name."""
+    monkeypatch.setattr(evaluating, "evaluate", invented)
+    scene = cranktopo.load_scene("mikron-iiic-plain")
+    wider = cranktopo.with_values(scene, {"web.width_mm": 60.0})
+    assert cranktopo.evaluate_target(wider).target == cranktopo.evaluate_target(a_path(tmp_path)).target
+    found = cranktopo.evaluate_targets([scene, wider, "mikron-iiic"])
+    names = ["mikron-iiic-plain", "mikron-iiic-plain-2", "mikron-iiic"]
+    assert [one.target for one in found.evaluations] == names
+    compared = cranktopo.compare_targets([wider], scene)
+    assert [entry.name for entry in compared.comparison.entries] == names[:2]
+    assert compared.comparison.base.name == names[0]
+    (row,) = cranktopo.sweep(scene, {"web.width_mm": [58.0]}, function=width, out=tmp_path / "s")["width"]
+    assert row == 58.0
+
+
+def width(scene: Scene) -> dict[str, float]:
+    return {"width": scene.web.largest_half_width_mm * 2}
+
+
 class AskedError(Exception):
     """The long part was reached with these arguments."""
 

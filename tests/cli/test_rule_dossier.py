@@ -108,7 +108,7 @@ def test_a_factor_of_the_surface_treatment_is_told_with_its_source(
         (["--method", "lsa", "--report", "a.html"], 2, "--method is 'lsa'"),
         (["opposed-piston", "--method", "m53", "--report", "a.html"], 2, "here are 2"),
         (["--method", "m53", "--report", "nowhere/a.html"], 2, "nowhere/a.html"),
-        (["--method", "m53", "--report", "a.pdf"], 2, "a.pdf"),
+        (["--method", "m53", "--report", "a.docx"], 2, "a.docx"),
     ],
     ids=["method", "two targets", "folder", "format"],
 )

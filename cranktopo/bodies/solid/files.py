@@ -30,6 +30,7 @@ from cranktopo.bodies.solid.throw import (
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import halves, mirror_image, usual_scale
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout, triangles
 from cranktopo.runs.destination import check_file
@@ -115,7 +116,11 @@ _DELAUNAY = 5
 
 
 def export_solid(
-    scene: Scene, part: SolidPart, path: Path, facet_mm: float | None = None, started: datetime | None = None
+    scene: DesignLike,
+    part: SolidPart,
+    path: Path,
+    facet_mm: float | None = None,
+    started: datetime | None = None,
 ) -> float:
     """Write a part of a scene, mm, as STEP or STL by the file's suffix; return its exact volume, mm3.
 
@@ -123,6 +128,7 @@ def export_solid(
     `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
     a STEP file that does not read back, or a file that cannot be written.
     """
+    scene = as_scene(scene)
     suffix = path.suffix.lower()
     check_file(path, "file", SOLIDS)
     with replacing(path) as temporary:

@@ -10,6 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.units import MM_PER_M
 from cranktopo.design.engine import Engine, Gas
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft, needed_shafts, size_shafts
@@ -142,12 +143,13 @@ class EngineBalance:
     shafts: tuple[SizedShaft, ...]
 
 
-def engine_balance(scene: Scene) -> EngineBalance:
+def engine_balance(scene: DesignLike) -> EngineBalance:
     """Return the balance of a scene's engine at its speed.
 
     Raises:
         CranktopoError: no engine, an engine that stands still, or gas data that cannot be used.
     """
+    scene = as_scene(scene)
     engine = engine_of(scene)
     if not engine.speed_rpm:
         raise invalid("engine.speed_rpm", engine.speed_rpm, "must be > 0 rpm for inertia forces")

@@ -10,6 +10,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.notes import note
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetry
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Effects, Scene
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import FileState, file_state
@@ -54,7 +55,7 @@ _VIBRATION = "torsional_vibration"
 _LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, _VIBRATION}
 
 
-def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:
+def plan(scene: DesignLike, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:
     """Decide every effect of a scene, once for all stages that ask for it.
 
     Args:
@@ -65,6 +66,7 @@ def plan(scene: Scene, rates: CostRates | None = None, goal: Goal | None = None)
         CranktopoError: the scene switches an effect on that it has no data for, switches off one that it or
             the goal relies on, or leaves no load case; gas data that cannot be used.
     """
+    scene = as_scene(scene)
     return _plan(scene, rates or CostRates(), goal, _file_states(scene))
 
 

@@ -28,7 +28,7 @@ from cranktopo.tasks.fea.studies import (
     key_of,
     store_study,
 )
-from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 
 _WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
 _REFERENCES: dict[StudyName, tuple[str, ...]] = {
@@ -152,7 +152,7 @@ class AccuracyStudy:
 
 
 def study_accuracy(
-    target: Target | str,
+    target: TargetLike,
     budget_s: float = BUDGET_S,
     out: Path | None = None,
     design: str | None = None,
@@ -164,7 +164,7 @@ def study_accuracy(
     Raises:
         CranktopoError: no such target, or a folder that cannot be written.
     """
-    resolved = resolve_target(target, design, whole=True) if isinstance(target, str) else target
+    resolved = resolve_target(target, design, whole=True)
     folder = out or _folder(resolved)
     check_folder(folder)
     print_assumed([resolved], EVALUATED)

@@ -6,7 +6,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.result import Result
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.halves import require_equal_halves
-from cranktopo.design.loading import with_values
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.throw import throw_balance

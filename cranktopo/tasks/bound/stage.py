@@ -17,6 +17,7 @@ from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
 from cranktopo.design.goal.wanted import require_goal
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.cost import bound_cell_mm
 from cranktopo.numerics.precision import double_precision
@@ -47,12 +48,13 @@ _MASSES, _BEYOND = 9, 0.08
 """Points of a curve over the mass, and how far it goes beyond original and result."""
 
 
-def bound_of(scene: Scene, resolution_mm: float | None = None) -> BoundResult:
+def bound_of(scene: DesignLike, resolution_mm: float | None = None) -> BoundResult:
     """Prove what no web of a scene's envelope can beat; cells are by default the scene's own.
 
     Raises:
         CranktopoError: no goal, one about which nothing can be proven, no envelope, or a failed solve.
     """
+    scene = as_scene(scene, whole=False)
     goal, assumed = require_goal(scene, "bound", "torsion"), assumptions(scene, _TABLES)
     note(assumed_text(assumed))
     cell_mm = resolution_mm or scene.optimise.resolution_mm

@@ -48,9 +48,10 @@ if TYPE_CHECKING:
 @click.option("--stress", is_flag=True, help="Also colour the 3D view of --report by stress: one more solve.")
 @click.option(
     "--fatigue",
-    "method",
+    "methods",
     type=Choice(tuple(METHODS)),
-    help="Also assess the fatigue safety by this method; see 'cranktopo fatigue --help'.",
+    multiple=True,
+    help="Also assess the fatigue safety by this method (repeatable); see 'cranktopo fatigue --help'.",
 )
 @bound_option
 @mesh_options
@@ -63,7 +64,7 @@ def command(
     plot: Path | None,
     page: Path | None,
     stress: bool,
-    method: FatigueMethod | None,
+    methods: tuple[FatigueMethod, ...],
     no_bound: bool,
     element_size_mm: float | None,
     accuracy: float | None,
@@ -77,6 +78,7 @@ def command(
     changes with smaller ones, since errors of like meshes cancel. A star marks the best of each column,
     unless another is within that bound. The baseline is evaluated too when it is not among the targets. Of a
     design with a [goal] it tells which limits hold; --fatigue tells its safety. Of a sweep its picks count.
+    What designs have in [published] stands beside the computed percentages.
 
     Example: cranktopo compare opposed-piston-variant-2 --baseline opposed-piston --report variants.html
     """
@@ -98,7 +100,7 @@ def command(
     from cranktopo.tasks.fea.stage import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, wanted, method, design, align)
+    found = compare_targets(targets, baseline, wanted, methods, design, align)
     click.echo(_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:
@@ -123,7 +125,7 @@ def _text(comparison: Comparison, form: str) -> str:
         return comma_separated(tables.flat_table(comparison))
     printed = markdown if form == "markdown" else terminal
     parts = [printed(table) for table in tables.comparison_tables(comparison)]
-    verdicts = [] if comparison.fatigue is None else ["\n".join(comparison.fatigue.verdicts)]
+    verdicts = ["\n".join(one.verdicts) for one in comparison.fatigues]
     goals = [
         f"{name}: {goal_line(goal, comparison.base.name)}\n\n{printed(limits_table(goal))}"
         for name, goal in comparison.goals.items()

@@ -24,6 +24,7 @@ from cranktopo.tasks.compare.result import Comparison
 from cranktopo.tasks.compare.text import comparison_tables
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fatigue.result import FieldFatigue
+from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     BENDING_PER_MASS,
@@ -192,15 +193,17 @@ def _goals(comparison: Comparison) -> tuple[Section, ...]:
 
 
 def _safety(comparison: Comparison) -> str:
-    if comparison.fatigue is None:
-        return ""
+    return "".join(map(_safety_by, comparison.fatigues))
+
+
+def _safety_by(fatigue: FatigueComparison) -> str:
     places = [
         f"{entry.target}: {entry.critical.place}"
-        for entry in comparison.fatigue.result.fatigue
+        for entry in fatigue.result.fatigue
         if isinstance(entry, FieldFatigue)
     ]
     worst = f" Least safety: {'; '.join(places)}." if places else ""
-    return f" {' '.join(comparison.fatigue.verdicts)}{worst}"
+    return f" By {fatigue.result.method}: {' '.join(fatigue.verdicts)}{worst}"
 
 
 def _accuracy(comparison: Comparison) -> Section:

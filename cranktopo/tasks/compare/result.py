@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.outcome import GoalOutcome
-from cranktopo.design.schema import Published
+from cranktopo.design.published import Published
 from cranktopo.report.result_table import Cell
 from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fatigue.text import SAME, FatigueComparison
@@ -39,18 +39,27 @@ class ComparisonResult(Result):
     best: dict[str, str | None]
     """Name of the best target by column; None where another is within the error estimate."""
     published: list[dict[str, Cell]] | None
+    """Percent of the baseline as computed (`ours`) and as printed elsewhere, and their difference."""
     fatigue: FatigueResult | None
-    """As `fatigue --json`, where it was assessed."""
+    """As `fatigue --json`, where it was assessed; by the first method."""
+    further_fatigue: list[FatigueResult] | None = UNLESS_NONE
+    """By every further method."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A compared target, what was published for it, and its smallest fatigue safety, if it was assessed."""
+    """A compared target and what was published for it.
+
+    Attributes:
+        safety: smallest fatigue safety by the first method, if it was assessed.
+        further_safety: by every further method.
+    """
 
     evaluation: Evaluation
     published: Published | None = None
     safety: float | None = None
+    further_safety: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -60,7 +69,9 @@ class Entry:
     @cached_property
     def values(self) -> Mapping[str, float]:
         """The compared quantities by key, in the units of their table."""
-        return evaluation_values(self.evaluation) | ({} if self.safety is None else {SAFETY.key: self.safety})
+        safeties = {safety_by(method).key: safety for method, safety in self.further_safety.items()}
+        first = {} if self.safety is None else {SAFETY.key: self.safety}
+        return evaluation_values(self.evaluation) | first | safeties
 
     def error_percent(self, quantity: Quantity) -> float:
         """Return the error estimate of a quantity; 0 where it is exact."""
@@ -78,6 +89,8 @@ class Comparison:
 
     Attributes:
         baseline: position of the entry that counts as 100 %.
+        fatigue: by the first method, which goals and limits take.
+        further_fatigue: by every further method.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
         balanced_kg_mm: unbalance that is wanted of a throw; the nearest to it is best, not the least.
     """
@@ -86,12 +99,24 @@ class Comparison:
     baseline: int
     fatigue: FatigueComparison | None = None
     goals: Mapping[str, GoalOutcome] = field(default_factory=dict)
+    further_fatigue: tuple[FatigueComparison, ...] = ()
     balanced_kg_mm: float = 0.0
+
+    @property
+    def fatigues(self) -> tuple[FatigueComparison, ...]:
+        """Fatigue by every method."""
+        return () if self.fatigue is None else (self.fatigue, *self.further_fatigue)
+
+    @property
+    def safeties(self) -> dict[str, Quantity]:
+        """Safety by method, the first one's under the plain name."""
+        methods = [one.result.method for one in self.fatigues]
+        return {m: safety_by(m) if number else SAFETY for number, m in enumerate(methods)}
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """Quantities that are compared."""
-        return COMPARED if self.fatigue is None else (*COMPARED, SAFETY)
+        return (*COMPARED, *self.safeties.values())
 
     @property
     def base(self) -> Entry:
@@ -142,7 +167,17 @@ class Comparison:
         return None if self.level(quantity) else self.leading(quantity)
 
 
-def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison | None = None) -> Comparison:
+def safety_by(method: str) -> Quantity:
+    """Return the fatigue safety by a further method as a quantity of its own."""
+    return replace(SAFETY, key=f"{SAFETY.key}_{method}", label=f"{SAFETY.label} by {method}")
+
+
+def compare(
+    entries: Sequence[Entry],
+    baseline: str,
+    fatigue: FatigueComparison | None = None,
+    further_fatigue: Sequence[FatigueComparison] = (),
+) -> Comparison:
     """Return a comparison against the entry of this name; raises CranktopoError where there is none."""
     names = [entry.name for entry in entries]
     if baseline not in names:
@@ -150,7 +185,8 @@ def compare(entries: Sequence[Entry], baseline: str, fatigue: FatigueComparison 
             f"baseline '{baseline}' is not among the targets {', '.join(names)}.", code=ExitCode.USAGE
         )
     check_same_supports((e.evaluation.torsion_support, e.evaluation.bending_support) for e in entries)
-    return Comparison(tuple(entries), names.index(baseline), fatigue)
+    further = tuple(further_fatigue)
+    return Comparison(tuple(entries), names.index(baseline), fatigue, further_fatigue=further)
 
 
 def check_same_supports(supports: Iterable[tuple[str, str]]) -> None:

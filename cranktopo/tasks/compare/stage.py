@@ -37,7 +37,7 @@ from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
-from cranktopo.tasks.fea.targets import Target, resolve_targets
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 from cranktopo.tasks.fea.unit_fields import case_stress
 from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
@@ -45,14 +45,18 @@ from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import condition_words
 
 
-def with_picks(targets: Sequence[str]) -> list[str]:
-    """Return the targets as the user types them, every sweep replaced by the webs of its picks, each once.
+def with_picks(targets: Sequence[TargetLike]) -> list[TargetLike]:
+    """Return the targets, every sweep replaced by the webs of its picks, each once.
 
     Raises:
         CranktopoError: a sweep that is not finished, or has no webs to compare.
     """
-    runs = [(text, _sweep(text)) for text in targets]
-    return list(dict.fromkeys(one for text, run in runs for one in (_picked(run) if run else [text])))
+    found: list[TargetLike] = []
+    for target in targets:
+        run = _sweep(str(target)) if isinstance(target, str | Path) else None
+        for one in _picked(run) if run else [target]:
+            found += [] if one in found else [one]
+    return found
 
 
 def _sweep(text: str) -> RunStore | None:
@@ -103,18 +107,19 @@ class ComparedTargets:
 
 
 def compare_targets(
-    names: Sequence[str],
-    baseline: str,
+    names: Sequence[TargetLike],
+    baseline: TargetLike,
     wanted: MeshRequest | None = None,
-    fatigue: FatigueMethod | None = None,
+    fatigue: FatigueMethod | Sequence[FatigueMethod] | None = None,
     design: str | None = None,
     align: bool = False,
 ) -> ComparedTargets:
-    """Evaluate targets beside a baseline, and assess their fatigue where a method is given.
+    """Evaluate targets beside a baseline, and assess their fatigue where methods are given.
 
     Args:
-        names: targets as the user types them, of a sweep those picked out of it; the baseline is put before
-            them where it is not among them.
+        names: scenes, targets, or paths and names as the user types them, of a sweep those picked out of it;
+            the baseline is put before them where it is not among them.
+        fatigue: one method or several; goals and limits take the safety by the first.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
 
@@ -128,19 +133,21 @@ def compare_targets(
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     for line in pitch_lines(targets, index):
         note(line)
-    safety, loaded = None, None
-    if fatigue is not None:
+    methods = list(dict.fromkeys([fatigue] if isinstance(fatigue, str) else fatigue or ()))
+    fatigues, loaded = [], None
+    if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        assessed = assess_fatigue(filleted, fatigue, baseline=index)
-        safety, loaded = assessed.compared(), assessed.targets[assessed.baseline or 0].scene
+        assessed = [assess_fatigue(filleted, method, baseline=index) for method in methods]
+        fatigues = [one.compared() for one in assessed]
+        loaded = assessed[0].targets[assessed[0].baseline or 0].scene
     found = evaluate_targets(targets, wanted)
-    published = [None if target.file else target.scene.published for target in targets]
-    safeties = iter(safety.safeties if safety else ())
-    entries = [
-        Entry(evaluation, printed, next(safeties, None))
-        for evaluation, printed in zip(found.evaluations, published, strict=True)
-    ]
-    comparison = compare(entries, entries[index].name, safety)
+    entries = []
+    for row, (evaluation, target) in enumerate(zip(found.evaluations, targets, strict=True)):
+        printed = None if target.file else target.scene.published
+        safeties = {one.result.method: one.safeties[row] for one in fatigues}
+        first = safeties.pop(methods[0]) if methods else None
+        entries.append(Entry(evaluation, printed, first, safeties))
+    comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(
         comparison,
         goals=_evaluated_goals(targets, entries, index),

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from cranktopo.design.schema import Published
+from cranktopo.base.units import stem_and_unit
+from cranktopo.design.published import PublishedValues
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
 from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult
 from cranktopo.tasks.fea.quantities import (
     BENDING,
-    MASS,
+    COMPARED,
+    SAFETY,
     STIFFNESS,
-    TORSION,
-    TORSION_PER_MASS,
     Quantity,
-    percent_of,
+    throw_values,
 )
 
-_PUBLISHED = (MASS, TORSION, TORSION_PER_MASS)
+_KINDS = ("ours_percent", "published_percent", "difference_percent")
 
 
 def _value_table(comparison: Comparison) -> ResultTable:
@@ -73,22 +74,78 @@ def _change_errors(comparison: Comparison, row: int) -> list[tuple[str, float]]:
     ]
 
 
-def _published_table(comparison: Comparison) -> ResultTable | None:
-    """Return our percentages, the published ones and their difference; None where nothing was published."""
+@dataclass(frozen=True)
+class _Published:
+    """A target beside what was printed, by the keys of quantities.
+
+    Attributes:
+        ours: percent of the baseline as computed.
+        printed: printed values.
+        reference: printed values of the baseline.
+    """
+
+    target: str
+    ours: Mapping[str, float]
+    printed: Mapping[str, float]
+    reference: Mapping[str, float]
+
+    def cells(self, key: str) -> dict[str, Cell]:
+        """Return our percentage, the printed one and their difference."""
+        ours, value = self.ours.get(key), self.printed.get(key)
+        printed = None if value is None else 100 * value / self.reference[key]
+        difference = None if ours is None or printed is None else ours - printed
+        return dict(zip(_KINDS, (ours, printed, difference), strict=True))
+
+
+def _beside_published(comparison: Comparison) -> list[_Published]:
+    """Return all targets, and the variants that are printed only; nothing where nothing was printed."""
     base = comparison.base.published
     if base is None or not any(e.published for e in comparison.entries if e.published is not base):
+        return []
+    reference = _printed_values(base)
+    found = [
+        _Published(entry.name, _ours(comparison, row), _printed_values(entry.published), reference)
+        for row, entry in enumerate(comparison.entries)
+    ]
+    only = [_Published(f"{one.name} (printed)", {}, _printed_values(one), reference) for one in base.variant]
+    return [*found, *only]
+
+
+def _ours(comparison: Comparison, row: int) -> dict[str, float]:
+    named = {quantity.key: quantity for quantity in COMPARED}
+    named |= {_safety_key(method): quantity for method, quantity in comparison.safeties.items()}
+    return {key: comparison.percent(row, q) for key, q in named.items() if row in comparison.having(q)}
+
+
+def _published_table(comparison: Comparison) -> ResultTable | None:
+    """Return the published percentages beside ours, a row for each quantity of each target."""
+    base, found = comparison.base.published, _beside_published(comparison)
+    if base is None or not found:
         return None
+    methods = {_safety_key(one.method): f"{one.method} {one.printed_as}" for one in base.fatigue}
     rows = []
-    for number, entry in enumerate(comparison.entries):
-        row: dict[str, Cell] = {"target": entry.name}
-        printed = {} if entry.published is None else percent_of(_values(entry.published), _values(base))
-        for quantity in _PUBLISHED:
-            ours, theirs = comparison.percent(number, quantity), printed.get(quantity.key)
-            difference = None if theirs is None else ours - theirs
-            row |= dict(zip(_published_columns(quantity), (ours, theirs, difference), strict=True))
-        rows.append(row)
-    names = [name for quantity in _PUBLISHED for name in _published_columns(quantity)]
-    return ResultTable({"target": 0, **dict.fromkeys(names, 1)}, tuple(rows))
+    for key in found[0].reference:
+        quantity = next((q for q in COMPARED if q.key == key), SAFETY)
+        label = f"{quantity.key} {methods.get(key, '')}".replace("_", " ").strip()
+        for one in found:
+            value = one.printed.get(key)
+            printed = _with_unit(value, stem_and_unit(quantity.column)[1])
+            row = {"quantity": label, "target": one.target, "printed": printed, **one.cells(key)}
+            rows += [row] if value or key in one.ours else []
+    return ResultTable({"quantity": 0, "target": 0, "printed": 0, **dict.fromkeys(_KINDS, 1)}, tuple(rows))
+
+
+def _with_unit(value: float | None, unit: str) -> str | None:
+    return None if value is None else f"{value:{'.0f' if value >= 1000 else '.4g'}} {unit}".strip()
+
+
+def _published_rows(comparison: Comparison) -> list[Row]:
+    """Return the same with a row for each target."""
+    return [
+        {"target": one.target}
+        | {f"{key}_{kind}": v for key in one.reference for kind, v in one.cells(key).items()}
+        for one in _beside_published(comparison)
+    ]
 
 
 def comparison_tables(comparison: Comparison) -> list[ResultTable]:
@@ -98,8 +155,10 @@ def comparison_tables(comparison: Comparison) -> list[ResultTable]:
 
 
 def flat_table(comparison: Comparison) -> ResultTable:
-    """Return all tables of a comparison side by side: one header for a CSV file."""
-    parts = comparison_tables(comparison)
+    """Return all tables of a comparison side by side: one header for a CSV file, a row for each target."""
+    parts = [_value_table(comparison), _percent_table(comparison)]
+    published = _published_rows(comparison)[: len(comparison.entries)]
+    parts += [ResultTable(dict.fromkeys(published[0], 1), tuple(published))] if published else []
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
     rows = zip(*(part.rows for part in parts), strict=True)
     return ResultTable(columns, tuple({k: v for part in row for k, v in part.items()} for row in rows))
@@ -107,7 +166,7 @@ def flat_table(comparison: Comparison) -> ResultTable:
 
 def comparison_result(comparison: Comparison) -> ComparisonResult:
     """Return the comparison as `compare --format json` prints it."""
-    published = _published_table(comparison)
+    published = _published_rows(comparison)
     best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
     return ComparisonResult(
         baseline=comparison.base.name,
@@ -118,20 +177,22 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
             for row, entry in enumerate(comparison.entries)
         ],
         best={column: None if row is None else comparison.entries[row].name for column, row in best.items()},
-        published=None if published is None else records(published),
+        published=[dict(row) for row in published] or None,
         fatigue=None if comparison.fatigue is None else comparison.fatigue.result,
+        further_fatigue=[one.result for one in comparison.further_fatigue] or None,
         goals=dict(comparison.goals) or None,
     )
 
 
-def _published_columns(quantity: Quantity) -> list[str]:
-    return [f"{quantity.key}_{kind}_percent" for kind in ("ours", "published", "difference")]
+def _safety_key(method: str) -> str:
+    return f"{SAFETY.key}_{method}"
 
 
-def _values(printed: Published) -> dict[str, float]:
-    torsion = printed.torsional_stiffness_kNm_per_rad
-    return {
-        MASS.key: printed.mass_kg,
-        TORSION.key: torsion,
-        TORSION_PER_MASS.key: torsion / printed.mass_kg,
-    }
+def _printed_values(printed: PublishedValues | None) -> dict[str, float]:
+    """Return what is printed, by key, in the units of the tables."""
+    if printed is None:
+        return {}
+    mass, bending = printed.mass_kg, printed.bending_stiffness_kN_per_mm or 0.0
+    stiffness = throw_values(mass, 1e3 * printed.torsional_stiffness_kNm_per_rad, 1e3 * bending)
+    safeties = {_safety_key(one.method): one.safety for one in printed.fatigue}
+    return {key: value for key, value in stiffness.items() if value} | safeties

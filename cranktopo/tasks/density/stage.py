@@ -18,6 +18,7 @@ from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmet
 from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.bodies.memory import WALL_CELLS, available_memory_MiB, check_resolution, thinnest_wall_mm
 from cranktopo.design.goal.wanted import check_known, wanted
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -116,8 +117,9 @@ class Prepared:
     notices: tuple[str, ...] = ()
 
 
-def prepare(scene: Scene) -> Prepared:
+def prepare(scene: DesignLike) -> Prepared:
     """Check a scene for optimisation and build its load cases and domain."""
+    scene = as_scene(scene, whole=False)
     goal = wanted(scene)
     if goal is not None:
         check_known(goal, "density")

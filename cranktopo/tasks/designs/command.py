@@ -8,13 +8,24 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.base.formats import PLOTS
 from cranktopo.cli.group import SuggestingGroup
+from cranktopo.cli.options import Choice, Number
 from cranktopo.cli.options import designs as complete_designs
+from cranktopo.design.reference import SKETCHES
+
+if TYPE_CHECKING:
+    from cranktopo.design.starting_point import LayoutName
 
 _FILE = click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+_ORIGIN = (
+    "Values of engine, throw and web are usual proportions for such an engine, all of them assumed: replace "
+    "what is known."
+)
 _FORCE = click.option("--force", is_flag=True, help="Replace an existing file.")
 
 
@@ -94,25 +105,74 @@ def pair_command(design: str, file: Path, first: str | None, second: str | None,
     click.echo(f"{file}: {shlex.join(['cranktopo', 'evaluate', str(file)])}")
 
 
+@command.command("sketch")
+@click.argument("part", type=Choice(list(SKETCHES.values())))
+@_FILE
+@_FORCE
+def sketch_command(part: str, file: Path, force: bool) -> None:
+    """Draw the dimensions of a part of the throw under the names of their keys (.svg, .pdf or .png).
+
+    PART is throw, web (all outlines), bevel, pocket, counterweight or drilling.
+
+    Example: cranktopo designs sketch counterweight counterweight.svg
+    """
+    from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.drawing.sketch import write_sketch
+
+    check_file(file, "file", PLOTS, replace=force)
+    write_sketch(part, file)
+    click.echo(str(file))
+
+
 @command.command("new")
 @_FILE
 @click.option("--name", help="Name of the design; the file's by default.")
+@click.option(
+    "--layout",
+    type=Choice(["single", "in-line", "V", "boxer"]),
+    help="Begin with an engine of this layout: usual proportions, firing order and throw angles.",
+)
+@click.option("--cylinders", type=click.IntRange(1, 48), help="Its cylinders, in line without --layout.")
+@click.option(
+    "--bore-mm", type=Number(5, 1500), help="Its bore, which all proportions follow.  [default: 80]"
+)
+@click.option("--stroke-mm", type=Number(5, 5000), help="Its stroke; the bore by default.")
 @_FORCE
-def new_command(file: Path, name: str | None, force: bool) -> None:
+def new_command(
+    file: Path,
+    name: str | None,
+    layout: LayoutName | None,
+    cylinders: int | None,
+    bore_mm: float | None,
+    stroke_mm: float | None,
+    force: bool,
+) -> None:
     """Write FILE (.toml), a design with every key: meaning, unit, range and default.
 
-    It is valid as it stands: replace the values, switch on what the engine needs.
+    It is valid as it stands: replace the values, switch on what the engine needs. With a layout, a number of
+    cylinders, a bore or a stroke it has an engine, whose values are usual proportions, all assumed.
 
-    Example: cranktopo designs new my-engine.toml
+    Example: cranktopo designs new my-engine.toml --layout V --cylinders 8 --bore-mm 86
     """
     from cranktopo.base.files import write_text
     from cranktopo.design.loading import parse_scene
     from cranktopo.design.reference import template
+    from cranktopo.design.starting_point import USUAL_CYLINDERS, arrangement_line, starting_values
     from cranktopo.design.writing import design_name
     from cranktopo.runs.destination import check_file
 
     check_file(file, "file", (".toml",), replace=force)
-    text = template(name or design_name(file))
+    title = name or design_name(file)
+    if layout is None and cylinders is None and bore_mm is None and stroke_mm is None:
+        text, proposed = template(title), None
+    else:
+        layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
+        size = bore_mm or 80.0
+        count = cylinders or USUAL_CYLINDERS[layout]
+        text = template(title, starting_values(layout, count, size, stroke_mm or size), _ORIGIN)
+        proposed = arrangement_line(parse_scene(text, str(file)))
     parse_scene(text, str(file))
     write_text(file, text)
+    if proposed:
+        click.echo(proposed)
     click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

@@ -14,6 +14,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import inside, read_json
 from cranktopo.base.result import Result
 from cranktopo.design.loading import WebName, builtin_designs, load_scene, one_web
+from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
@@ -74,13 +75,15 @@ class WebTarget:
         return self.run if self.file is None else load_scene(str(self.file))
 
 
-def web_target(text: str, web: WebName | None = None) -> WebTarget:
-    """Return a target: a design, one of its two webs, a scene file, a run, or the folder of a re-model.
+def web_target(text: DesignLike, web: WebName | None = None) -> WebTarget:
+    """Return a target: a design, one of its two webs, a scene, its file, a run, or the folder of a re-model.
 
     Raises:
         CranktopoError: none of these, a run that is not finished, or two webs and none of them named.
     """
-    path = Path(text)
+    if isinstance(text, Scene):
+        return WebTarget(one_web(text, web))
+    path, text = Path(text), str(text)
     if web and path.suffix != ".toml" and text not in builtin_designs():
         raise CranktopoError(
             f"--web {web}: names a web of a design, and '{text}' is none.",

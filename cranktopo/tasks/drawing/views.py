@@ -95,13 +95,17 @@ class Sheet:
         )
 
 
-def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
-    """Draw the view along the crank axis from the crankpin side: outline with its stations, features."""
-    web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
-    gap, line = _GAP_MM / scale, _LINE_MM / scale
+def outline_points(scene: Scene) -> tuple[Array, Array]:
+    """Return places along the throw and half-widths of the web there, dense at its ends."""
+    web, radius = scene.web, scene.throw.radius_mm
     low, high = web.y_range_mm(radius)
     y = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0, np.pi, _POINTS))
-    half = web.half_width_mm(radius, y)
+    return y, web.half_width_mm(radius, y)
+
+
+def front_body(axes: Any, sheet: Sheet) -> None:
+    """Draw what is seen along the crank axis from the crankpin side, without dimensions."""
+    y, half = outline_points(sheet.scene)
     hatched(axes, _with_added(sheet, np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])), "")
     if sheet.body is not None:
         ghost(axes, sheet.body.project().to_polygons())
@@ -109,6 +113,14 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     drilled = [drilling.drawing(sheet.scene) for _, drilling in sheet.scene.throw.features()]
     for stroke in (stroke for feature in (*sheet.features, *drilled) for stroke in feature.front):
         _edges(axes, stroke)
+
+
+def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
+    """Draw the view along the crank axis from the crankpin side: outline with its stations, features."""
+    front_body(axes, sheet)
+    web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
+    gap, line, (y, half) = _GAP_MM / scale, _LINE_MM / scale, outline_points(sheet.scene)
+    low, high = web.y_range_mm(radius)
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
@@ -124,16 +136,22 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     finish(axes, "Front, from the crankpin side")
 
 
+def lengthwise_body(axes: Any, sheet: Sheet, over_mm: float) -> None:
+    """Draw the body cut through both axes, and these, which end so far beyond it; without dimensions."""
+    hatched(axes, _section_x(sheet.solid))
+    if sheet.body is not None:
+        ghost(axes, _section_x(sheet.body))
+    for centre in (0.0, sheet.scene.throw.radius_mm):
+        ends = [-over_mm, sheet.scene.pitch_mm / 2 + over_mm]
+        axes.plot(ends, [centre, centre], color=THIN, lw=0.6, ls="-.")
+
+
 def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     """Draw the section through both axes: crank axis to the right, throw upward."""
     scene = sheet.scene
     throw, end, (start, stop) = scene.throw, scene.pitch_mm / 2, scene.web_z_mm
     gap, line, (low, high) = _GAP_MM / scale, _LINE_MM / scale, sheet.y_range_mm
-    hatched(axes, _section_x(sheet.solid))
-    if sheet.body is not None:
-        ghost(axes, _section_x(sheet.body))
-    for centre in (0.0, throw.radius_mm):
-        axes.plot([-3 / scale, end + 3 / scale], [centre, centre], color=THIN, lw=0.6, ls="-.")
+    lengthwise_body(axes, sheet, 3 / scale)
     main, pin = throw.main_journal, throw.crankpin
     for a, b, edge, text in (
         (0.0, start, low, f"{main.length_mm / 2:g}"),
@@ -164,6 +182,13 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
     finish(axes, "Section x = 0")
 
 
+def cross_body(axes: Any, sheet: Sheet, y_mm: float) -> None:
+    """Draw the web cut across the throw, without dimensions."""
+    hatched(axes, _section_y(web_region(sheet.solid, sheet.scene), y_mm))
+    if sheet.body is not None:
+        ghost(axes, _section_y(web_region(sheet.body, sheet.scene), y_mm))
+
+
 def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     """Draw a section where a feature shows best, or half-way between the axes, toward the main journal.
 
@@ -174,9 +199,7 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     shown = next((feature for feature in sheet.features if feature.section_y_mm is not None), None)
     y = scene.throw.radius_mm / 2 if shown is None or shown.section_y_mm is None else shown.section_y_mm
     half = float(web.half_width_mm(scene.throw.radius_mm, np.array([y]))[0])
-    hatched(axes, _section_y(web_region(sheet.solid, scene), y))
-    if sheet.body is not None:
-        ghost(axes, _section_y(web_region(sheet.body, scene), y))
+    cross_body(axes, sheet, y)
     dimension(axes, (-half, start), (half, start), (0, -gap), f"{2 * half:.2f}")
     dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")
     if shown is not None:

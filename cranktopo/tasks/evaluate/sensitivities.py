@@ -13,6 +13,7 @@ from cranktopo.bodies.memory import check_element_size
 from cranktopo.design.free_dimensions import own_dimension_mm
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import WebName
+from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
@@ -62,7 +63,7 @@ class Sensitivities:
 
 
 def evaluate_sensitivities(
-    target: str, element_size_mm: float | None = None, web: WebName | None = None
+    target: DesignLike, element_size_mm: float | None = None, web: WebName | None = None
 ) -> Sensitivities:
     """Return what a millimetre of each dimension of a parametric web is worth, by exact gradients.
 
@@ -73,9 +74,10 @@ def evaluate_sensitivities(
         CranktopoError: no such target, no parametric web, no valid mesh, or a failed solve.
     """
     found = web_target(target, web)
-    scene = parametric_scene(target, found)
+    name = target.name if isinstance(target, Scene) else str(target)
+    scene = parametric_scene(name, found)
     limits = _limits(found, scene)
-    layout, values = _with_free(_read(target, scene, limits), scene)
+    layout, values = _with_free(_read(name, scene, limits), scene)
     planned = planned_scene(scene, _FILLETS)
     size = element_size_mm or _COARSER * default_element_size_mm(planned)
     check_element_size(planned, size)
@@ -88,7 +90,7 @@ def evaluate_sensitivities(
     responses = webs.responses(parametric, values)
     holders = active_constraints(planned, parametric, values, rules)
     worth = dimension_sensitivities(parametric, values, responses, responses.values, holders)
-    return Sensitivities(str(found.file or target), scene, worth, rules.violated)
+    return Sensitivities(str(found.file or name), scene, worth, rules.violated)
 
 
 def _read(text: str, scene: Scene, limits: ManufacturingLimits) -> WebRead:

@@ -11,6 +11,7 @@ from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import envelope_solid
 from cranktopo.bodies.undercuts import Undercuts, undercuts
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import (
     check_manifold,
@@ -101,12 +102,13 @@ class CheckedSurface:
         return measure(self.surface.half_throw, envelope_solid(scene, self.grid), scene, self.cell_mm)
 
 
-def checked_surface(scene: Scene, domain: Domain, design: WebDensities) -> CheckedSurface:
+def checked_surface(scene: DesignLike, domain: Domain, design: WebDensities) -> CheckedSurface:
     """Return the surface of a design.
 
     Raises:
         CranktopoError: a surface that fails a check, as that of a grey density does.
     """
+    scene = as_scene(scene, whole=False)
     grid, usable, smooth = web_fields(domain, design)
     surface = extract_half_throw(grid, scene, usable, smooth)
     return CheckedSurface(surface, check_surface(surface), grid, usable, smooth)

@@ -39,7 +39,7 @@ from cranktopo.tasks.extraction.result import (
 
 
 def extract_surface(
-    reference: str, iteration: int | None = None, out: Path | None = None, form: SurfaceFormat = "stl"
+    reference: str | Path, iteration: int | None = None, out: Path | None = None, form: SurfaceFormat = "stl"
 ) -> tuple[Extraction, Path]:
     """Extract the surface of a design of a run and write it; by default into `surface` of the run.
 

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 @click.option(
     "--report",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="With --method m53 and one TARGET: the dossier for a classification society, .html or .md.",
+    help="With --method m53 and one TARGET: the dossier for a classification society (.html, .md, .pdf).",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
@@ -77,8 +77,8 @@ def command(
     The unit loads are solved once; every load state is a sum of them. The safety is that of the worst point
     of fillets, oil outlets, rounded edges and faces; sharp inner edges, where the mesh decides, are named.
 
-    With --method m53 --report FILE the check is written as a dossier for a classification society, with its
-    assumptions to be signed.
+    With --method m53 --report FILE the check is written as a dossier for a classification society (.html,
+    .md or .pdf), with its assumptions to be signed.
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """

@@ -12,14 +12,19 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.engine.states import load_cases
+from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.report.pdf_file import write_pdf
 from cranktopo.report.plot import Picture
-from cranktopo.report.report_file import check_report_path, write_report
+from cranktopo.report.report_file import write_report
+from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import settings_hash, timestamp, versions
 from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
 from cranktopo.tasks.fatigue.rule_page import RuleRecord, rule_page
 from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.vibration.stage import shaft_vibration
 
+_SUFFIXES = (".html", ".md", ".pdf")
 _HISTORY: dict[HistoryKind, str] = {
     "extremes": "largest and smallest radial force joined with largest and smallest torque of the shaft",
     "cycle": "every throw of the shaft followed over its cycle",
@@ -44,11 +49,11 @@ def check_dossier(method: FatigueMethod, targets: int, path: Path) -> None:
             hint="Name one TARGET, without --baseline.",
             code=ExitCode.USAGE,
         )
-    check_report_path(path)
+    check_file(path, "report", _SUFFIXES)
 
 
 def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] = ()) -> None:
-    """Write the dossier of one target as HTML or Markdown, by the ending of the path.
+    """Write the dossier of one target as HTML, Markdown or PDF, by the ending of the path.
 
     Args:
         found: an assessment by the rule.
@@ -73,8 +78,18 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
         command=" ".join(command),
         written=timestamp(),
         versions=versions(),
+        vibration=_vibration(target),
     )
-    write_report(rule_page(record), path)
+    if path.suffix.lower() == ".pdf":
+        write_pdf(rule_page(record), path, record.document)
+    else:
+        write_report(rule_page(record), path)
+
+
+def _vibration(target: Target) -> VibrationStudy | None:
+    engine = target.scene.engine
+    given = target.scene.shaft is not None and engine is not None and engine.gas is not None
+    return shaft_vibration(target) if given else None
 
 
 def _drawing(target: Target) -> Picture:

@@ -10,10 +10,12 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
+from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs, versions_section
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
+from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.text import factor_table, outlet_table
@@ -28,6 +30,10 @@ _ANSWERS = {
     "accepted": "is accepted",
 }
 """What the headline says of each verdict, the worst first."""
+_NOT_OF_THE_RULE = {
+    f"fatigue.{key}" for key in ("size_factor", "survival_factor", "specimen_diameter_mm", "roughness_um")
+}
+"""Assumptions of other methods, under which nobody signs."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,7 @@ class RuleRecord:
         drawing: of the half throw; None for a body from CAD.
         scene_sha256: of the resolved scene.
         written: when, ISO 8601.
+        vibration: of the shaft; None without shaft line or gas data.
     """
 
     name: str
@@ -59,6 +66,12 @@ class RuleRecord:
     command: str
     written: str
     versions: Mapping[str, str | None]
+    vibration: VibrationStudy | None = None
+
+    @property
+    def document(self) -> str:
+        """Number of the document: the same for the same scene."""
+        return f"M53-{self.name}-{self.scene_sha256[:8]}"
 
 
 def rule_page(record: RuleRecord) -> Page:
@@ -66,15 +79,18 @@ def rule_page(record: RuleRecord) -> Page:
     checks = record.checks
     return Page(
         title=f"Crankshaft {record.name} against IACS UR M53",
-        subtitle=f"Calculation of the crank throw, {record.written[:10]}",
+        subtitle=f"Document {record.document}. Calculation of the crank throw, {record.written[:10]}",
         headline=_headline(checks),
         facts=tuple(fact for check in checks for fact in _facts(check)),
         sections=(
             *_each(checks, _acceptability),
             _input(record),
+            engine_section(record.scene),
+            shaft_section(record.scene),
             *_each(checks, _size),
             loads_section(record.loads, record.cases),
             effects_section(record.effects.effects),
+            *vibration_sections(record.vibration),
             *_each(checks, lambda check: _nominal(check, record.history)),
             *_each(checks, _factors),
             *_each(checks, _mesh),
@@ -198,6 +214,8 @@ def _material(scene: Scene) -> list[tuple[str, str]]:
     return [
         ("material", f"{material.name} {material.source}".strip()),
         ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
+        ("yield strength", f"{material.yield_MPa:g} MPa" if material.yield_MPa else "unknown"),
+        ("heat treatment", material.heat_treatment or "unknown"),
         ("Young's modulus, Poisson's ratio", f"{material.E_GPa:g} GPa, {material.poisson:g}"),
         ("factor K of the forging process", f"{fatigue.process_factor:g}"),
         ("surface treatment", fatigue.treatment or "none counted"),
@@ -246,6 +264,7 @@ def _assumptions(record: RuleRecord) -> Section:
     rows = [
         {"assumption": entry["key"], "value": f"{entry['value']} {entry['meaning']}".strip()}
         for entry in record.assumed
+        if entry["key"] not in _NOT_OF_THE_RULE
     ] + [
         {"assumption": "loads", "value": record.history},
         {"assumption": "bearings", "value": "rigid, journals free to tilt (Appendix III)"},

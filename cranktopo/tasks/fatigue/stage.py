@@ -34,7 +34,7 @@ from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.stage import print_assumed
-from cranktopo.tasks.fea.targets import USED, Target, resolve_targets
+from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_targets
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 
 FatigueMethod = str
@@ -104,7 +104,7 @@ class FatigueAssessment:
 
 
 def assess_fatigue(
-    targets: Sequence[str] | Sequence[Target],
+    targets: Sequence[TargetLike],
     method: FatigueMethod = "lsa",
     loads: HistoryKind = "extremes",
     baseline: int | None = None,
@@ -116,7 +116,7 @@ def assess_fatigue(
     """Fatigue safety of targets whose fillets have a radius.
 
     Args:
-        targets: as the user types them, or resolved with their fillets.
+        targets: scenes, paths or names as the user types them, or targets with their fillets.
         loads: extremes of the loads joined, which bounds the cycle, or every angle of the cycle.
         baseline: position of the target that counts as 100 %.
         fillet_fraction: element size in a fillet over its radius.
@@ -129,9 +129,7 @@ def assess_fatigue(
     """
     if out is not None:
         _check_files(method, out)
-    typed = [target for target in targets if isinstance(target, str)]
-    given = [target for target in targets if isinstance(target, Target)]
-    resolved = given or resolve_targets(typed, design, fillets=True, align=align, whole=True)
+    resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True)
     for target in resolved:
         check_inputs(target, method, loads)
     print_assumed(resolved, USED)

@@ -11,7 +11,7 @@ from cranktopo.design.assumed import EVALUATED, assumed_text, filter_by_table
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.fea.levels import ErrorTarget, evaluate_to
 from cranktopo.tasks.fea.studies import EVALUATION, key_of, load_study
-from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
 
 
 @dataclass(frozen=True)
@@ -43,25 +43,25 @@ class Evaluations:
     missed: tuple[str, ...] = ()
 
 
-def evaluate_target(target: Target | str, wanted: MeshRequest | None = None) -> Evaluation:
-    """Return the evaluation of one target, given as such or as the user types it (a design, a run).
+def evaluate_target(target: TargetLike, wanted: MeshRequest | None = None) -> Evaluation:
+    """Return the evaluation of one target: a target, a scene, or a path or name as the user types it.
 
     Raises:
         CranktopoError: no such target, no valid mesh, or a failed solve.
     """
-    resolved = resolve_target(target) if isinstance(target, str) else target
-    return evaluate_targets([resolved], wanted).evaluations[0]
+    return evaluate_targets([target], wanted).evaluations[0]
 
 
-def evaluate_targets(targets: Sequence[Target], wanted: MeshRequest | None = None) -> Evaluations:
+def evaluate_targets(targets: Sequence[TargetLike], wanted: MeshRequest | None = None) -> Evaluations:
     """Evaluate targets one after the other.
 
     Raises:
         CranktopoError: no valid mesh, or a failed solve.
     """
     evaluations, missed = [], []
-    print_assumed(targets, EVALUATED)
-    for target in targets:
+    resolved = resolve_targets(targets, whole=True)
+    print_assumed(resolved, EVALUATED)
+    for target in resolved:
         evaluation, reached = _evaluate(target, wanted or MeshRequest())
         evaluations.append(evaluation)
         missed += [] if reached else [f"{target.name} ({evaluation.error_percent:.2f} %)"]

@@ -18,6 +18,7 @@ from cranktopo.design.assumed import (
     assumptions,
     stored_assumptions,
 )
+from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import builtin_designs, load_scene, shaped_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
@@ -57,8 +58,12 @@ class Target:
         return self.file is not None and self.file.suffix.lower() == _TRIANGLES
 
 
+TargetLike = Target | Scene | str | Path
+"""A target, a scene, or what the user types: a path or a name."""
+
+
 def resolve_targets(
-    texts: Sequence[str],
+    texts: Sequence[TargetLike],
     design: str | None = None,
     fillets: bool = False,
     align: bool = False,
@@ -72,16 +77,30 @@ def resolve_targets(
     for name in (lambda text: Path(text).stem, str):
         taken = Counter(target.name for target in found)
         found = [
-            replace(target, name=name(text)) if taken[target.name] > 1 else target
+            replace(target, name=name(text)) if taken[target.name] > 1 and _typed(text) else target
             for target, text in zip(found, texts, strict=True)
         ]
+    seen: Counter[str] = Counter()
+    for index, (target, text) in enumerate(zip(found, texts, strict=True)):
+        seen[target.name] += 1
+        if seen[target.name] > 1 and isinstance(text, Scene):
+            found[index] = replace(target, name=f"{target.name}-{seen[target.name]}")
     return found
 
 
+def _typed(text: TargetLike) -> bool:
+    return isinstance(text, str | Path)
+
+
 def resolve_target(
-    text: str, design: str | None = None, fillets: bool = False, align: bool = False, *, whole: bool = False
+    text: TargetLike,
+    design: str | None = None,
+    fillets: bool = False,
+    align: bool = False,
+    *,
+    whole: bool = False,
 ) -> Target:
-    """Return a target from what the user typed.
+    """Return a target from what the user typed, or from a scene; a target is returned as it is.
 
     Args:
         text: design name, TOML path, run of `optimise` or `shape` (directory, name or its beginning), STL or
@@ -106,8 +125,12 @@ def _refuse_for_bodies(design: str | None, align: bool) -> None:
             )
 
 
-def _resolved(text: str, design: str | None, fillets: bool, align: bool, whole: bool) -> Target:
-    path = Path(text)
+def _resolved(text: TargetLike, design: str | None, fillets: bool, align: bool, whole: bool) -> Target:
+    if isinstance(text, Target):
+        return text
+    if isinstance(text, Scene):
+        return _of_scene(text, fillets, whole)
+    path, text = Path(text), str(text)
     named = not path.exists() and text not in builtin_designs() and runs_named(text)
     if path.is_dir() or named:
         shaped = shaped_web(text)
@@ -115,8 +138,7 @@ def _resolved(text: str, design: str | None, fillets: bool, align: bool, whole: 
             return _run(open_run(text))
         path, text = shaped, str(shaped)
     if path.suffix.lower() not in _GEOMETRY:
-        scene = load_scene(text, whole=whole)
-        return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))
+        return _of_scene(load_scene(text, whole=whole), fillets, whole)
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
     if design is None:
@@ -128,6 +150,12 @@ def _resolved(text: str, design: str | None, fillets: bool, align: bool, whole: 
     scene = load_scene(design)
     body = planned_scene(scene, ("bores", "fillets"))
     return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED))
+
+
+def _of_scene(scene: Scene, fillets: bool, whole: bool) -> Target:
+    if not whole:
+        require_equal_halves(scene)
+    return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))
 
 
 def _run(run: RunStore) -> Target:

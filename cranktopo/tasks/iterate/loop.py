@@ -12,6 +12,7 @@ from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
 from cranktopo.design.loading import load_scene
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.plan.planning import plan
@@ -44,13 +45,14 @@ from cranktopo.tasks.iterate.text import LOOP_FILES, shape_line, steps_table
 from cranktopo.tasks.optimise.stage import RUN_TABLES, announce
 
 
-def loop_scene(scene: Scene) -> Scene:
+def loop_scene(scene: DesignLike) -> Scene:
     """Return the design as a loop takes it where no process is asked for: forged unless it names one."""
+    scene = as_scene(scene, whole=False)
     return scene.with_optimise(process="forged") if scene.optimise.process == "free" else scene
 
 
 def start_loop(
-    scene: Scene,
+    scene: DesignLike,
     settings: Settings | None = None,
     out: Path | None = None,
     design_toml: str | None = None,
@@ -68,6 +70,7 @@ def start_loop(
     Raises:
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
+    scene = as_scene(scene, whole=False)
     check_destination(out)
     settings = settings or loop_settings(scene)
     _check_goal(scene, settings)
@@ -78,7 +81,7 @@ def start_loop(
     return _worked(run, scene, settings)
 
 
-def continue_loop(reference: str) -> LoopRun:
+def continue_loop(reference: str | Path) -> LoopRun:
     """Continue an interrupted loop: finished steps are read, not repeated; raises as `start_loop`."""
     run = open_run(reference)
     require_kind(run, LOOP)

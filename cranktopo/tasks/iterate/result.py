@@ -14,7 +14,7 @@ from cranktopo.base.near_ties import clearly_more, exceeds, first_of_the_best
 from cranktopo.base.result import FileName, Result
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
-from cranktopo.design.schema import Scene
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.designs.run_webs import LoopWeb, best_web
@@ -65,7 +65,7 @@ class Settings:
 
 
 def loop_settings(
-    scene: Scene,
+    scene: DesignLike,
     steps: int = 6,
     least_transition_mm: float | None = None,
     element_size_mm: float | None = None,
@@ -73,6 +73,7 @@ def loop_settings(
     shape: bool = True,
 ) -> Settings:
     """Return the settings of a loop over a design; the least thickness is 40 % of the web's by default."""
+    scene = as_scene(scene, whole=False)
     least_mm = least_transition_mm or _THIN_SHARE * scene.web.thickness_mm
     return Settings(steps, least_mm, element_size_mm, limits or usual_limits(scene), shape)
 

@@ -11,6 +11,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.files import replacing
 from cranktopo.design.assumed import LOADS, THROW, VIBRATION, Assumption, assumptions
 from cranktopo.design.clearance import clearance_text, clearances_mm
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.throw import throw_balance
@@ -32,7 +33,7 @@ from cranktopo.tasks.loads.result import (
 )
 
 
-def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> tuple[Loads, ...]:
+def loads_at_speeds(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> tuple[Loads, ...]:
     """Return the loads of a scene at each speed, by default at its own alone.
 
     Curves and extremes carry every mass; the load cases carry the effects that the plan has on.
@@ -40,6 +41,7 @@ def loads_at_speeds(scene: Scene, speeds_rpm: Sequence[float] | None = None) -> 
     Raises:
         CranktopoError: gas data that cannot be used.
     """
+    scene = as_scene(scene)
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
     return tuple(_loads(at, plan(at), assumed) for at in _at_speeds(scene, speeds_rpm))
 
@@ -72,12 +74,13 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
     )
 
 
-def write_load_curves(scene: Scene, path: Path, speeds_rpm: Sequence[float] | None = None) -> None:
+def write_load_curves(scene: DesignLike, path: Path, speeds_rpm: Sequence[float] | None = None) -> None:
     """Write all curves over the cycle as CSV, the speeds one below the other.
 
     Raises:
         CranktopoError: no gas data, or the file cannot be written.
     """
+    scene = as_scene(scene)
     tables = [curve_columns(analyse(at)) for at in _at_speeds(scene, speeds_rpm)]
     if not tables[0]:
         raise invalid("engine.gas", None, "must be given for curves over the cycle")
@@ -86,12 +89,13 @@ def write_load_curves(scene: Scene, path: Path, speeds_rpm: Sequence[float] | No
         np.savetxt(temporary, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
 
 
-def plot_load_curves(scene: Scene, path: Path, speed_rpm: float | None = None) -> None:
+def plot_load_curves(scene: DesignLike, path: Path, speed_rpm: float | None = None) -> None:
     """Write the plot of the loads over the cycle (.png, .svg or .pdf).
 
     Raises:
         CranktopoError: no gas data, another ending, or the file cannot be written.
     """
+    scene = as_scene(scene)
     (at,) = _at_speeds(scene, None if speed_rpm is None else [speed_rpm])
     analysis = analyse(at)
     plot_loads(analysis, f"{scene.name}, {analysis.engine.speed_rpm:g} rpm", path)

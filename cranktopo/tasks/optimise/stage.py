@@ -26,6 +26,7 @@ from cranktopo.design.assumed import (
 )
 from cranktopo.design.goal.limit import goal_text
 from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.plan.planning import note_left_off
@@ -82,7 +83,7 @@ class _Job:
 
 
 def optimise_design(
-    scene: Scene,
+    scene: DesignLike,
     out: Path | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
@@ -100,6 +101,7 @@ def optimise_design(
     Raises:
         CranktopoError: bad input, solver failure, or interruption (exit code 130, checkpoint saved).
     """
+    scene = as_scene(scene, whole=False)
     began = time.perf_counter() if began is None else began
     check_destination(out)
     check_device()
@@ -129,15 +131,16 @@ def announce(prepared: Prepared, assumed: Sequence[Assumption]) -> None:
         note(assumed_text(assumed))
 
 
-def with_cells_for(scene: Scene, accuracy_percent: float | None, budget_s: float | None) -> Scene:
+def with_cells_for(scene: DesignLike, accuracy_percent: float | None, budget_s: float | None) -> Scene:
     """Return the scene with the cell size that an accuracy or a time asks for."""
+    scene = as_scene(scene, whole=False)
     choice = choose_cells(scene, accuracy_percent, budget_s, load_study(scene.name, OPTIMISER))
     note(str(choice))
     return scene.with_optimise(resolution_mm=choice.cell_mm)
 
 
 def resume_optimisation(
-    reference: str,
+    reference: str | Path,
     max_iterations: int | None = None,
     progress: Progress = lambda *_: None,
     began: float | None = None,

@@ -18,6 +18,7 @@ from cranktopo.base.notes import Pace
 from cranktopo.base.reproducible import SEED
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import bounds, web_of
 from cranktopo.tasks.refit.search import FitProblem, VoxelFill, voxel_fill
@@ -104,7 +105,7 @@ class FittedWeb:
     residual_regions: tuple[ResidualRegion, ...]
 
 
-def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | None = None) -> FittedWeb:
+def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits | None = None) -> FittedWeb:
     """Fit a web that a die or a mill can make to an extracted body.
 
     Args:
@@ -113,6 +114,7 @@ def fit_web(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits | No
     Raises:
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
     """
+    scene = as_scene(scene, whole=False)
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
     scale, limits = usual_scale(scene), limits or usual_limits(scene)

@@ -46,7 +46,7 @@ from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 
 def remodel_run(
-    reference: str,
+    reference: str | Path,
     out: Path | None = None,
     given: Mapping[str, float | None] | None = None,
     evaluated: bool = True,

@@ -11,7 +11,7 @@ from cranktopo.tasks.optimise.page import run_page
 from cranktopo.tasks.optimise.run_record import read_record
 
 
-def report_run(run: RunStore | str, path: Path | None = None, stresses: bool = False) -> Path:
+def report_run(run: RunStore | str | Path, path: Path | None = None, stresses: bool = False) -> Path:
     """Write the report of a finished run, .html or .md, by default report.html in it, and return its file.
 
     Args:
@@ -21,7 +21,7 @@ def report_run(run: RunStore | str, path: Path | None = None, stresses: bool = F
     Raises:
         CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
     """
-    store = open_run(run) if isinstance(run, str) else run
+    store = run if isinstance(run, RunStore) else open_run(run)
     target = path or store.path / REPORT
     with shown_results(store):
         page = run_page(read_record(store, stresses))

@@ -28,7 +28,7 @@ from cranktopo.tasks.fea.evaluation import (
     meshed_throw_kg,
     throw_inertia_kg_mm2,
 )
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import (
     Bearings,
     ShaftStiffness,
@@ -93,7 +93,7 @@ class ShaftEvaluation(Result):
 
 
 def evaluate_shaft(
-    target: Target, bearings: Bearings, element_size_mm: float | None = None
+    target: TargetLike, bearings: Bearings, element_size_mm: float | None = None
 ) -> ShaftEvaluation:
     """Assemble the throws of a target by its firing order.
 
@@ -102,22 +102,23 @@ def evaluate_shaft(
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
     """
-    scene = target.scene
+    resolved = resolve_target(target, whole=True)
+    scene = resolved.scene
     angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
-    meshed = mesh_target(target, size)
+    meshed = mesh_target(resolved, size)
     stiffness, error = _on_mesh(meshed, scene, bearings, spring)
-    if target.triangles:
-        coarse, _ = _on_mesh(mesh_target(target, size * RATIO), scene, bearings, spring)
+    if resolved.triangles:
+        coarse, _ = _on_mesh(mesh_target(resolved, size * RATIO), scene, bearings, spring)
         error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
     inertia = throw_inertia_kg_mm2(meshed, scene)
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * meshed_throw_kg(meshed, scene)
-    assumed = filter_by_table(target.assumed, shaft_tables(scene, bearings))
+    assumed = filter_by_table(resolved.assumed, shaft_tables(scene, bearings))
     return ShaftEvaluation(
-        design=target.name,
+        design=resolved.name,
         throw_angles_deg=angles,
         bearings=bearings,
         mass_kg=mass,

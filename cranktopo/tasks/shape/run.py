@@ -28,6 +28,7 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
@@ -82,14 +83,15 @@ class ShapedRun:
     result: ShapeResult
 
 
-def shape_settings(scene: Scene, limits: ManufacturingLimits | None = None) -> ShapeSettings:
+def shape_settings(scene: DesignLike, limits: ManufacturingLimits | None = None) -> ShapeSettings:
     """Return settings that suit a throw of any size."""
+    scene = as_scene(scene, whole=False)
     usual, scale = ShapeSettings(), usual_scale(scene)
     return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=limits or usual_limits(scene))
 
 
 def shape_design(
-    scene: Scene,
+    scene: DesignLike,
     settings: ShapeSettings | None = None,
     out: Path | None = None,
     design_toml: str | None = None,
@@ -107,6 +109,7 @@ def shape_design(
     Raises:
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
+    scene = as_scene(scene, whole=False)
     check_destination(out)
     check_device()
     check_original(scene)
@@ -129,7 +132,7 @@ def shape_design(
     return _worked(run, scene, settings, start)
 
 
-def resume_shape(reference: str) -> ShapedRun:
+def resume_shape(reference: str | Path) -> ShapedRun:
     """Continue an interrupted shape optimisation: finished searches and evaluations are read, not repeated.
 
     Raises:

@@ -16,13 +16,13 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import (
     check_keys,
     design_text,
-    load_scene,
     parse_toml,
     resolve_design,
     scene_from_dict,
     with_resolved_files,
     with_value,
 )
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.stage import MeshRequest
 from cranktopo.tasks.sweep.fineness import Fineness
@@ -87,7 +87,7 @@ class SweepPlan(Result):
 
 
 def sweep_plan(
-    designs: Sequence[str],
+    designs: Sequence[DesignLike],
     vary: Sequence[Variation] = (),
     *,
     minimise: str | None = None,
@@ -98,7 +98,7 @@ def sweep_plan(
     """Return a plan that was checked: every design is valid, every key exists.
 
     Args:
-        designs: TOML paths or names of built-in designs; the first is the original.
+        designs: scenes, TOML paths or names of built-in designs; the first is the original.
         limits: such as `torsion >= 90:130:5 %`, which varies, or `bending >= 95 %`, which stays.
         settings: further fields of `SweepPlan`.
 
@@ -107,12 +107,16 @@ def sweep_plan(
     """
     if not designs:
         raise invalid("scenes", list(designs), "at least one is needed", "Name a design.")
-    scenes = [load_scene(design, whole=True) for design in designs]
+    scenes = [as_scene(design) for design in designs]
+    names = [design.name if isinstance(design, Scene) else str(design) for design in designs]
     fixed, varied = varied_limits(limits)
-    tables = [with_goal_tables(_tables(d), d, minimise, maximise, fixed) for d in designs]
+    tables = [
+        with_goal_tables(_tables(design), name, minimise, maximise, fixed)
+        for design, name in zip(designs, names, strict=True)
+    ]
     for key, words in _CHOICES.items():
         _check_choice(key, settings.get(key, words[0]), words)
-    plan = SweepPlan(designs=tuple(designs), tables=tuple(tables), vary=(*vary, *varied), **settings)
+    plan = SweepPlan(designs=tuple(names), tables=tuple(tables), vary=(*vary, *varied), **settings)
     _check(plan)
     optimised = set(plan.stages) & set(OPTIMISED)
     for scene in scenes if optimised else ():
@@ -131,9 +135,11 @@ def _check_choice(key: str, value: str, words: Sequence[str]) -> None:
         raise CranktopoError(f"{key} = {quoted(value)}: unknown choice.", hint=near, code=ExitCode.USAGE)
 
 
-def _tables(design: str) -> dict[str, Any]:
-    path = resolve_design(design)
-    return with_resolved_files(parse_toml(design_text(design), str(path)), path.resolve().parent)
+def _tables(design: DesignLike) -> dict[str, Any]:
+    if isinstance(design, Scene):
+        return design.model_dump(mode="json", exclude_none=True)
+    path = resolve_design(str(design))
+    return with_resolved_files(parse_toml(design_text(str(design)), str(path)), path.resolve().parent)
 
 
 def _check(plan: SweepPlan) -> None:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import write_json, write_text
 from cranktopo.design.loading import value_at
+from cranktopo.design.named import DesignLike
+from cranktopo.design.schema import Scene
 from cranktopo.design.writing import new_run
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
@@ -167,7 +169,7 @@ def _check_main_guard() -> None:
 
 
 def sweep(
-    design: str | Path | Sequence[str | Path] = "mikron-iiic",
+    design: DesignLike | Sequence[DesignLike] = "mikron-iiic",
     vary: Mapping[str, Any] | None = None,
     stage: str = "evaluate",
     sampling: str = "grid",
@@ -190,7 +192,7 @@ def sweep(
     In a script it stands below `if __name__ == "__main__":`, because worker processes import the script.
 
     Args:
-        design: TOML path or name of a built-in design, or several; the first is the original.
+        design: scene, TOML path or name of a built-in design, or several; the first is the original.
         vary: values by key of the scene: a list, or text as behind `--vary KEY=`.
         stage: how far each point goes: evaluate, fatigue, optimise, remodel or shape.
         sampling: grid for all combinations, latin or sobol for so many `samples`.
@@ -216,7 +218,7 @@ def sweep(
     if resume is not None:
         done = resume_sweep(str(resume), place)
     else:
-        designs = [str(d) for d in ([design] if isinstance(design, str | Path) else design)]
+        designs = [design] if isinstance(design, Scene | str | Path) else list(design)
         varied = [read_entry(key, entry) for key, entry in (vary or {}).items()]
         plan = sweep_plan(
             designs,

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Sequence
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
+from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, invalid, quoted
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.goal.wanted import limits_by_quantity, with_goal
 from cranktopo.design.loading import key_parts, scene_from_dict
@@ -59,6 +59,9 @@ def read_text(key: str, text: str) -> Variation:
     parts = text.split(":")
     if len(parts) in (2, 3) and all(_number(part) is not None for part in parts):
         return _range(key, parts)
+    comma = next(filter(None, map(decimal_comma, parts)), "") if len(parts) in (2, 3) else ""
+    if comma:
+        raise CranktopoError(f"{key} = {quoted(text)}: must be A:B:N.", hint=comma)
     return _listed(key, [_value(part.strip()) for part in text.split(",")])
 
 

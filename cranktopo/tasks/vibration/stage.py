@@ -17,14 +17,14 @@ from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fea.stage import print_assumed
-from cranktopo.tasks.fea.targets import Target, resolve_target
+from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables
 from cranktopo.tasks.vibration.page import vibration_page
 
 
 def shaft_vibration(
-    target: Target | str,
+    target: TargetLike,
     bearings: Bearings | None = None,
     element_size_mm: float | None = None,
     report: Path | None = None,
@@ -52,7 +52,7 @@ def shaft_vibration(
         check_report_path(report)
     if csv is not None:
         check_file(csv, "--csv")
-    resolved = resolve_target(target, design, align=align, whole=True) if isinstance(target, str) else target
+    resolved = resolve_target(target, design, align=align, whole=True)
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     _check_solved(resolved, bearings, element_size_mm)
     check_vibration(resolved.scene, run_up_s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import subprocess
 import sys
 from operator import attrgetter
@@ -28,3 +29,37 @@ def test_importing_the_package_loads_nothing() -> None:
 def test_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'optimize'"):
         attrgetter("optimize")(cranktopo)
+
+
+FUNCTIONS = [name for name in cranktopo.__all__ if inspect.isfunction(getattr(cranktopo, name))]
+
+
+OTHER_MEANING = {"compare": "baseline", "checked_surface": "design"}
+"""A row's name, and densities."""
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_design_may_be_a_scene_a_path_or_a_name(name: str) -> None:
+    for parameter in inspect.signature(getattr(cranktopo, name)).parameters.values():
+        if parameter.name in (
+            "scene",
+            "design",
+            "target",
+            "targets",
+            "names",
+            "baseline",
+            "reference",
+            "run",
+        ):
+            kinds = str(parameter.annotation)
+            of_bodies = parameter.name == "design" and "str | None" in kinds  # the design of a CAD file
+            position = parameter.name == "baseline" and "int" in kinds
+            wide = "DesignLike" in kinds or "TargetLike" in kinds or "str | Path" in kinds
+            assert wide or of_bodies or position or name in OTHER_MEANING, (parameter.name, kinds)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_what_is_returned_is_public(name: str) -> None:
+    """Or plain Python, arrays and frames."""
+    kinds = set(re.findall(r"[A-Z]\w+", str(inspect.signature(getattr(cranktopo, name)).return_annotation)))
+    assert kinds <= {*cranktopo.__all__, "None", "Path", "Iterator", "DataFrame", "Settings", "ShapeSettings"}

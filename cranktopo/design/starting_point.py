@@ -1,0 +1,123 @@
+"""Starting points of designs: proportions by the bore, and firing order and throws usual for a layout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.schema import Scene
+
+LayoutName = Literal["single", "in-line", "V", "boxer"]
+USUAL_CYLINDERS: Mapping[LayoutName, int] = {"single": 1, "in-line": 4, "V": 8, "boxer": 4}
+
+
+@dataclass(frozen=True)
+class Firing:
+    """Firing order of a four-stroke engine, and its banks.
+
+    Attributes:
+        bank_deg: angle between the banks of a V.
+        throws_deg: angles of the throws where no choice of them fires evenly.
+    """
+
+    order: tuple[int, ...]
+    bank_deg: float | None = None
+    throws_deg: tuple[float, ...] = ()
+
+
+FIRING: Mapping[tuple[LayoutName, int], Firing] = {
+    ("single", 1): Firing((1,)),
+    ("in-line", 2): Firing((1, 2)),
+    ("in-line", 3): Firing((1, 3, 2)),
+    ("in-line", 4): Firing((1, 3, 4, 2)),
+    ("in-line", 5): Firing((1, 2, 4, 5, 3)),
+    ("in-line", 6): Firing((1, 5, 3, 6, 2, 4)),
+    ("in-line", 8): Firing((1, 6, 2, 5, 8, 3, 7, 4)),
+    ("V", 2): Firing((1, 2), 90.0, (0.0,)),
+    ("V", 4): Firing((1, 2, 3, 4), 90.0, (0.0, 180.0)),
+    ("V", 6): Firing((1, 4, 3, 6, 2, 5), 90.0, (0.0, 240.0, 120.0)),
+    ("V", 8): Firing((1, 3, 7, 2, 6, 5, 4, 8), 90.0),
+    ("V", 10): Firing((1, 6, 2, 7, 4, 9, 5, 10, 3, 8), 72.0),
+    ("V", 12): Firing((1, 7, 5, 11, 3, 9, 6, 12, 2, 8, 4, 10), 60.0),
+    ("boxer", 2): Firing((1, 2)),
+    ("boxer", 4): Firing((1, 3, 2, 4)),
+    ("boxer", 6): Firing((1, 6, 3, 2, 5, 4)),
+}
+"""Cylinders are numbered as in `[engine]`: of a V bank by bank, of a boxer odd numbers are the first bank."""
+
+_LENGTHS = {
+    "throw.main_journal.outer_diameter_mm": 0.70,
+    "throw.main_journal.length_mm": 0.33,
+    "throw.main_journal.fillet_mm": 0.03,
+    "throw.crankpin.outer_diameter_mm": 0.60,
+    "throw.crankpin.length_mm": 0.33,
+    "throw.crankpin.fillet_mm": 0.03,
+    "web.thickness_mm": 0.22,
+    "web.width_mm": 0.87,
+}
+"""Lengths over the bore, within a quarter of those of the built-in `car-diesel`."""
+_LENGTHS_OF_V = {"throw.crankpin.length_mm": 0.55, "web.thickness_mm": 0.26}
+_ROD = 3.5
+"""Rod over throw radius."""
+_MASSES_KG = {"piston_group_kg": 1.4e-6, "rod_reciprocating_kg": 0.4e-6, "rod_rotating_kg": 1.0e-6}
+"""Masses over the cube of the bore in mm."""
+_PISTON_SPEED_M_S = 10.0
+
+
+def usual_firing(layout: LayoutName, cylinders: int) -> Firing:
+    """Return the firing order proposed for a layout; raises CranktopoError where there is no usual one."""
+    found = FIRING.get((layout, cylinders))
+    if found is None:
+        known = ", ".join(str(count) for name, count in FIRING if name == layout)
+        raise CranktopoError(
+            f"--cylinders {cylinders}: no firing order is known for layout '{layout}'; known: {known}.",
+            hint="Take the nearest and edit [engine] of the file.",
+            code=ExitCode.USAGE,
+        )
+    return found
+
+
+def starting_values(layout: LayoutName, cylinders: int, bore_mm: float, stroke_mm: float) -> dict[str, Any]:
+    """Return values of a design of usual proportions, by key path; all of them are assumptions."""
+    firing, radius = usual_firing(layout, cylinders), stroke_mm / 2
+    lengths = {**_LENGTHS, **(_LENGTHS_OF_V if layout == "V" else {})}
+    arranged: dict[str, Any] = (
+        {} if layout in ("single", "in-line") else {"engine.arrangement.layout": layout}
+    )
+    if firing.bank_deg is not None:
+        arranged["engine.arrangement.bank_angle_deg"] = firing.bank_deg
+    if firing.throws_deg:
+        arranged["engine.arrangement.throw_angles_deg"] = list(firing.throws_deg)
+    return {
+        "throw.radius_mm": radius,
+        **{key: _rounded(share * bore_mm) for key, share in lengths.items()},
+        "engine.bore_mm": bore_mm,
+        "engine.rod_length_mm": _rounded(_ROD * radius),
+        "engine.speed_rpm": _rounded(30000 * _PISTON_SPEED_M_S / stroke_mm),
+        "engine.cylinders": cylinders,
+        "engine.firing_order": list(firing.order),
+        "engine.gas.peak_pressure_MPa": 7.0,
+        "engine.gas.peak_angle_deg": 12.0,
+        **{f"engine.masses.{key}": _rounded(share * bore_mm**3) for key, share in _MASSES_KG.items()},
+        **arranged,
+    }
+
+
+def arrangement_line(scene: Scene) -> str:
+    """Return firing order, throw angles and firing intervals of a scene's engine in one line."""
+    engine = scene.engine
+    assert engine is not None
+    fires = sorted(engine.firing_angles_deg)
+    gaps = [b - a for a, b in pairwise([*fires, fires[0] + engine.cycle_deg])]
+    even = len({round(gap, 3) for gap in gaps}) == 1
+    every = f"every {gaps[0]:g} deg" if even else f"after {', '.join(f'{gap:g}' for gap in gaps)} deg"
+    order = "-".join(map(str, engine.order))
+    angles = ", ".join(f"{angle:g}" for angle in engine.throw_angles_deg)
+    return f"assumed: firing order {order}, {every}; throws at {angles} deg; lengths and masses by the bore"
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.2g}")

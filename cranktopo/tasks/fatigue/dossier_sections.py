@@ -1,0 +1,107 @@
+"""Sections of the dossier on what the rule's calculation rests on: engine, masses, shaft line, vibration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from cranktopo.design.engine import Engine
+from cranktopo.design.schema import Scene
+from cranktopo.design.shaft import ShaftTable
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.report.page import Section, pairs
+from cranktopo.tasks.vibration.page import vibration_page
+
+_UNKNOWN = "unknown"
+_Rows = list[tuple[str, Any]]
+
+
+def engine_section(scene: Scene) -> Section:
+    """Return engine data and masses; what the design does not give is unknown."""
+    engine = scene.engine
+    data = _engine_rows(scene, engine) if engine else [("engine", _UNKNOWN)]
+    tables = (("Engine", pairs(data)), ("Masses", pairs(_mass_rows(scene, engine))))
+    return Section("engine", "Engine data and masses", tables=tables)
+
+
+def _engine_rows(scene: Scene, engine: Engine) -> _Rows:
+    gas = engine.gas
+    peak = gas.peak_pressure_MPa if gas else None
+    pressure = f"{peak:g} MPa" if peak else "measured diagram" if gas and gas.indicator_csv else _UNKNOWN
+    bank = f", {engine.bank_angle_deg:g} deg between the banks" if engine.bank_angle_deg else ""
+    return [
+        ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{bank}; {engine.strokes}-stroke"),
+        ("bore x stroke", f"{engine.bore_mm:g} mm x {2 * scene.throw.radius_mm:g} mm"),
+        ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
+        ("rated speed", f"{engine.speed_rpm:g} rpm"),
+        ("overspeed", f"{engine.overspeed_rpm:g} rpm" if engine.overspeed_rpm else _UNKNOWN),
+        ("maximum cylinder pressure (absolute)", pressure),
+        ("firing order", "-".join(map(str, engine.order))),
+        ("firing angles of the cylinders", _listed(engine.firing_angles_deg, "deg")),
+        ("angles of the throws", _listed(engine.throw_angles_deg, "deg")),
+    ]
+
+
+def _mass_rows(scene: Scene, engine: Engine | None) -> _Rows:
+    balance = throw_balance(scene)
+    own: _Rows = [
+        ("throw between its mid-journal planes", f"{balance.mass_kg:.3f} kg"),
+        ("web, with its counterweight", f"{balance.web_kg:.3f} kg"),
+        ("inertia of a throw about the crank axis", f"{balance.inertia_kg_mm2:.1f} kg mm2"),
+        ("unbalance of a throw", f"{balance.throw_unbalance_kg_mm:.2f} kg mm"),
+    ]
+    if engine is None:
+        return own
+    moving = (
+        ("piston group", engine.masses.piston_group_kg),
+        ("connecting rod, oscillating part", engine.rod_parts_kg[0]),
+        ("connecting rod, rotating part", engine.rod_rotating_kg),
+    )
+    return [*((name, f"{mass:.3f} kg" if mass else _UNKNOWN) for name, mass in moving), *own]
+
+
+def shaft_section(scene: Scene) -> Section:
+    """Return what turns with the crankshaft and what damps it, as the design gives it."""
+    shaft = scene.shaft
+    if shaft is None:
+        return Section(
+            "shaft-line",
+            "Shaft line and damping",
+            "The design has no [shaft]: shaft line and damping unknown.",
+        )
+    damping: _Rows = [
+        ("absolute damping of a cylinder", f"{shaft.cylinder_damping_Nms_per_rad:g} N m s/rad"),
+        ("relative damping between throws", f"{shaft.throw_damping_Nms_per_rad:g} N m s/rad"),
+        ("loss factor of the throws", f"{shaft.throw_loss_factor:g}"),
+    ]
+    tables = (("Shaft line, free end first", pairs(_rotor_rows(shaft))), ("Damping", pairs(damping)))
+    return Section("shaft-line", "Shaft line and damping", tables=tables)
+
+
+def _rotor_rows(shaft: ShaftTable) -> _Rows:
+    rows: _Rows = []
+    for name in ("damper", "pulley", "flywheel", "coupling", "driven", "propeller"):
+        rotor = getattr(shaft, name)
+        if rotor is not None:
+            given = rotor.model_dump(exclude_none=True)
+            rows.append((name, ", ".join(f"{key} = {value}" for key, value in given.items())))
+    return rows or [("rotors", "none")]
+
+
+def vibration_sections(study: VibrationStudy | None) -> tuple[Section, ...]:
+    """Return the calculation of torsional vibration, or why there is none."""
+    title = "Torsional vibration"
+    if study is None:
+        text = "Not calculated: it takes [shaft] and the gas forces of [engine.gas] in the design."
+        return (Section("vibration", title, text),)
+    page = vibration_page(study, "")
+    warned = " ".join(study.warnings)
+    head = Section(
+        "vibration", title, f"{page.headline} Stiffness of the throws: {study.stiffness_source}. {warned}"
+    )
+    return (head, *(replace(one, anchor=f"vibration-{one.anchor}") for one in page.sections))
+
+
+def _listed(values: tuple[float, ...], unit: str) -> str:
+    return f"{', '.join(f'{value:g}' for value in values)} {unit}"

@@ -1,0 +1,66 @@
+"""The dossier of the rule: engine, masses, shaft line, vibration, what is signed, and its PDF."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder
+from tests.cli.test_rule_dossier import checked, row
+
+SHAFT = """
+[shaft]
+throw_stiffness_Nm_per_rad = 1.5e5
+cylinder_damping_Nms_per_rad = 1.5
+[shaft.propeller]
+inertia_kg_m2 = 0.6
+"""
+
+
+@pytest.fixture(autouse=True)
+def no_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
+
+
+def dossier(tmp_path: Path, more: str, suffix: str = ".md") -> Path:
+    design, path = tmp_path / "mine.toml", tmp_path / f"dossier{suffix}"
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    treated = 'name = "31CrMoV9"\nheat_treatment = "quenched and tempered"'
+    design.write_text(text.replace('name = "31CrMoV9"', treated) + more, encoding="utf-8")
+    assert main(["fatigue", str(design), "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    return path
+
+
+@pytest.mark.slow
+def test_everything_that_a_reviewer_asks(tmp_path: Path) -> None:
+    text = dossier(tmp_path, SHAFT).read_text(encoding="utf-8").replace("\\", "")
+    assert row(text, "yield strength")[1] == "900 MPa"
+    assert row(text, "heat treatment")[1] == "quenched and tempered"
+    assert row(text, "firing order")[1] == "1-3-4-2"
+    assert row(text, "maximum cylinder pressure (absolute)")[1] == "5.16 MPa"
+    assert row(text, "piston group")[1].endswith(" kg")
+    assert row(text, "propeller")[1].startswith("inertia_kg_m2 = 0.6")
+    assert row(text, "absolute damping of a cylinder")[1] == "1.5 N m s/rad"
+    assert "## Torsional vibration" in text
+    assert "## Critical speeds" in text
+    assert re.search(r"Document M53-mikron-iiic-plain-[0-9a-f]{8}\.", text)
+
+
+def test_no_signature_under_what_the_rule_does_not_use(tmp_path: Path) -> None:
+    text = dossier(tmp_path, "").read_text(encoding="utf-8").replace("\\", "")
+    signed = text[text.index("## Assumptions and signatures") :]
+    assert "fatigue.process_factor" in signed
+    assert not re.search(r"size_factor|survival_factor|specimen_diameter|roughness", signed)
+    assert "shaft line and damping unknown" in text
+    assert "Not calculated: it takes [shaft]" in text
+
+
+def test_pdf_with_numbered_pages(tmp_path: Path) -> None:
+    data = dossier(tmp_path, "", ".pdf").read_bytes()
+    assert data.startswith(b"%PDF")
+    pages = int(re.search(rb"/Count (\d+)", data)[1])  # type: ignore[index]
+    assert 4 <= pages <= 9
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["dossier.pdf", "mine.toml"]
