@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.compare.result import Comparison, ComparisonResult, Entry, compare
     from cranktopo.tasks.compare.stage import ComparedTargets, compare_targets, report_comparison
+    from cranktopo.tasks.crank_import.result import CrankImport
+    from cranktopo.tasks.crank_import.stage import import_crank
     from cranktopo.tasks.density.stage import Optimum, Prepared, optimise_density, prepare
     from cranktopo.tasks.designs.run_webs import WebTarget, web_target
     from cranktopo.tasks.doctor.stage import Check, check_machine
@@ -139,6 +141,8 @@ _HOMES = {
     "WebTarget": "tasks.designs.run_webs",
     "web_target": "tasks.designs.run_webs",
     "resume_shape": "tasks.shape.run",
+    "import_crank": "tasks.crank_import.stage",
+    "CrankImport": "tasks.crank_import.result",
     "bound_of": "tasks.bound.stage",
     "sweep": "tasks.sweep.run",
     "balance_result": "tasks.balance.result",
@@ -187,6 +191,7 @@ __all__ = [
     "ComparedTargets",
     "Comparison",
     "ComparisonResult",
+    "CrankImport",
     "CranktopoError",
     "EngineBalance",
     "Entry",
@@ -240,6 +245,7 @@ __all__ = [
     "export_solid",
     "extract_surface",
     "fit_web",
+    "import_crank",
     "load_cases",
     "load_scene",
     "loads_at_speeds",

@@ -53,7 +53,9 @@ class Material(SceneTable):
     """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
     fkm_group: _FkmGroup = "Steel"
     """Material group of the FKM guideline, for `fatigue --method fkm`."""
-    heat_treatment: str = Field(default="", max_length=200, examples=["quenched and tempered"])
+    heat_treatment: str = Field(
+        default="", max_length=200, examples=["quenched and tempered"], exclude_if=lambda text: not text
+    )
     """Heat treatment of the forging, for the dossier of `fatigue --method m53`."""
     source: str = ""
     """Where the values come from."""

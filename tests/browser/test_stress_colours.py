@@ -60,7 +60,7 @@ def test_colours_follow_the_stress(visit: Any, page: Path) -> None:
     low, high = sides(seen.picture())
     assert low[2] > 1.5 * low[1], "violet where there is no stress"
     assert min(high[0], high[1]) > 2 * high[2], "yellow at the top"
-    assert re.search(r"von Mises stress, rising, 1,000 N: 0 to 99\.\d MPa and more", legend.inner_text())
+    assert re.search(r"von Mises stress, rising, 1000 N: 0 to 99\.\d MPa and more", legend.inner_text())
     assert "journals" not in legend.inner_text()
     colours.select_option(label="stress, falling")
     low, high = sides(seen.picture())

@@ -29,7 +29,7 @@ def design(tmp_path_factory: pytest.TempPathFactory) -> str:
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "cranktopo"
+    return tmp_path / "cache" / "cranktopo" / "studies"
 
 
 def test_a_budget_buys_levels_a_table_a_plot_and_a_stored_study(
@@ -137,7 +137,7 @@ def test_files_of_a_surface_go_into_the_runs_and_those_of_a_run_into_itself(
         path.write_bytes(b"")
     assert main(["accuracy", "part.stl", "--design", "mikron-iiic-plain"]) == 0
     assert main(["accuracy", "one"]) == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "part.stl", "runs"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "one", "part.stl", "runs"]
     assert (tmp_path / "runs" / "accuracy-part" / "accuracy.json").is_file()
     assert (run / "accuracy.json").is_file()
 

@@ -11,7 +11,8 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.goal.wanted import with_goal
-from cranktopo.design.loading import design_text, designs_folder, load_scene, with_values
+from cranktopo.design.loading import design_text, designs_folder, load_scene
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bound.result import BoundStatements, NoBound

@@ -107,7 +107,23 @@ TABLE: dict[str, dict[str, Case]] = {
         "--plot": Acts("", "--plot p.png"),
         "--json": Acts("", "--json"),
     },
-    "balance": {"--report": Acts("", "--report b.md"), "--json": Acts("", "--json")},
+    "balance": {
+        "--report": Acts("", "--report b.md"),
+        "--propose": Acts("", "--propose 50%"),
+        "--json": Acts("", "--json"),
+    },
+    "import": {
+        "--solid": Shown("physics/crank_import/test_crank_import.py::test_a_solid_of_an_assembly"),
+        "--name": Shown("physics/crank_import/test_crank_import.py::test_the_design_has_the_name_asked_for"),
+        "--out": Shown("physics/crank_import/test_crank_import.py::test_a_folder_with_files_is_left_alone"),
+        "--end-journals": Shown(
+            "physics/crank_import/test_crank_import.py::test_end_journals_are_what_the_user_says"
+        ),
+        "--material": Shown(
+            "physics/crank_import/test_crank_import.py::test_the_design_has_the_name_asked_for"
+        ),
+        "--json": Shown("physics/crank_import/test_crank_import.py::test_the_design_has_the_name_asked_for"),
+    },
     "evaluate": {
         **_BODY,
         **_MESH,

@@ -48,6 +48,7 @@ BEHIND = {
     "export": ["export_solid"],
     "runs": ["summarise_runs", "clean_runs"],
     "doctor": ["check_machine"],
+    "import": ["import_crank"],
 }
 """The functions behind each command; `designs` and `completion` only list and copy files."""
 

@@ -27,6 +27,7 @@ FAST = (
     "designs list",
     "designs copy mikron-iiic copy.toml",
     "designs new new.toml",
+    "designs sketch web web.svg",
     "designs pair mikron-iiic-plain pair.toml --first mikron-iiic-plain",
     "doctor",
     "runs list --root {runs}",
@@ -52,6 +53,7 @@ SLOW = (
     "shape mikron-iiic-plain --no-bound --cell-mm 3 --out s",
     "iterate mikron-iiic-plain --steps 2 --resolution-mm 4.5 --no-shape --no-bound --cell-mm 3 --out i",
     "sweep mikron-iiic-plain --vary web.thickness_mm=18,20 --element-size-mm 9 --out v",
+    "import {step}",
     "completion bash",
 )
 
@@ -68,7 +70,9 @@ def test_tables_fit(
     monkeypatch.chdir(tmp_path)
     if "{" in line:
         run: Path = request.getfixturevalue("default_run")
-        line = line.format(run=run, runs=run.parent)
+        if "{step}" in line:
+            assert main(["export", "mikron-iiic-plain", "throw.step"]) == 0
+        line = line.format(run=run, runs=run.parent, step="throw.step")
     capsys.readouterr()
     assert main(shlex.split(line)) in (0, 5, 6)
     shown = capsys.readouterr().out

@@ -177,6 +177,7 @@ def _box_names(axes: Any) -> None:
     _size(axes, (14, 0), (14, _MIDDLE), (32, 0), "y_mm")
     _size(axes, (6, _MIDDLE), (22, _MIDDLE), (0, 13), "size_x_mm")
     _size(axes, (6, _MIDDLE - 8), (6, _MIDDLE + 8), (-10, 0), "size_y_mm")
+    _leader(axes, (20.8, _MIDDLE - 6.8), (14, _MIDDLE - 34), "corner_radius_mm")
 
 
 def _depth_names(axes: Any) -> None:
@@ -224,7 +225,15 @@ _MIDDLE = 31.0
 _STATIONS = (-34.0, -20.0, 5.0, 31.0, 60.0, 82.0, 92.0)
 _HALF_WIDTHS = (0.0, 24.0, 36.0, 40.0, 32.0, 18.0, 0.0)
 _SOLID = {"bore_diameter_mm": 0.0}
-_BOX = {"shape": "box", "face": "pin", "x_mm": 14.0, "y_mm": _MIDDLE, "size_x_mm": 16.0, "size_y_mm": 16.0}
+_BOX = {
+    "shape": "box",
+    "face": "pin",
+    "x_mm": 14.0,
+    "y_mm": _MIDDLE,
+    "size_x_mm": 16.0,
+    "size_y_mm": 16.0,
+    "corner_radius_mm": 4.0,
+}
 _ROUND = {"shape": "cylinder", "face": "pin", "x_mm": 14.0, "y_mm": _MIDDLE, "diameter_mm": 14.0}
 _SIDE = {"shape": "side", "y_mm": _MIDDLE, "length_mm": 24.0, "height_mm": 8.0, "depth_mm": 12.0}
 _HEAVY = {"outer_radius_mm": 62.0, "half_angle_deg": 60.0, "thickness_mm": 14.0, "fillet_mm": 8.0}

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cranktopo import load_scene
+from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import step_solid
@@ -111,6 +112,35 @@ def test_end_journals_are_what_the_user_says(tmp_path: Path, ends: Any, length: 
     export_solid(load_scene("mikron-iiic-plain"), "throw", tmp_path / "throw.step")
     result = import_crank(tmp_path / "throw.step", None, tmp_path / "out", ends=ends)
     assert result.halves[0].dimensions_mm["throw.main_journal.length_mm"] == pytest.approx(length)
+
+
+def test_the_design_has_the_name_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    export_solid(load_scene("mikron-iiic-plain"), "half", tmp_path / "body.step")
+    monkeypatch.chdir(tmp_path)
+    command = ["import", "body.step", "--name", "mine", "--material", "34CrNiMo6", "--json"]
+    assert main([*command]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["halves"][0]["design"] == "mine/mine.toml"
+    assert load_scene("mine/mine.toml").material.name == "34CrNiMo6"
+
+
+def test_a_solid_of_an_assembly(tmp_path: Path) -> None:
+    """A throw beside a block: the throw is taken, and a name that is not there is refused."""
+    export_solid(load_scene("mikron-iiic-plain"), "throw", tmp_path / "throw.step")
+    both = tmp_path / "both.step"
+    with cad_session("assembly") as gmsh:
+        step_solid(gmsh, tmp_path / "throw.step", "throw")
+        gmsh.model.occ.addBox(200, 0, 0, 10, 10, 10)
+        gmsh.model.occ.synchronize()
+        with quiet_stdout():
+            gmsh.write(str(both))
+    result = import_crank(both, None, tmp_path / "out")
+    assert [solid.looks_like_a_crank for solid in result.solids].count(True) == 1
+    assert result.throws[0].radius_mm == pytest.approx(48.0)
+    with pytest.raises(CranktopoError, match="holds no solid 'rod'"):
+        import_crank(both, None, tmp_path / "again", solid="rod")
 
 
 @pytest.mark.slow

@@ -82,7 +82,9 @@ def test_gradients_by_all_dimensions_at_once_are_those_of_differences(case: Case
         above, below = (case.model.responses(case.values + s * step * direction) for s in (1, -1))
         for name, value in found.values.items():
             measured = (above.values[name] - below.values[name]) / (2 * step)
-            assert found.gradients[name] @ direction == pytest.approx(measured, rel=1e-5, abs=1e-8 * value)
+            assert found.gradients[name] @ direction == pytest.approx(
+                measured, rel=1e-5, abs=1e-8 * abs(value)
+            )
 
 
 @pytest.mark.slow
@@ -94,7 +96,7 @@ def test_gradients_by_each_dimension_are_those_of_differences(case: Case) -> Non
         above, below = (case.model.responses(case.values + s * change) for s in (1, -1))
         for name, value in found.values.items():
             measured = (above.values[name] - below.values[name]) / (2 * step)
-            exact = pytest.approx(measured, rel=1e-4, abs=1e-8 * value)
+            exact = pytest.approx(measured, rel=1e-4, abs=1e-8 * abs(value))
             assert found.gradients[name][i] == exact, f"{name} by {case.layout.names[i]}"
 
 
