@@ -76,7 +76,7 @@ def labelled(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def _folded(columns: Sequence[_Printed], ruled: bool) -> str:
-    """Return the columns in as few blocks as fit, each with the first column, one below the other."""
+    """Return the columns in as few blocks as fit, each with the names of the rows, one below the other."""
     fewest = len(_blocks(columns, WIDTH))
     rooms = range(WIDTH // 2 if fewest > 1 else WIDTH, WIDTH + 1)
     alike = next(room for room in rooms if len(_blocks(columns, room)) == fewest)
@@ -84,16 +84,26 @@ def _folded(columns: Sequence[_Printed], ruled: bool) -> str:
 
 
 def _blocks(columns: Sequence[_Printed], room: int) -> list[list[_Printed]]:
-    """Return blocks that begin with the first column and take on the next ones while these find room."""
-    first, *rest = columns
-    blocks = [[first]]
-    for column in rest:
+    """Return blocks that begin with what names a row and take on the next columns while these find room."""
+    names = _names(columns)
+    blocks = [[*names]]
+    for column in columns[len(names) :]:
         tried = [*blocks[-1], column]
-        if len(tried) > 2 and _fitting(tried, room) is None:
-            tried = [first, column]
+        if len(tried) > len(names) + 1 and _fitting(tried, room) is None:
+            tried = [*names, column]
             blocks.append(tried)
         blocks[-1] = tried
     return blocks
+
+
+def _names(columns: Sequence[_Printed]) -> Sequence[_Printed]:
+    """Return the first columns, as many as tell rows apart; one where two do not, or take half the width."""
+    for names in (columns[:1], columns[:2]):
+        rows = list(zip(*(column.cells for column in names), strict=True))
+        widths = [column.width(_WORDS) for column in names]
+        if len(set(rows)) == len(rows) and sum(widths) + 2 * (len(widths) - 1) <= WIDTH // 2 + _WORDS:
+            return names
+    return columns[:1]
 
 
 def _fitting(columns: Sequence[_Printed], room: int) -> list[int] | None:

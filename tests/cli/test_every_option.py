@@ -233,7 +233,17 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "designs list": {"--json": Acts("", "--json")},
     "designs copy": {"--force": Acts(f"{_MIKRON} given.toml", "--force")},
-    "designs new": {"--name": Acts("new.toml", "--name other"), "--force": Acts("given.toml", "--force")},
+    "designs new": {
+        "--name": Acts("new.toml", "--name other"),
+        "--layout": Acts("new.toml --cylinders 4", "--layout boxer"),
+        "--cylinders": Acts("new.toml", "--cylinders 6"),
+        "--bore-mm": Acts("new.toml", "--bore-mm 100"),
+        "--stroke-mm": Acts("new.toml", "--stroke-mm 70"),
+        "--force": Acts("given.toml", "--force"),
+    },
+    "designs sketch": {
+        "--force": Shown("cli/test_sketches.py::test_a_sketch_replaces_a_file_only_by_force"),
+    },
     "designs pair": {
         "--first": Acts(f"{_PAIR} --second thinner.toml", "--first thinner.toml"),
         "--second": Acts(f"{_PAIR} --first {_MIKRON}", "--second thinner.toml"),

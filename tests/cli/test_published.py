@@ -54,8 +54,8 @@ def test_table_and_csv(capsys: pytest.CaptureFixture[str]) -> None:
     """The table has a row for each quantity of each target, the CSV a row for each target."""
     assert main(COMMAND) == 0
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert ["bending", CASTING, "16200", "kN/mm", "71.4", "81.4", "-10.0"] in lines
-    assert ["safety", "fkm", "(FEMFAT)", SECOND, "1.107", "-", "104.1", "-"] in lines
+    assert ["bending", CASTING, "81.4", "-10.0"] in lines
+    assert ["safety", "fkm", "(FEMFAT)", SECOND, "104.1", "-"] in lines
     assert main([*COMMAND, "--format", "csv"]) == 0
     _, casting, _ = csv.DictReader(io.StringIO(capsys.readouterr().out))
     assert float(casting["bending_published_percent"]) == pytest.approx(100 * 16.2 / 19.9)
@@ -98,6 +98,7 @@ def test_every_method_is_assessed(
     class Assessed:
         def __init__(self, method: str) -> None:
             self.method = method
+            self.targets, self.baseline = [resolve_target(BASE)], 0
 
         def compared(self) -> FatigueComparison:
             result = FatigueResult(

@@ -63,3 +63,12 @@ def test_the_web_is_as_thick_as_on_the_sketch_of_the_throw() -> None:
 def test_every_part_is_named_in_the_template() -> None:
     named = set(re.findall(r"# Sketch: cranktopo designs sketch (\w+) ", template("mine")))
     assert named == set(PARTS) == set(SKETCHES.values())
+
+
+def test_a_sketch_replaces_a_file_only_by_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bevel.svg"
+    path.write_text("mine", encoding="utf-8")
+    assert main(["designs", "sketch", "bevel", str(path)]) == 2
+    assert path.read_text(encoding="utf-8") == "mine"
+    assert main(["designs", "sketch", "bevel", str(path), "--force"]) == 0
+    assert "<svg" in path.read_text(encoding="utf-8")

@@ -83,6 +83,11 @@ def _samples(plan: SweepPlan) -> Sequence[Sequence[float]]:
     return cast("list[list[float]]", drawn.tolist())
 
 
+def _told(scene: Scene) -> dict[str, Any]:
+    """Return what of a scene decides its results: no words on where the material's values come from."""
+    return scene.model_dump(mode="json", exclude_defaults=True, exclude={"material": {"source"}})
+
+
 def _point(
     plan: SweepPlan,
     design: str,
@@ -99,7 +104,7 @@ def _point(
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
     # without what is as by default, so that keys that a later version adds leave the hash as it is
-    told = tables if scene is None else scene.model_dump(mode="json", exclude_defaults=True)
+    told = tables if scene is None else _told(scene)
     sha256 = settings_hash(told, known)
     return SweepPoint(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
 
