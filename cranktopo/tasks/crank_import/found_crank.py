@@ -148,8 +148,7 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
     lines = _lines([face for face in faces.cylinders if face.outward and face.full])
     direction = _direction(lines, name)
     lines = [line for line in lines if parallel(line[0].axis, direction)]
-    axis, assumed = _axis(lines, direction, name)
-    main_line = axis
+    main_line, assumed = _axis(lines, direction, name)
     origin = main_line[0].point_mm - (main_line[0].point_mm @ direction) * direction
     found = _Finder(faces, origin, direction)
     pins = found.pins([line for line in lines if line is not main_line], main_line, name)
@@ -158,7 +157,7 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
     if not halves:
         raise _no_crank(name, "no crankpin lies next to a main journal")
     return FoundCrank(
-        origin, direction, journals, pins, halves, tuple(assumed + told), tuple(unread + found.missing(pins))
+        origin, direction, journals, pins, halves, tuple(assumed + told), tuple(unread + found.spare)
     )
 
 
@@ -229,7 +228,10 @@ def _extent(line: Sequence[CylinderFace], direction: Array) -> tuple[float, floa
 
 
 class _Finder:
-    """Journals of a body along a known axis; places are measured along it from the origin."""
+    """Journals of a body along a known axis; places are measured along it from the origin.
+
+    `spare` tells, in words, cylinders off the axis that are no crankpins.
+    """
 
     def __init__(self, faces: Faces, origin: Array, axis: Array) -> None:
         self.origin, self.axis = origin, axis
@@ -288,10 +290,6 @@ class _Finder:
                 if face is not chosen
             ]
         return tuple(journals), unread
-
-    def missing(self, pins: Sequence[FoundJournal]) -> list[str]:
-        """Return cylinders off the axis that are no crankpins."""
-        return self.spare
 
     def _long(self, face: CylinderFace) -> bool:
         return face.span_mm[1] - face.span_mm[0] > _SHORTEST * face.radius_mm
