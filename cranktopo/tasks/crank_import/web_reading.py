@@ -244,6 +244,9 @@ def _counterweights(body: HalfBody, throw: Mapping[str, Any]) -> Iterator[dict[s
         and _mid_y(c) <= 0
         and c.radius_mm > throw["main_journal"]["outer_diameter_mm"] / 2
     ]
+    sides = [p for p in body.faces.planes if _vertical(p) and p.normal[0] > 0.3]
+    ends = {float(side.normal @ side.point_mm) for side in sides}  # radii of round ends that sides touch
+    rims = [c for c in rims if all(abs(c.radius_mm - end) > 1e-6 * end for end in ends)]
     if not rims:
         return
     rim = max(rims, key=lambda c: c.radius_mm)
