@@ -6,7 +6,7 @@ import csv
 import json
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pandas as pd
 import pytest
@@ -17,6 +17,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.compare.stage import with_picks
+from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.run import SweptRun
 from tests import sweep_cases
 from tests.packed_scenes import small_web
@@ -172,7 +173,7 @@ def test_a_sweep_without_a_possible_point_fails(
 ) -> None:
     """Webs that turn out to be impossible when they are computed, not when the plan is read."""
     swept_points = SimpleNamespace(points=[SimpleNamespace(status="impossible", reason="no web.")])
-    done = SweptRun(tmp_path, swept_points)  # type: ignore[arg-type]
+    done = SweptRun(tmp_path, cast(SweepResult, swept_points))
     monkeypatch.setattr("cranktopo.tasks.sweep.run.run_sweep", lambda *_: done)
     monkeypatch.setattr("cranktopo.tasks.sweep.text.sweep_summary", lambda *_: "1 points")
     assert main(["sweep", "mikron-iiic-plain", "--vary", f"{WIDTH}=50,51"]) == ExitCode.INVALID_INPUT

@@ -18,7 +18,7 @@ from unittest.mock import patch
 
 import pytest
 
-from cranktopo import sweep
+from cranktopo import shape_settings, sweep
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
@@ -80,7 +80,7 @@ def made(kind: str, folder: Path) -> Files:
         sweep(DESIGN, {"web.width_mm": [50, 52, 3]}, out=run, function=sweep_cases.empty, workers=1)
     else:
         goal = with_goal(scene, minimise="mass")
-        ShapeStandIn().design(goal, None, run, "", ["cranktopo", "shape"], None)  # type: ignore[arg-type]
+        ShapeStandIn().design(goal, shape_settings(goal), run, "", ["cranktopo", "shape"], None)
     skipped = (".lock", ".html", ".png", ".vtu", ".parquet")
     found = [file for file in run.rglob("*") if file.is_file() and not file.name.endswith(skipped)]
     return {str(file.relative_to(folder)): file.read_bytes() for file in found}
