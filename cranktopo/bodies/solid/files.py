@@ -15,7 +15,7 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.bodies.solid.step import StepLabel, label_step
+from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
     DimTags,
@@ -156,6 +156,14 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> 
         _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
         vertices, faces = triangles(gmsh)
     return SurfaceMesh(vertices, faces)
+
+
+def kernel_surface_of(scene: Scene, part: SolidPart) -> SurfaceMesh:
+    """Return the CAD kernel's own triangles of a part: fewer and nearer to it than facets of one size."""
+    with cad_session(f"{part} of {scene.name}") as gmsh:
+        _add(gmsh.model.occ, scene, part)
+        gmsh.model.occ.synchronize()
+        return kernel_surface(gmsh)
 
 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:

@@ -7,15 +7,14 @@ encoding); the schema stays as OCC writes it, AP214 (automotive_design).
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
 from cranktopo.base.child import in_child, tell_read
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 
+_R = TypeVar("_R")
 _TEXT = r"'(?:[^']|'')*'"
 _HEADER = re.compile(r"(?s)\AISO-10303-21;\s*HEADER;.*?(FILE_SCHEMA\s*\(.*?\);)\s*ENDSEC;")
 _SYSTEM = re.compile(rf"FILE_NAME\s*\((?:[^;']|{_TEXT})*?({_TEXT})\s*,\s*{_TEXT}\s*,\s*{_TEXT}\s*\);")
@@ -98,8 +98,7 @@ def step_surface(path: Path, name: str) -> SurfaceMesh:
 
     Raises CranktopoError: it cannot be read, does not hold exactly one solid, or its faces do not close.
     """
-    check_step(path, name)
-    return in_child(name, _step_surface, path, name)
+    return by_kernel(name, _step_surface, path, name)
 
 
 def _step_surface(path: Path, name: str) -> SurfaceMesh:
@@ -116,17 +115,18 @@ def _step_surface(path: Path, name: str) -> SurfaceMesh:
 
 
 def kernel_surface(gmsh: Any) -> SurfaceMesh:
-    """Return the kernel's own triangles of the open session's body, joined; it stays unmeshed."""
-    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+    """Return the kernel's own triangles of the open session's body, joined; it stays unmeshed.
+
+    The kernel triangulates face by face, and ends two faces of one edge up to that edge's tolerance apart.
+    """
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh, welded
 
     for option, value in _TRIANGULATION.items():
         gmsh.option.setNumber(f"Mesh.{option}", value)
     gmsh.model.mesh.importStl()
     points, faces = triangles(gmsh)
     gmsh.model.mesh.clear()
-    vertices, number = _welded(points)
-    faces = number[faces]
-    return _sound(SurfaceMesh(vertices, faces[~(faces == np.roll(faces, 1, axis=1)).any(axis=1)]))
+    return _sound(welded(SurfaceMesh(points, faces), _WELD_MM))
 
 
 def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
@@ -147,23 +147,17 @@ def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
     return SurfaceMesh(np.asarray(body.vertices, float), np.asarray(body.faces, np.int64))
 
 
-def _welded(points: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Return points with those of one edge joined, and the new number of each.
+def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:
+    """Return what a function makes of a STEP file in a process of its own: a damaged file may end it.
 
-    The kernel triangulates face by face, and ends two faces of one edge up to that edge's tolerance apart.
+    Raises:
+        CranktopoError: as the function, no STEP file, or one that the kernel does not survive.
     """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(points).query_pairs(_WELD_MM, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
-    number = connected_components(links, directed=False)[1].astype(np.int64)
-    _, first = np.unique(number, return_index=True)
-    return points[first], number
+    _check_step(path, name)
+    return in_child(name, function, path, *arguments)
 
 
-def check_step(path: Path, name: str) -> None:
+def _check_step(path: Path, name: str) -> None:
     """Check that a file can be one of STEP, before the reader is asked; raises CranktopoError."""
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
     with path.open("rb") as file:

@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, write_bytes
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.notes import note
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, connected
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, welded, without_doubles
 
 _METRES_PER_MM = 1e-3
 _FARTHEST_MM = 1e6
@@ -72,29 +72,13 @@ def read_stl(path: Path, name: str = "") -> SurfaceMesh:
 
 def _welded(surface: SurfaceMesh, name: str) -> SurfaceMesh:
     """Return a surface with vertices joined that rounding alone keeps apart, where that closes it."""
-    from scipy.spatial import cKDTree
-
-    vertices = surface.vertices_mm
-    apart = _WELD * float(np.ptp(vertices, axis=0).max(initial=0.0))
-    pairs = cKDTree(vertices).query_pairs(apart, output_type="ndarray")
-    if not len(pairs):
+    apart = _WELD * float(np.ptp(surface.vertices_mm, axis=0).max(initial=0.0))
+    joined = welded(surface, apart)
+    fewer = len(surface.vertices_mm) - len(joined.vertices_mm)
+    if not fewer or not joined.as_trimesh().is_watertight:
         return surface
-    groups = connected(len(vertices), pairs)
-    first = np.unique(groups, return_index=True)[1]
-    joined = _without_doubles(SurfaceMesh(vertices[first], groups[surface.faces].astype(np.int64)))
-    if not joined.as_trimesh().is_watertight:
-        return surface
-    note(
-        f"{name}: {len(vertices) - len(first)} vertices within {apart:.2g} mm of others are joined with them."
-    )
+    note(f"{name}: {fewer} vertices within {apart:.2g} mm of others are joined with them.")
     return joined
-
-
-def _without_doubles(surface: SurfaceMesh) -> SurfaceMesh:
-    """Return a surface without triangles that have a vertex twice: no area, and nothing to close."""
-    a, b, c = surface.faces.T
-    whole = (a != b) & (b != c) & (c != a)
-    return surface if whole.all() else SurfaceMesh(surface.vertices_mm, surface.faces[whole])
 
 
 def as_stored(mesh: SurfaceMesh) -> SurfaceMesh:
@@ -106,7 +90,7 @@ def _of_stl(file: BinaryIO) -> SurfaceMesh:
     import trimesh
 
     mesh = trimesh.load_mesh(file, file_type="stl")
-    return _without_doubles(
+    return without_doubles(
         SurfaceMesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64))
     )
 

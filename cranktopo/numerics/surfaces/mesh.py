@@ -128,6 +128,23 @@ def connected(nodes: int, links: NDArray[np.int64]) -> _Labels:
     return labels
 
 
+def welded(mesh: SurfaceMesh, within_mm: float) -> SurfaceMesh:
+    """Return a mesh with vertices joined that lie within a distance, without triangles that lose a corner."""
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(mesh.vertices_mm).query_pairs(within_mm, output_type="ndarray")
+    number = connected(len(mesh.vertices_mm), pairs).astype(np.int64)
+    first = np.unique(number, return_index=True)[1]
+    return without_doubles(SurfaceMesh(mesh.vertices_mm[first], number[mesh.faces]))
+
+
+def without_doubles(mesh: SurfaceMesh) -> SurfaceMesh:
+    """Return a mesh without triangles that have a vertex twice: no area, and nothing to close."""
+    a, b, c = mesh.faces.T
+    whole = (a != b) & (b != c) & (c != a)
+    return mesh if whole.all() else SurfaceMesh(mesh.vertices_mm, mesh.faces[whole])
+
+
 def _shell_of_face(mesh: SurfaceMesh) -> _Labels:
     return connected(len(mesh.faces), mesh.as_trimesh().face_adjacency)
 

@@ -5,6 +5,6 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 EndJournals = Literal["auto", "whole", "cut"]
-"""What the outermost main journals of a body are: whole, or cut in their middle where a throw repeats."""
+"""State of the outermost main journals of a body: whole, or cut in the middle where a throw repeats."""
 END_JOURNALS: tuple[str, ...] = get_args(EndJournals)
 DEFAULT_MATERIAL = "42CrMo4"

@@ -15,6 +15,12 @@ _SAME = 1e-6
 """Share of a radius in which two faces count as one: what CAD systems keep of a dimension in a file."""
 _PARALLEL = 1e-7
 """Largest sine between directions that count as one."""
+FLAT = 1e-6
+"""Largest part of a direction across that counts as none, in the frame of a throw."""
+DIGITS = 9
+"""Decimals of a dimension that is taken from exact faces."""
+_SIDEWARD = 0.3
+"""Least part across the throw of the normal of a plane side."""
 _FULL_TURN = 2 * math.pi * (1 - 1e-6)
 
 
@@ -42,6 +48,11 @@ class CylinderFace:
         return self.turn_rad >= _FULL_TURN
 
     @property
+    def upright(self) -> bool:
+        """True if it lies along z."""
+        return bool(abs(self.axis[2]) > 1 - FLAT)
+
+    @property
     def area_mm2(self) -> float:
         """Area of the whole strip that it spans."""
         return self.radius_mm * self.turn_rad * (self.span_mm[1] - self.span_mm[0])
@@ -54,6 +65,11 @@ class PlaneFace:
     normal: Array
     point_mm: Array
     area_mm2: float
+
+    @property
+    def upright(self) -> bool:
+        """True if it lies along z."""
+        return bool(abs(self.normal[2]) < FLAT)
 
 
 @dataclass(frozen=True)
@@ -75,14 +91,20 @@ class Faces:
     tori: tuple[TorusFace, ...]
     others: tuple[str, ...]
 
+    @property
+    def sides(self) -> list[PlaneFace]:
+        """Plane sides of a web at x > 0, in the frame of a throw, the largest first."""
+        sides = [plane for plane in self.planes if plane.upright and plane.normal[0] > _SIDEWARD]
+        return sorted(sides, key=lambda plane: -plane.area_mm2)
 
-def exact_faces(gmsh: Any) -> Faces:
-    """Return the faces of the open session's body."""
+
+def exact_faces(gmsh: Any, tags: Sequence[int] | None = None) -> Faces:
+    """Return faces of the open session by their tags; by default all."""
     cylinders: list[CylinderFace] = []
     planes: list[PlaneFace] = []
     tori: list[TorusFace] = []
     others: list[str] = []
-    for _, tag in gmsh.model.getEntities(2):
+    for tag in [tag for _, tag in gmsh.model.getEntities(2)] if tags is None else tags:
         kind = gmsh.model.getType(2, tag)
         reals = np.array(gmsh.model.getEntityProperties(2, tag)[1])
         if kind == "Cylinder":
@@ -161,3 +183,15 @@ def span_along(face: CylinderFace, origin_mm: Array, axis: Array) -> tuple[float
     sign = 1.0 if float(face.axis @ axis) > 0 else -1.0
     low, high = sorted(start + sign * end for end in face.span_mm)
     return low, high
+
+
+def lines_of(shafts: Sequence[CylinderFace]) -> list[list[CylinderFace]]:
+    """Return cylinders by the line that they lie on."""
+    lines: list[list[CylinderFace]] = []
+    for face in shafts:
+        own = next((line for line in lines if same_axis(line[0], face)), None)
+        if own is None:
+            lines.append([face])
+        else:
+            own.append(face)
+    return lines

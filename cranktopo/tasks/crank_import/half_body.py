@@ -12,12 +12,12 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.step import kernel_surface
-from cranktopo.bodies.solid.throw import SolidProperties, solid_properties
+from cranktopo.bodies.solid.throw import DimTags, SolidProperties, solid_properties
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.faces import Faces, exact_faces
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
-from cranktopo.tasks.crank_import.solids import chosen_solid
-from cranktopo.tasks.importing.motion import moved_rigidly
+from cranktopo.tasks.crank_import.solids import read_crank
+from cranktopo.tasks.importing.cad_body import between_planes, moved_rigidly
 
 if TYPE_CHECKING:
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
@@ -46,7 +46,7 @@ class HalfBody:
 def distinct_halves(path: Path, crank: FoundCrank, solid: str | None, folder: Path) -> tuple[HalfBody, ...]:
     """Return each distinct half throw once, those of most webs first, and write it as `half-N.step`."""
     with cad_session(f"halves of {path}") as gmsh:
-        body = [chosen_solid(gmsh, path, solid)]
+        body = [read_crank(gmsh, path, solid)[0].entity]
         found = [_measure(gmsh, body, crank, half) for half in crank.halves]
     groups: list[list[int]] = []
     for index, (half, measured) in enumerate(zip(crank.halves, found, strict=True)):
@@ -73,15 +73,13 @@ def frame_of(crank: FoundCrank, half: FoundHalf) -> tuple[Array, Array]:
     return matrix, -matrix @ origin
 
 
-def _cut(gmsh: Any, body: list[tuple[int, int]], crank: FoundCrank, half: FoundHalf) -> list[tuple[int, int]]:
+def _cut(gmsh: Any, body: DimTags, crank: FoundCrank, half: FoundHalf) -> DimTags:
     occ = gmsh.model.occ
     own = occ.copy(body)
     moved_rigidly(occ, own, *frame_of(crank, half))
-    length = abs(half.pin_plane_mm - half.main_plane_mm)
     x0, y0, _, x1, y1, _ = occ.getBoundingBox(*own[0])
-    size = 2 * max(abs(v) for v in (x0, y0, x1, y1))
-    box = occ.addBox(-size, -size, 0.0, 2 * size, 2 * size, length)
-    cut = list(occ.intersect(own, [(3, box)])[0])
+    reach = 2 * max(abs(v) for v in (x0, y0, x1, y1))
+    cut = between_planes(occ, own, 0.0, abs(half.pin_plane_mm - half.main_plane_mm), reach)
     if len(cut) != 1:
         raise CranktopoError(
             f"throw {half.throw}: {len(cut)} bodies between the middles of its journals, not one.",
@@ -90,7 +88,7 @@ def _cut(gmsh: Any, body: list[tuple[int, int]], crank: FoundCrank, half: FoundH
     return cut
 
 
-def _measure(gmsh: Any, body: list[tuple[int, int]], crank: FoundCrank, half: FoundHalf) -> Array:
+def _measure(gmsh: Any, body: DimTags, crank: FoundCrank, half: FoundHalf) -> Array:
     """Return volume, centre of mass, moments and products of inertia of a half, lengths over its size."""
     occ = gmsh.model.occ
     cut = _cut(gmsh, body, crank, half)
@@ -127,7 +125,7 @@ def _written(
     """Write one half alone, and return it as its file has it."""
     with cad_session(f"half of {path}") as gmsh:
         occ = gmsh.model.occ
-        body = [chosen_solid(gmsh, path, solid)]
+        body = [read_crank(gmsh, path, solid)[0].entity]
         cut = _cut(gmsh, body, crank, halves[0])
         occ.remove([pair for pair in occ.getEntities(3) if pair != cut[0]], recursive=True)
         occ.synchronize()

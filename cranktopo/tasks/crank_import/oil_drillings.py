@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.crank_import.faces import CylinderFace, from_line_mm, parallel
+from cranktopo.tasks.crank_import.faces import CylinderFace, same_axis, span_along
 from cranktopo.tasks.crank_import.half_body import HalfBody
 
 _DIGITS = 6
@@ -24,24 +24,18 @@ _LARGEST = 0.4
 """Diameter of a drilling over the pin's."""
 
 
-def read_drillings(body: HalfBody, scene: Scene) -> Iterator[tuple[tuple[str, str], dict[str, Any]]]:
-    """Yield drillings that straight bores across the journals show, each once."""
+def read_drillings(body: HalfBody, scene: Scene) -> Iterator[dict[str, Any]]:
+    """Yield tables of the drillings that straight bores across the journals show, each once."""
     seen: list[CylinderFace] = []
     for face in body.faces.cylinders:
-        if face.outward or abs(float(face.axis[2])) > 1 - 1e-6:
-            continue
-        if 2 * face.radius_mm > _LARGEST * scene.throw.crankpin.outer_diameter_mm or any(
-            parallel(face.axis, other.axis)
-            and from_line_mm(face.point_mm, other.point_mm, other.axis) < 1e-4 * face.radius_mm
-            for other in seen
-        ):
+        wide = 2 * face.radius_mm > _LARGEST * scene.throw.crankpin.outer_diameter_mm
+        if face.outward or face.upright or wide or any(same_axis(face, other) for other in seen):
             continue
         seen.append(face)
         ends = [_end(face, scene, span) for span in _span(body, face)]
         if all(ends):
             first, second = ends
-            table = {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
-            yield ("throw", "drilling"), table
+            yield {"diameter_mm": round(2 * face.radius_mm, _DIGITS), "from": first, "to": second}
 
 
 def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
@@ -69,17 +63,12 @@ def with_outlet_radius(body: HalfBody, scene: Scene) -> Scene | None:
 
 def _span(body: HalfBody, face: CylinderFace) -> tuple[float, float]:
     """Return the ends of all faces on the line of a drilling, along the first."""
-    along = [face.span_mm]
-    for other in body.faces.cylinders:
-        if (
-            not other.outward
-            and parallel(face.axis, other.axis)
-            and (from_line_mm(other.point_mm, face.point_mm, face.axis) < 1e-4 * face.radius_mm)
-        ):
-            start = float((other.point_mm - face.point_mm) @ face.axis)
-            sign = 1.0 if float(other.axis @ face.axis) > 0 else -1.0
-            along.append((start + sign * other.span_mm[0], start + sign * other.span_mm[1]))
-    return min(min(pair) for pair in along), max(max(pair) for pair in along)
+    spans = [
+        span_along(other, face.point_mm, face.axis)
+        for other in body.faces.cylinders
+        if not other.outward and same_axis(face, other)
+    ]
+    return min(low for low, _ in spans), max(high for _, high in spans)
 
 
 def _end(face: CylinderFace, scene: Scene, at: float) -> dict[str, Any] | None:

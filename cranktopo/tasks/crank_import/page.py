@@ -13,7 +13,7 @@ from cranktopo.report.page import Fact, Page, Section, pairs
 from cranktopo.report.plot import Picture, plain
 from cranktopo.tasks.crank_import import text
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
-from cranktopo.tasks.crank_import.web_reading import ImportedWeb, shown_half
+from cranktopo.tasks.crank_import.web_reading import ImportedWeb
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -125,11 +125,9 @@ def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:
     """Draw front and side silhouettes of body and design over each other."""
     from matplotlib.figure import Figure
 
-    from cranktopo.numerics.surfaces.mesh import solid_of
-
     figure = Figure(figsize=(9.2, 4.6), layout="constrained")
     front, side = figure.subplots(1, 2)
-    for solid, filled in ((solid_of(web.body.shown), True), (shown_half(web.read.scene), False)):
+    for solid, filled in ((web.read.solid, True), (web.read.shown, False)):
         _draw(front, solid, filled)
         _draw(side, solid.rotate((0.0, 90.0, 0.0)), filled)
     front.set_title("Along the crank", fontsize=10)

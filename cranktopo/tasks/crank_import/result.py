@@ -1,4 +1,4 @@
-"""What `cranktopo import` found of a crank, which is what it prints with `--json`."""
+"""Crank that `cranktopo import` found, as it prints it with `--json`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class ImportedSolid(Result):
     volume_mm3: float
     """Its volume."""
     looks_like_a_crank: bool
-    """Full cylinders lie on two or more parallel axes."""
+    """Cylinders lie on two or more parallel axes."""
 
 
 class ImportedThrow(Result):
@@ -76,7 +76,7 @@ class ImportedHalf(Result):
     dimensions_mm: dict[str, float]
     """Dimensions of journals, fillets and web by their keys in the design; angles in deg."""
     unread: tuple[str, ...]
-    """What the design does not say of this half throw."""
+    """Parts of this half throw that the design does not say, in words."""
 
 
 class CrankImport(Result):
@@ -103,8 +103,8 @@ class CrankImport(Result):
     material: str
     """Material of the design: CAD does not tell it."""
     assumed: tuple[str, ...]
-    """What the faces leave open and was assumed, in words."""
+    """Assumptions where the faces leave something open, in words."""
     unread: tuple[str, ...]
-    """What was seen on the crank and is in no design."""
+    """Parts of the crank that are in no design, in words."""
     page: str
     """Page with body and design over each other."""

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cranktopo.base.child import tell_read
 from cranktopo.base.errors import CranktopoError, suggest
 from cranktopo.bodies.solid.step import step_solids
+from cranktopo.tasks.crank_import.faces import exact_faces, lines_of, parallel
 
 _LISTED = 20
 
@@ -25,8 +24,13 @@ class FoundSolid:
     volume_mm3: float
     looks_like_a_crank: bool
 
+    @property
+    def entity(self) -> tuple[int, int]:
+        """Dimension and tag in the session that read it."""
+        return 3, self.tag
 
-def solids_of(gmsh: Any, path: Path) -> tuple[FoundSolid, ...]:
+
+def _solids(gmsh: Any, path: Path) -> tuple[FoundSolid, ...]:
     """Read a STEP file into the open session; return its solids."""
     gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
     solids = step_solids(gmsh, path, f"'{path}'")
@@ -37,42 +41,35 @@ def solids_of(gmsh: Any, path: Path) -> tuple[FoundSolid, ...]:
         name = gmsh.model.getEntityName(dim, tag).rsplit("/", 1)[-1] or f"solid {len(found) + 1}"
         found.append(
             FoundSolid(
-                tag, name, (x, y, z), float(gmsh.model.occ.getMass(dim, tag)), _full_axes(gmsh, tag) >= 2
+                tag, name, (x, y, z), float(gmsh.model.occ.getMass(dim, tag)), _parallel_axes(gmsh, tag) >= 2
             )
         )
     return tuple(found)
 
 
-def _full_axes(gmsh: Any, tag: int) -> int:
-    """Return on how many lines full cylinders of one direction lie: two or more on a crank."""
-    faces = gmsh.model.getBoundary([(3, tag)], oriented=False)
-    lines: list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]] = []
-    for _, face in faces:
-        if gmsh.model.getType(2, face) != "Cylinder":
-            continue
-        reals = np.array(gmsh.model.getEntityProperties(2, face)[1])
-        point, axis, radius = reals[:3], reals[3:6], reals[6]
-        if not any(float(np.linalg.norm(np.cross(point - p, a))) < 1e-3 * radius for p, a in lines):
-            lines.append((point, axis))
-    return max(
-        (sum(float(np.linalg.norm(np.cross(a, b))) < 1e-6 for _, b in lines) for _, a in lines), default=0
-    )
+def _parallel_axes(gmsh: Any, tag: int) -> int:
+    """Return on how many lines cylinders of one direction lie: two or more on a crank."""
+    faces = [face for _, face in gmsh.model.getBoundary([(3, tag)], oriented=False)]
+    lines = lines_of(exact_faces(gmsh, faces).cylinders)
+    return max((sum(parallel(one[0].axis, other[0].axis) for other in lines) for one in lines), default=0)
 
 
-def chosen_solid(gmsh: Any, path: Path, name: str | None) -> tuple[int, int]:
-    """Read a STEP file, and return its crank: the named solid, the only one, or the only one that looks so.
+def read_crank(gmsh: Any, path: Path, name: str | None) -> tuple[FoundSolid, tuple[FoundSolid, ...]]:
+    """Read a STEP file; return its crank, which alone is left in the session, and all its solids.
+
+    The crank is the named solid, the only one, or the only one that looks so.
 
     Raises:
         CranktopoError: no solid, none or several of that name, or several that look like a crank.
     """
-    found = solids_of(gmsh, path)
+    found = _solids(gmsh, path)
     tell_read()
     own = _chosen(found, path, name)
-    rest = [(3, solid.tag) for solid in found if solid is not own]
+    rest = [solid.entity for solid in found if solid is not own]
     if rest:
         gmsh.model.occ.remove(rest, recursive=True)
     gmsh.model.occ.synchronize()
-    return 3, own.tag
+    return own, found
 
 
 def _chosen(found: tuple[FoundSolid, ...], path: Path, name: str | None) -> FoundSolid:

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.bodies.solid.step import STEP_SUFFIXES, check_step
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_name
@@ -20,9 +19,10 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals
+from cranktopo.tasks.crank_import.crank_finder import find_crank
 from cranktopo.tasks.crank_import.design_text import design_text
-from cranktopo.tasks.crank_import.faces import exact_faces, from_line_mm, parallel
-from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, find_crank
+from cranktopo.tasks.crank_import.faces import DIGITS, exact_faces, from_line_mm, parallel
+from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
 from cranktopo.tasks.crank_import.half_body import HalfBody, distinct_halves
 from cranktopo.tasks.crank_import.result import (
     CrankImport,
@@ -31,10 +31,9 @@ from cranktopo.tasks.crank_import.result import (
     ImportedSolid,
     ImportedThrow,
 )
-from cranktopo.tasks.crank_import.solids import FoundSolid, chosen_solid, solids_of
+from cranktopo.tasks.crank_import.solids import FoundSolid, read_crank
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb, read_web
 
-_DIGITS = 9
 _TANGENT = 1e-5
 """Allowed distance of a fillet from the journal's cylinder, over its radius."""
 
@@ -72,10 +71,9 @@ def import_crank(
             f"output '{folder}': is not empty.", hint="Choose another --out.", code=ExitCode.USAGE
         )
     note(f"{path}: reading, finding axes and journals")
-    check_step(path, f"'{path}'")
-    solids, taken, crank = in_child(f"'{path}'", _recognised, path, solid, ends)
+    solids, taken, crank = by_kernel(f"'{path}'", _recognised, path, solid, ends)
     note(f"{path}: {crank_words(crank)}")
-    bodies = in_child(f"'{path}'", distinct_halves, path, crank, solid, folder)
+    bodies = by_kernel(f"'{path}'", distinct_halves, path, crank, solid, folder)
     webs = []
     for number, body in enumerate(bodies, 1):
         own = name if number == 1 else f"{name}-{number}"
@@ -97,10 +95,7 @@ def _recognised(
     path: Path, solid: str | None, ends: EndJournals
 ) -> tuple[tuple[FoundSolid, ...], FoundSolid, FoundCrank]:
     with cad_session(f"crank in {path}") as gmsh:
-        solids = solids_of(gmsh, path)
-    with cad_session(f"crank in {path}") as gmsh:
-        tag = chosen_solid(gmsh, path, solid)[1]
-        taken = next(one for one in solids if one.tag == tag)
+        taken, solids = read_crank(gmsh, path, solid)
         return solids, taken, find_crank(exact_faces(gmsh), f"'{path}'", ends)
 
 
@@ -113,7 +108,7 @@ def throw_table(body: HalfBody, crank: FoundCrank) -> dict[str, Any]:
     """Return the throw table of a half throw, with the fillets found on its faces."""
     half = body.half
     return {
-        "radius_mm": round(crank.throw_radius_mm(half.pin), _DIGITS),
+        "radius_mm": round(crank.throw_radius_mm(half.pin), DIGITS),
         "main_journal": _journal(body, half.main, half.main_length_mm, 0.0),
         "crankpin": _journal(body, half.pin, half.pin_length_mm, crank.throw_radius_mm(half.pin)),
     }
@@ -121,12 +116,12 @@ def throw_table(body: HalfBody, crank: FoundCrank) -> dict[str, Any]:
 
 def _journal(body: HalfBody, found: FoundJournal, length_mm: float, y_mm: float) -> dict[str, float]:
     table = {
-        "outer_diameter_mm": round(2 * found.radius_mm, _DIGITS),
-        "bore_diameter_mm": round(found.bore_mm, _DIGITS),
-        "length_mm": round(length_mm, _DIGITS),
+        "outer_diameter_mm": round(2 * found.radius_mm, DIGITS),
+        "bore_diameter_mm": round(found.bore_mm, DIGITS),
+        "length_mm": round(length_mm, DIGITS),
     }
     fillet = _fillet_mm(body, found, y_mm)
-    return table | ({"fillet_mm": round(fillet, _DIGITS)} if fillet else {})
+    return table | ({"fillet_mm": round(fillet, DIGITS)} if fillet else {})
 
 
 def _fillet_mm(body: HalfBody, journal: FoundJournal, y_mm: float) -> float:

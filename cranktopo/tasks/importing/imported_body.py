@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.files import half_surfaces, surface_of
-from cranktopo.bodies.solid.step import STEP_SUFFIXES, check_step, kernel_surface, step_solid
+from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel, kernel_surface, step_solid
 from cranktopo.bodies.solid.throw import DimTags, SolidProperties, solid_properties
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
@@ -25,19 +23,20 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import as_stored, read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, shell_volumes_mm3, solid_of
 from cranktopo.numerics.tetrahedra.mesh import TetMesh, tetrahedralise
+from cranktopo.tasks.importing.cad_body import between_planes, moved_rigidly
 from cranktopo.tasks.importing.found_fillets import with_found_fillets
-from cranktopo.tasks.importing.motion import moved_rigidly
 from cranktopo.tasks.importing.placement import Placement, placed, without_bores_left_out
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-_R = TypeVar("_R")
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 _UNIT_SHARE = 0.01
+_REACH = 20.0
+"""Way from the axis beyond which no body reaches, over the pitch."""
 _ROUNDING = 1e-6
 """How far single precision and the mesher may move an end section, over the pitch."""
 
@@ -53,13 +52,7 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
     """
     if path.suffix.lower() == ".stl":
         return _mesh_stl(path, scene, element_size_mm, align)
-    return _by_kernel(_mesh_step, path, scene, element_size_mm, align)
-
-
-def _by_kernel(function: Callable[..., _R], path: Path, *arguments: object) -> _R:
-    """Return what the CAD kernel makes of a STEP file, in a process of its own: a damaged file may end it."""
-    check_step(path, f"'{path}'")
-    return in_child(f"'{path}'", function, path, *arguments)
+    return by_kernel(f"'{path}'", _mesh_step, path, scene, element_size_mm, align)
 
 
 def _mesh_step(path: Path, scene: Scene, element_size_mm: float, align: bool) -> MeshedThrow:
@@ -77,7 +70,7 @@ def mesh_step_for_stress(
 
     The fraction is the element size in a fillet over its radius; a journal without one raises CranktopoError.
     """
-    return _by_kernel(_mesh_for_stress, path, scene, element_size_mm, fillet_fraction, align)
+    return by_kernel(f"'{path}'", _mesh_for_stress, path, scene, element_size_mm, fillet_fraction, align)
 
 
 def _mesh_for_stress(
@@ -94,7 +87,7 @@ def _mesh_for_stress(
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
     """Return the scene with the fillets of the half throw in a STEP file; raises as meshing it for stress."""
-    return _by_kernel(_fillets, path, scene, align)
+    return by_kernel(f"'{path}'", _fillets, path, scene, align)
 
 
 def _fillets(path: Path, scene: Scene, align: bool) -> Scene:
@@ -111,13 +104,13 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, S
     low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
     _check_unit(path, scene, low, high)
     if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
-        body = _between(occ, body, -1.0, scene.pitch_mm / 2, scene)
+        body = between_planes(occ, body, -1.0, scene.pitch_mm / 2, _REACH * scene.pitch_mm)
     occ.synchronize()
     surface = solid_of(kernel_surface(gmsh), str(path))
     motion, note = _placed(surface, scene, path, align)
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
-    web = _between(occ, occ.copy(body), *scene.web_z_mm, scene)
+    web = between_planes(occ, occ.copy(body), *scene.web_z_mm, _REACH * scene.pitch_mm)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
     return body, solid_properties(occ, body), web_volume, note
@@ -133,7 +126,7 @@ def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
 
 def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
     """Tell whether both sides of x = 0 have the same volume, centre of mass and moments of inertia."""
-    size = 20 * scene.pitch_mm
+    size = _REACH * scene.pitch_mm
     properties = []
     for start, sign in ((0.0, 1.0), (-size, -1.0)):
         box = occ.addBox(start, -size, -size, size, 2 * size, 2 * size)
@@ -149,12 +142,6 @@ def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
     right, left = (np.array(values) for values in properties)
     right[-1], left[-1] = right[-1] / left[-1], 1.0
     return bool(np.abs(right - left).max() < _ALIKE)
-
-
-def _between(occ: Any, body: DimTags, start: float, end: float, scene: Scene) -> DimTags:
-    size = 20 * scene.pitch_mm
-    box = occ.addBox(-size, -size, start, 2 * size, 2 * size, end - start)
-    return list(occ.intersect(body, [(3, box)])[0])
 
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
@@ -218,7 +205,7 @@ def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> Surface
     """Return the surface of the half throw in an STL or STEP file; raises as `mesh_file`."""
     if path.suffix.lower() not in STEP_SUFFIXES:
         return read_half_throw(path, scene, align)
-    return _by_kernel(_step_half_throw, path, scene, align)
+    return by_kernel(f"'{path}'", _step_half_throw, path, scene, align)
 
 
 def _step_half_throw(path: Path, scene: Scene, align: bool) -> SurfaceMesh:

@@ -20,7 +20,7 @@ from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
-from cranktopo.tasks.importing.motion import moved_rigidly
+from cranktopo.tasks.importing.cad_body import moved_rigidly
 from tests.random_engines import random_engine
 
 

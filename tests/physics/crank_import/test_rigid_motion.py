@@ -10,7 +10,7 @@ from cranktopo import load_scene
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import step_solid
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.importing.motion import moved_rigidly
+from cranktopo.tasks.importing.cad_body import moved_rigidly
 
 
 def test_fifty_attitudes(tmp_path: Path) -> None:
