@@ -23,7 +23,7 @@ from cranktopo.base.notes import note, redirected
 
 _R = TypeVar("_R")
 _READING_S, _WORKING_S = 60.0, 1200.0
-"""How long a file may take to be read, and the work with it after that."""
+"""Seconds that a file may take to be read, and that the work with it may take after that."""
 _TELL_S = 25.0
 _READ = b"r"
 _START = "from cranktopo.base.child import serve; serve()"

@@ -1,4 +1,4 @@
-"""What is printed elsewhere about a design and its variants; shown beside computed values as ratios only."""
+"""Values printed elsewhere for a design and its variants; shown beside computed ones as ratios only."""
 
 from __future__ import annotations
 
@@ -46,5 +46,5 @@ class Published(PublishedValues):
     """Values printed for this design elsewhere, to be shown beside the computed ones as ratios only."""
 
     source: str = Field(examples=["author, title, year"])
-    """Where the values are printed."""
+    """Author, title and year of the print."""
     variant: tuple[PublishedVariant, ...] = Field(default=(), max_length=32)

@@ -1,4 +1,4 @@
-"""What a cycle gives: mean pressure, power, the piston's motion, and what is implausible in it."""
+"""Mean pressure, power and the piston's motion over a cycle, and signs of a pressure that cannot be."""
 
 from __future__ import annotations
 

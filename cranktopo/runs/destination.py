@@ -28,6 +28,7 @@ def locked(folder: Path) -> Iterator[None]:
         yield
         return
     try:
+        # closed by the `with` below: here only errors of opening are those of a file that cannot be written
         file = open(folder / LOCK, "a+", encoding="ascii", opener=no_link)  # noqa: SIM115
     except OSError as error:
         raise unwritable(folder / LOCK, error) from None

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 @dataclass(frozen=True)
 class Workshop:
-    """What a process asks of pockets and bevels; by default nothing.
+    """Demands of a process on pockets and bevels; by default none.
 
     Attributes:
         opens: which way pockets may open: from web faces, from the sides, or both.

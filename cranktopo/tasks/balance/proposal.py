@@ -30,7 +30,7 @@ class ProposedCounterweight(Result):
     balance_factor_percent: float
     """Share that the throw balances with it."""
     refused: str | None
-    """Why the scene has no place for it; null where it fits."""
+    """Reason for which the scene has no place for it; null where it fits."""
 
 
 def with_share(scene: Scene, percent: float) -> Scene:

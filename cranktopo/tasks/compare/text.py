@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cranktopo.base.units import stem_and_unit
 from cranktopo.design.published import PublishedValues
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
-from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult
+from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult, safety_by
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     COMPARED,
@@ -113,7 +113,7 @@ def _beside_published(comparison: Comparison) -> list[_Published]:
 
 def _ours(comparison: Comparison, row: int) -> dict[str, float]:
     named = {quantity.key: quantity for quantity in COMPARED}
-    named |= {_safety_key(method): quantity for method, quantity in comparison.safeties.items()}
+    named |= {safety_by(method).key: quantity for method, quantity in comparison.safeties.items()}
     return {key: comparison.percent(row, q) for key, q in named.items() if row in comparison.having(q)}
 
 
@@ -122,7 +122,7 @@ def _published_table(comparison: Comparison) -> ResultTable | None:
     base, found = comparison.base.published, _beside_published(comparison)
     if base is None or not found:
         return None
-    methods = {_safety_key(one.method): f"{one.method} {one.printed_as}" for one in base.fatigue}
+    methods = {safety_by(one.method).key: f"{one.method} {one.printed_as}" for one in base.fatigue}
     rows = []
     for key in found[0].reference:
         quantity = next((q for q in COMPARED if q.key == key), SAFETY)
@@ -184,15 +184,11 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
     )
 
 
-def _safety_key(method: str) -> str:
-    return f"{SAFETY.key}_{method}"
-
-
 def _printed_values(printed: PublishedValues | None) -> dict[str, float]:
     """Return what is printed, by key, in the units of the tables."""
     if printed is None:
         return {}
     mass, bending = printed.mass_kg, printed.bending_stiffness_kN_per_mm or 0.0
     stiffness = throw_values(mass, 1e3 * printed.torsional_stiffness_kNm_per_rad, 1e3 * bending)
-    safeties = {_safety_key(one.method): one.safety for one in printed.fatigue}
+    safeties = {safety_by(one.method).key: one.safety for one in printed.fatigue}
     return {key: value for key, value in stiffness.items() if value} | safeties

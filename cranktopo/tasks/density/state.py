@@ -143,7 +143,7 @@ def to_checkpoint(state: State) -> tuple[dict[str, Array], dict[str, Any]]:
 
 @dataclass(frozen=True)
 class _Plain:
-    """What the plain data of a checkpoint must be."""
+    """Plain data of a sound checkpoint."""
 
     history: tuple[Record, ...]
     beta: float

@@ -164,15 +164,14 @@ def new_command(
     check_file(file, "file", (".toml",), replace=force)
     title = name or design_name(file)
     if layout is None and cylinders is None and bore_mm is None and stroke_mm is None:
-        text, proposed = template(title), None
+        text = template(title)
     else:
         layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
         text = template(title, starting_values(layout, count, size, stroke_mm or size), _ORIGIN)
-        proposed = arrangement_line(parse_scene(text, str(file)))
-    parse_scene(text, str(file))
+    scene = parse_scene(text, str(file))
     write_text(file, text)
-    if proposed:
-        click.echo(proposed)
+    if layout:
+        click.echo(arrangement_line(scene))
     click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

@@ -29,7 +29,7 @@ _ANSWERS = {
     "not judged": "is NOT JUDGED by the rule alone",
     "accepted": "is accepted",
 }
-"""What the headline says of each verdict, the worst first."""
+"""Words of the headline for each verdict, the worst first."""
 _NOT_OF_THE_RULE = {
     f"fatigue.{key}" for key in ("size_factor", "survival_factor", "specimen_diameter_mm", "roughness_um")
 }

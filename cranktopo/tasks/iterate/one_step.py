@@ -163,7 +163,7 @@ class StepWeb(NamedTuple):
 
 
 class _KeptStep(Result):
-    """What step.json says of a finished step."""
+    """Content of step.json, of a finished step."""
 
     step: LoopStep
     scene: dict[str, Any]

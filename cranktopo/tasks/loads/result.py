@@ -79,7 +79,7 @@ class ThrowMassProperties(Result):
     rotating_unbalance_kg_mm: float
     inertia_kg_mm2: float
     counterweight_kg_mm: float
-    """What counterweights of both webs need beside their own, as `balance` has it."""
+    """Mass times radius that counterweights of both webs need beside their own, as `balance` has it."""
     balance_factor_percent: float | None
     """Percent of the oscillating mass that the throw balances; null where nothing oscillates."""
     own_counterweight_kg_mm: float
@@ -140,7 +140,7 @@ class LoadsAtSpeed(Result):
     extreme_states: tuple[LoadState, ...]
     effects: tuple[Effect, ...]
     warnings: tuple[str, ...]
-    """What no engine's cylinder pressure does."""
+    """Signs of a cylinder pressure that no engine has, one line each."""
     assumed: tuple[Assumption, ...]
 
 

@@ -114,9 +114,9 @@ def fit_web(surface: SurfaceMesh, scene: DesignLike, limits: ManufacturingLimits
     Raises:
         CranktopoError: nothing of the surface lies between the web faces, or no web keeps the limits.
     """
-    scene = as_scene(scene, whole=False)
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 
+    scene = as_scene(scene, whole=False)
     scale, limits = usual_scale(scene), limits or usual_limits(scene)
     throw = scene if scale == 1 else scaled_throw(scene, scale)
     usual = SurfaceMesh(surface.vertices_mm * scale, surface.faces)

@@ -63,7 +63,7 @@ class SweptRun:
 
     @property
     def impossible(self) -> str:
-        """Why no web of the sweep is possible, by its first point; empty where one is."""
+        """Reason of the first point where no web of the sweep is possible; empty where one is."""
         points = self.result.points
         return "" if any(point.status == DONE for point in points) else points[0].reason or points[0].status
 

@@ -11,7 +11,7 @@ DISKS = (
     "Disks and springs stand for the body: the first frequency of a bare crank was 10 to 14 % below that of\n"
     "one body by finite elements. An error bound of the stiffness does not cover that."
 )
-"""What the model itself errs by, as the page of torsional vibration has it."""
+"""Error of the model itself, as the page of torsional vibration has it."""
 _WEAK = 0.05
 """Share of the cylinders that help each other below which a critical speed is not listed."""
 
