@@ -20,7 +20,7 @@ Bearings = Literal["free", "rigid", "spring"]
 
 _MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 """Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""
-_SPLITS: dict[Span, Array] = {
+SPLITS: dict[Span, Array] = {
     "symmetric": np.hstack([np.eye(6), _MIRROR]) / 2,
     "antisymmetric": np.hstack([np.eye(6), -_MIRROR]) / 2,
     "whole": np.eye(12),
@@ -76,7 +76,7 @@ def throw_matrix(blocks: Sequence[tuple[Span, Superelement]], forms: Sequence[Ar
     total = np.zeros((12, 12))
     for (span, block), form in zip(blocks, forms or [b.stiffness for _, b in blocks], strict=True):
         count = len(block.motions)
-        split = _SPLITS[span][list(block.motions)]
+        split = SPLITS[span][list(block.motions)]
         total += block.copies * split.T @ form[:count, :count] @ split
     return total
 
@@ -85,7 +85,7 @@ def shaft_matrix(throw: Array, angles_deg: Sequence[float]) -> Array:
     """Stiffness of a shaft of equal throws turned about z, right-handed, shape (6 (n + 1), 6 (n + 1))."""
     shaft = np.zeros((6 * (len(angles_deg) + 1),) * 2)
     for index, angle in enumerate(angles_deg):
-        turn = _turn(math.radians(angle))
+        turn = turned(angle)
         motions = slice(6 * index, 6 * index + 12)
         shaft[motions, motions] += turn @ throw @ turn.T
     return shaft
@@ -115,8 +115,9 @@ def shaft_stiffness(shaft: Array, bearings: Bearings, spring_N_per_mm: float = 0
     return ShaftStiffness(end_to_end_Nm_per_rad=end_to_end, throws_Nm_per_rad=per_throw)
 
 
-def _turn(angle: float) -> Array:
-    """Rotation by an angle about z of the twelve motions of a throw."""
+def turned(angle_deg: float) -> Array:
+    """Return the right-handed rotation about z of the twelve motions of a throw, (12, 12)."""
+    angle = math.radians(angle_deg)
     rotation = np.array(
         [[math.cos(angle), -math.sin(angle), 0.0], [math.sin(angle), math.cos(angle), 0.0], [0.0, 0.0, 1.0]]
     )

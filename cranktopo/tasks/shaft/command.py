@@ -6,17 +6,37 @@ Assemble the throws of a crankshaft: torsional stiffness, natural frequencies, o
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, get_args
+import math
+from typing import TYPE_CHECKING, Any, get_args
 
 import click
 
+from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, quoted
 from cranktopo.base.notes import note
 from cranktopo.cli.options import CELL_MM, DEFAULT_DESIGN, bearings_option, body_options, designs
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.tasks.shaft.assembly import Bearings
-    from cranktopo.tasks.shaft.stage import ShaftEvaluation
+
+
+class SpeedRange(click.ParamType[list[float]]):
+    """Speeds (rpm) at even steps: both ends and how many."""
+
+    name = "FROM:TO:NUMBER"
+    most = 1000
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """Return the speeds; fails with the allowed form."""
+        low, high, number = [*str(value).split(":"), "", ""][:3]
+        try:
+            start, stop, count = float(low), float(high), int(number)
+            if 0 < start < stop < math.inf and 2 <= count <= self.most and str(value).count(":") == 2:
+                return [start + index * (stop - start) / (count - 1) for index in range(count)]
+        except ValueError:
+            pass
+        form = f"must be FROM:TO:NUMBER with 0 < FROM < TO in rpm and 2 to {self.most} speeds"
+        self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
 
 
 @click.command()
@@ -24,6 +44,12 @@ if TYPE_CHECKING:
 @body_options
 @bearings_option
 @click.option("--element-size-mm", type=CELL_MM, help="General element size.")
+@click.option(
+    "--speeds",
+    "speeds_rpm",
+    type=SpeedRange(),
+    help="Speeds of the cycle on all bearings instead of the engine's own.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options
 def command(
@@ -32,9 +58,13 @@ def command(
     align: bool,
     bearings: str,
     element_size_mm: float | None,
+    speeds_rpm: list[float] | None,
     as_json: bool,
 ) -> None:
-    """Assemble the throws of TARGET to a shaft by firing order: torsional stiffness, natural frequencies.
+    """The whole shaft of TARGET: torsional stiffness, frequencies, and what webs and main bearings carry.
+
+    Its throws are assembled by firing order. With pressures, and bearings that are not free, the shaft
+    stands on all its main bearings over the working cycle.
 
     TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
 
@@ -45,39 +75,19 @@ def command(
     from cranktopo.tasks.fea.stage import print_assumed
     from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import Bearings
-    from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables
+    from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, stands_on_bearings
+    from cranktopo.tasks.shaft.text import shaft_text
 
     resolved = resolve_target(target, design, align=align, whole=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
-    print_assumed([resolved], shaft_tables(resolved.scene, support))
-    note(f"{resolved.name}: condensing one throw")
-    shaft = evaluate_shaft(resolved, support, element_size_mm)
-    click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else _text(shaft))
-
-
-def _text(shaft: ShaftEvaluation) -> str:
-    from cranktopo.report.result_table import ResultTable, labelled, terminal
-
-    throws = terminal(
-        ResultTable(
-            {"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2},
-            tuple(
-                {"throw": str(number), "angle_deg": angle, "torsion_kNm_per_rad": stiffness / 1000}
-                for number, (angle, stiffness) in enumerate(
-                    zip(shaft.throw_angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True), start=1
-                )
-            ),
+    loaded = stands_on_bearings(resolved.scene, support)
+    if speeds_rpm and not loaded:
+        raise CranktopoError(
+            "--speeds: the forces on all bearings need [engine.gas], and bearings that are not free.",
+            hint="Leave it out, or choose --bearings rigid or spring.",
+            code=ExitCode.USAGE,
         )
-    )
-    frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
-    error = shaft.error_percent
-    end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
-    rows = (
-        ("mass of the throws", f"{shaft.mass_kg:.3f} kg"),
-        (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
-        ("natural frequencies", f"{frequencies} Hz (shaft and moving masses alone, free ends)"),
-    )
-    return (
-        f"{throws}\n\n{labelled(rows)}\n\n"
-        f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    )
+    print_assumed([resolved], shaft_tables(resolved.scene, support, loaded=loaded))
+    note(f"{resolved.name}: condensing one throw")
+    shaft = evaluate_shaft(resolved, support, element_size_mm, speeds_rpm=speeds_rpm or ())
+    click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else shaft_text(shaft))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pydantic import Field
@@ -16,7 +17,9 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
+from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors
@@ -37,6 +40,9 @@ from cranktopo.tasks.shaft.assembly import (
     throw_blocks,
     throw_matrix,
 )
+from cranktopo.tasks.shaft.continuous import continuous_shaft
+from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, LoadedThrow, loaded_blocks, loaded_throw
+from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft.torsional import disk_model
 
 
@@ -81,6 +87,8 @@ class ShaftEvaluation(Result):
     error_estimate_percent: TorsionError
     natural_frequencies_Hz: tuple[float, ...]
     opentorsion: OpenTorsion
+    on_bearings: tuple[ContinuousShaft, ...] = ()
+    """What the shaft carries on all its bearings, by speed; empty without pressures or with free bearings."""
     assumed: tuple[Assumption, ...]
     """Keys that the design does not give and the shaft depends on."""
     throw_inertia_kg_mm2: float = Field(exclude=True)
@@ -93,11 +101,19 @@ class ShaftEvaluation(Result):
 
 
 def evaluate_shaft(
-    target: TargetLike, bearings: Bearings, element_size_mm: float | None = None
+    target: TargetLike,
+    bearings: Bearings,
+    element_size_mm: float | None = None,
+    *,
+    speeds_rpm: Sequence[float] | None = None,
 ) -> ShaftEvaluation:
     """Assemble the throws of a target by its firing order.
 
     Triangles are remeshed: a mesh 1.5 times coarser tells how much that matters.
+
+    Args:
+        speeds_rpm: also what its webs and bearings carry over the cycle at these speeds, where the scene
+            tells the loads; an empty sequence stands for the engine's own.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
@@ -109,14 +125,15 @@ def evaluate_shaft(
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
     meshed = mesh_target(resolved, size)
-    stiffness, error = _on_mesh(meshed, scene, bearings, spring)
+    loaded = speeds_rpm is not None and stands_on_bearings(scene, bearings)
+    stiffness, error, throw = _on_mesh(meshed, scene, bearings, spring, loaded=loaded)
     if resolved.triangles:
-        coarse, _ = _on_mesh(mesh_target(resolved, size * RATIO), scene, bearings, spring)
+        coarse, *_ = _on_mesh(mesh_target(resolved, size * RATIO), scene, bearings, spring)
         error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
     inertia = throw_inertia_kg_mm2(meshed, scene)
     disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
     mass = len(angles) * meshed_throw_kg(meshed, scene)
-    assumed = filter_by_table(resolved.assumed, shaft_tables(scene, bearings))
+    assumed = filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded))
     return ShaftEvaluation(
         design=resolved.name,
         throw_angles_deg=angles,
@@ -126,6 +143,7 @@ def evaluate_shaft(
         error_estimate_percent=TorsionError(torsion=error),
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
+        on_bearings=() if throw is None else _at_speeds(throw, scene, bearings, spring, speeds_rpm or ()),
         assumed=assumed,
         throw_inertia_kg_mm2=inertia,
     )
@@ -153,19 +171,36 @@ def with_throw_stiffness(target: Target) -> Target:
     return replace(target, scene=scene.model_copy(update={"shaft": shaft}))
 
 
-def shaft_tables(scene: Scene, bearings: Bearings) -> tuple[str, ...]:
-    """Paths of what a shaft uses of a scene; the spring of a plain bearing depends on the gas force."""
-    if bearings != "spring" or scene.supports.bearing_clearance_mm is None:
-        return SHAFT
-    return (*SHAFT, LOADS)
+def shaft_tables(scene: Scene, bearings: Bearings, *, loaded: bool = False) -> tuple[str, ...]:
+    """Paths of what a shaft uses of a scene; loads count if asked for, or for a plain bearing's spring."""
+    if loaded or (bearings == "spring" and scene.supports.bearing_clearance_mm is not None):
+        return (*SHAFT, LOADS)
+    return SHAFT
+
+
+def stands_on_bearings(scene: Scene, bearings: Bearings) -> bool:
+    """Tell whether a scene and its bearings say what the shaft carries over the cycle."""
+    return bearings != "free" and pressure_curve(scene) is not None
+
+
+def _at_speeds(
+    throw: LoadedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float, speeds_rpm: Sequence[float]
+) -> tuple[ContinuousShaft, ...]:
+    scenes = [at_speed(scene, rpm) for rpm in speeds_rpm] or [scene]
+    return tuple(continuous_shaft(throw, at, bearings, spring_N_per_mm) for at in scenes)
 
 
 def _on_mesh(
-    meshed: MeshedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float
-) -> tuple[ShaftStiffness, float]:
-    """Stiffnesses of the shaft, and the bound of their relative error by what the mesh itself misses, %."""
+    meshed: MeshedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float, *, loaded: bool = False
+) -> tuple[ShaftStiffness, float, LoadedThrow | None]:
+    """Stiffnesses of the shaft, the bound of their error by what the mesh misses, %, and the loaded throw."""
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+    parts: list[LoadedBlock] = []
+    if loaded:
+        parts = loaded_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+        blocks = [(part.span, part.block) for part in parts]
+    else:
+        blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
     missed = discretisation_errors(model, meshed, [block for _, block in blocks], scene)
 
     turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
@@ -180,9 +215,8 @@ def _on_mesh(
         for forms in ([m.surplus for m in missed], [m.straight for m in missed])
     )
     left = missed[0].volume_error
-    return found, max(
-        bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus
-    )
+    error = max(bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus)
+    return found, error, loaded_throw(parts, scene) if parts else None
 
 
 def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:

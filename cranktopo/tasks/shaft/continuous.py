@@ -1,0 +1,238 @@
+"""The shaft on all its main bearings over the cycle, quasi-static: moments in webs, forces on bearings.
+
+In the frame that turns with the shaft the bearings, alike in every direction, are constant; loads of a cycle
+are right-hand sides of one matrix of six unknowns a section. The last section holds the shaft in rotation and
+along its axis.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import invalid
+from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
+from cranktopo.design.engine import Engine
+from cranktopo.design.halves import halves
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.forces import throw_forces
+from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.kinematics import phase_shift
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
+from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, turned
+from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
+from cranktopo.tasks.shaft.result import ContinuousShaft, MainBearing, WebMoment
+
+_STEP_DEG = 1.0
+_UM_PER_MM = 1000.0
+_MRAD_PER_RAD = 1000.0
+
+
+@dataclass(frozen=True)
+class CycleForces:
+    """Forces of the rods on the pins over the cycle, in the axes of each throw.
+
+    Attributes:
+        radial_N, tangential_N: shape (throws, states).
+        radial_aside_N_mm, tangential_aside_N_mm: their moments about the middle of the pin, positive where
+            the rod nearer to the free end has more, shape (throws, states).
+    """
+
+    angle_deg: Array
+    radial_N: Array
+    tangential_N: Array
+    radial_aside_N_mm: Array
+    tangential_aside_N_mm: Array
+    angular_speed_rad_s: float
+
+
+@dataclass(frozen=True)
+class ShaftCycle:
+    """Motions and forces of the sections over the cycle, in axes that turn with the shaft.
+
+    Attributes:
+        motion: of every section, shape (6 sections, states), mm and rad.
+        bearing_N: x and y of the force of every bearing on the shaft, shape (sections, 2, states).
+        throw_N: forces on both sections of every throw in its own axes, shape (throws, 12, states).
+    """
+
+    angle_deg: Array
+    motion: Array
+    bearing_N: Array
+    throw_N: Array
+
+
+def cycle_forces(scene: Scene) -> CycleForces:
+    """Return the forces on all pins at the engine's speed.
+
+    Raises:
+        CranktopoError: no engine, or no pressures.
+    """
+    engine = engine_of(scene)
+    curve = pressure_curve(scene)
+    if curve is None:
+        raise invalid(
+            "engine.gas", None, "must be given for forces over the cycle", "Add an [engine.gas] table."
+        )
+    rod = throw_forces(engine, scene.throw.radius_mm, curve, throw_balance(scene), engine.speed_rpm)
+    stride = max(1, round(_STEP_DEG / float(np.diff(curve.angle_deg[:2])[0])))
+    radial, tangential = (
+        _by_cylinder(engine, curve.angle_deg, force)[:, ::stride]
+        for force in (rod.web_force_N, rod.tangential_force_N)
+    )
+    side = np.array([1.0 if number <= engine.throws else -1.0 for number in range(1, engine.cylinders + 1)])
+    aside = side[:, None] * (scene.rod_offset_mm / 2 if engine.rods_per_pin > 1 else 0.0)
+
+    def by_throw(forces: Array) -> Array:
+        return np.asarray(forces.reshape(-1, engine.throws, forces.shape[1]).sum(axis=0))
+
+    return CycleForces(
+        curve.angle_deg[::stride],
+        by_throw(radial),
+        by_throw(tangential),
+        by_throw(aside * radial),
+        by_throw(aside * tangential),
+        angular_speed_rad_s(engine.speed_rpm),
+    )
+
+
+def _by_cylinder(engine: Engine, angle_deg: Array, force: Array) -> Array:
+    shifted = [phase_shift(force, angle_deg, fires, engine.cycle_deg) for fires in engine.firing_angles_deg]
+    return np.array(shifted)
+
+
+def shaft_cycle(
+    throw: LoadedThrow, angles_deg: Sequence[float], forces: CycleForces, spring_N_per_mm: float | None
+) -> ShaftCycle:
+    """Solve the shaft for all states of a cycle.
+
+    Args:
+        angles_deg: of the throws, in the sense of rotation.
+        spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
+    """
+    about_z = [about_z_deg(angle) for angle in angles_deg]
+    sections, states = len(about_z) + 1, forces.angle_deg.size
+    own = np.stack([_pin_loads(throw, forces, index) for index in range(len(about_z))])
+    load = np.zeros((6 * sections, states))
+    for index, angle in enumerate(about_z):
+        load[6 * index : 6 * index + 12] += turned(angle) @ own[index]
+    stiffness = shaft_matrix(throw.stiffness, about_z)
+    radial = np.array([6 * s + m for s in range(sections) for m in (UX, UY)])
+    held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ}
+    sprung = stiffness.copy()
+    if spring_N_per_mm is None:
+        held |= set(radial.tolist())
+    else:
+        sprung[radial, radial] += spring_N_per_mm
+    free = np.array([i for i in range(6 * sections) if i not in held])
+    motion = np.zeros_like(load)
+    motion[free] = np.linalg.solve(sprung[np.ix_(free, free)], load[free])
+    bearing = (stiffness @ motion - load)[radial].reshape(sections, 2, states)
+    ends = [
+        throw.stiffness @ turned(angle).T @ motion[6 * index : 6 * index + 12] - own[index]
+        for index, angle in enumerate(about_z)
+    ]
+    return ShaftCycle(forces.angle_deg, motion, bearing, np.stack(ends))
+
+
+def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
+    """Section forces that do the work of all loads of a throw, (12, states)."""
+    shares = {
+        "radial": forces.radial_N[index],
+        "tangential": forces.tangential_N[index],
+        "radial aside": forces.radial_aside_N_mm[index] / throw.aside_mm,
+        "tangential aside": forces.tangential_aside_N_mm[index] / throw.aside_mm,
+        "centrifugal": np.full(forces.angle_deg.size, forces.angular_speed_rad_s**2),
+    }
+    return np.asarray(sum(np.outer(throw.loads[name], share) for name, share in shares.items()))
+
+
+def web_moments_Nmm(cycle: ShaftCycle, scene: Scene) -> Array:
+    """Return the moment about x in the middle of both webs of every throw, (throws, 2, states).
+
+    Of the section forces alone: what is constant over the cycle between section and web, the web's own
+    centrifugal force, is left out.
+    """
+    near, far = (sum(half.web_z_mm) / 2 for half in halves(scene))
+    first, last = cycle.throw_N[:, :6], cycle.throw_N[:, 6:]
+    return np.stack([first[:, RX] + near * first[:, UY], -(last[:, RX] - far * last[:, UY])], axis=1)
+
+
+def continuous_shaft(
+    throw: LoadedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float
+) -> ContinuousShaft:
+    """Return what the webs and bearings of a shaft carry over a cycle, beside throws that stand alone.
+
+    Raises:
+        CranktopoError: no engine.
+    """
+    forces = cycle_forces(scene)
+    spring = None if bearings == "rigid" else spring_N_per_mm
+    angles = scene.shaft_angles_deg
+    cycle = shaft_cycle(throw, angles, forces, spring)
+    single = [shaft_cycle(throw, (0.0,), _of_throw(forces, index), None) for index in range(len(angles))]
+    together = np.ptp(web_moments_Nmm(cycle, scene), axis=2) / NMM_PER_NM
+    alone = np.concatenate([np.ptp(web_moments_Nmm(one, scene), axis=2) for one in single]) / NMM_PER_NM
+    webs = tuple(
+        WebMoment(
+            web=2 * throw_index + side + 1,
+            throw=throw_index + 1,
+            range_Nm=float(together[throw_index, side]),
+            alone_Nm=float(alone[throw_index, side]),
+            share=float(together[throw_index, side] / alone[throw_index, side]),
+        )
+        for throw_index in range(len(angles))
+        for side in (0, 1)
+    )
+    return ContinuousShaft(
+        speed_rpm=engine_of(scene).speed_rpm,
+        spring_N_per_mm=spring,
+        webs=webs,
+        main_bearings=_main_bearings(cycle, single, angles),
+    )
+
+
+def _of_throw(forces: CycleForces, index: int) -> CycleForces:
+    one = slice(index, index + 1)
+    return CycleForces(
+        forces.angle_deg,
+        forces.radial_N[one],
+        forces.tangential_N[one],
+        forces.radial_aside_N_mm[one],
+        forces.tangential_aside_N_mm[one],
+        forces.angular_speed_rad_s,
+    )
+
+
+def _main_bearings(
+    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float]
+) -> tuple[MainBearing, ...]:
+    sections = len(cycle.bearing_N)
+    size = np.hypot(cycle.bearing_N[:, 0], cycle.bearing_N[:, 1])
+    added = np.zeros_like(cycle.bearing_N)
+    for index, (one, angle) in enumerate(zip(single, angles_deg, strict=True)):
+        turn = math.radians(about_z_deg(angle))
+        rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        added[index : index + 2] += np.einsum("ab,sbn->san", rotation, one.bearing_N)
+    halves_N = np.hypot(added[:, 0], added[:, 1]).max(axis=1)
+    motion = cycle.motion.reshape(sections, 6, -1)
+    tilt = np.hypot(motion[:, RX], motion[:, RY]).max(axis=1) * _MRAD_PER_RAD
+    offset = np.hypot(motion[:, UX], motion[:, UY]).max(axis=1) * _UM_PER_MM
+    return tuple(
+        MainBearing(
+            bearing=number + 1,
+            largest_N=float(size[number].max()),
+            at_deg=float(cycle.angle_deg[size[number].argmax()]),
+            halves_N=float(halves_N[number]),
+            tilt_mrad=float(tilt[number]),
+            offset_um=float(offset[number]),
+        )
+        for number in range(sections)
+    )

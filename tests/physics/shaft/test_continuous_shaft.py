@@ -1,0 +1,183 @@
+"""The shaft on all its bearings: against frames of beams in one piece, and the three-moment equation."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
+from cranktopo.tasks.shaft.continuous import CycleForces, continuous_shaft, shaft_cycle, web_moments_Nmm
+from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, loaded_blocks, loaded_throw
+from tests.physics.fea.evaluation_cases import elastic
+from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
+
+Array = NDArray[np.float64]
+PIN_MM = (6.0, 48.0, 41.0)
+"""Where the pin of the beam crank carries its load, beside the middle of the throw."""
+WITH_PIN_MM = [*CRANK_MM[:3], PIN_MM, *CRANK_MM[3:]]
+MOTIONS = {"radial": (UY, -1.0), "tangential": (UX, 1.0)}
+
+
+def assembled(points: Array) -> Array:
+    """Stiffness of beams along a polygon, none of them condensed."""
+    total = np.zeros((6 * len(points),) * 2)
+    for i, (start, end) in enumerate(pairwise(points)):
+        total[6 * i : 6 * i + 12, 6 * i : 6 * i + 12] += beam(start, end)
+    return total
+
+
+def beam_throw(points_mm: list[tuple[float, float, float]], pin: int) -> LoadedThrow:
+    """A throw of beams condensed to its ends, its pin force by plain elimination."""
+    total = assembled(np.array(points_mm, dtype=float))
+    ends = [*range(6), *range(len(total) - 6, len(total))]
+    rest = np.setdiff1d(np.arange(len(total)), ends)
+    inner = np.linalg.solve(total[np.ix_(rest, rest)], total[np.ix_(rest, ends)])
+    loads = {}
+    for name, (motion, sign) in MOTIONS.items():
+        force = np.zeros(len(total))
+        force[6 * pin + motion] = sign
+        loads[name] = force[ends] - inner.T @ force[rest]
+    for name in ("radial aside", "tangential aside", "centrifugal"):
+        loads[name] = np.zeros(12)
+    return LoadedThrow(total[np.ix_(ends, ends)] - total[np.ix_(ends, rest)] @ inner, loads, 1.0)
+
+
+def random_forces(throws: int, states: int = 7) -> CycleForces:
+    """Forces on the pins that nothing relates."""
+    radial, tangential = np.random.default_rng(3).normal(0.0, 1e4, (2, throws, states))
+    none = np.zeros((throws, states))
+    return CycleForces(np.arange(states, dtype=float), radial, tangential, none, none, 0.0)
+
+
+def in_one_piece(
+    angles_deg: tuple[float, ...], forces: CycleForces, spring: float | None
+) -> tuple[Array, list[int]]:
+    """Motions of all points of the shaft as one frame, and which of them are its sections."""
+    points, _ = polygon(tuple(-a for a in angles_deg))
+    corners = len(CRANK_MM) - 1
+    along = [points[0]]
+    pins, sections = [], [0]
+    for index, angle in enumerate(np.radians([-a for a in angles_deg])):
+        c, s = np.cos(angle), np.sin(angle)
+        pin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ PIN_MM + [0, 0, 80.0 * index]
+        first = corners * index + 1
+        pins.append(len(along) + 2)
+        along += [points[first], points[first + 1], pin, *points[first + 2 : first + corners]]
+        sections.append(len(along) - 1)
+    total = assembled(np.array(along))
+    load = np.zeros((len(total), forces.angle_deg.size))
+    for index, (at, angle) in enumerate(zip(pins, np.radians([-a for a in angles_deg]), strict=True)):
+        c, s = np.cos(angle), np.sin(angle)
+        x, y = forces.tangential_N[index], -forces.radial_N[index]
+        load[6 * at + UX], load[6 * at + UY] = c * x - s * y, s * x + c * y
+    held = {6 * sections[-1] + RZ, 6 * sections[-1] + UZ}
+    for at in sections:
+        for motion in (UX, UY):
+            if spring is None:
+                held.add(6 * at + motion)
+            else:
+                total[6 * at + motion, 6 * at + motion] += spring
+    free = [i for i in range(len(total)) if i not in held]
+    motion = np.zeros_like(load)
+    motion[free] = np.linalg.solve(total[np.ix_(free, free)], load[free])
+    return motion, sections
+
+
+@pytest.mark.parametrize("spring", [None, SPRING_N_PER_MM])
+@pytest.mark.parametrize("angles_deg", [(0.0,), (0.0, 180.0, 180.0, 0.0), (0.0, 120.0, 250.0)])
+def test_condensed_throws_move_as_one_frame_of_beams(
+    angles_deg: tuple[float, ...], spring: float | None
+) -> None:
+    """Lopsided cranks with forces beside the middle of their pins, every section, all six motions."""
+    throw = beam_throw(WITH_PIN_MM, 3)
+    forces = random_forces(len(angles_deg))
+    found = shaft_cycle(throw, angles_deg, forces, spring)
+    motion, sections = in_one_piece(angles_deg, forces, spring)
+    whole = np.concatenate([motion[6 * at : 6 * at + 6] for at in sections])
+    assert np.abs(found.motion - whole).max() < 1e-8 * np.abs(whole).max()
+    if spring is not None:
+        springs = -spring * np.stack([motion[[6 * at + UX, 6 * at + UY]] for at in sections])
+        assert np.abs(found.bearing_N - springs).max() < 1e-7 * np.abs(springs).max()
+
+
+@pytest.mark.parametrize("spans", [2, 3, 6])
+def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int) -> None:
+    """Equal spans with a force in the middle of each: M(i-1) + 4 M(i) + M(i+1) = -3/8 (P(i) + P(i+1)) L."""
+    length = 80.0
+    throw = beam_throw([(0.0, 0.0, 0.0), (0.0, 0.0, length / 2), (0.0, 0.0, length)], 1)
+    forces = random_forces(spans)
+    found = shaft_cycle(throw, (0.0,) * spans, forces, None)
+    right = -3 / 8 * length * (forces.radial_N[:-1] + forces.radial_N[1:])
+    inner = spans - 1
+    matrix = 4 * np.eye(inner) + np.eye(inner, k=1) + np.eye(inner, k=-1)
+    moments = np.linalg.solve(matrix, right)
+    at_sections = found.throw_N[1:, RX]
+    assert np.abs(np.abs(at_sections) - np.abs(moments)).max() < 1e-8 * np.abs(moments).max()
+
+
+def meshed(scene: Scene, size_mm: float) -> tuple[MeshedThrow, LoadedThrow]:
+    """A throw meshed and condensed with its loads."""
+    mesh = mesh_throw(scene, size_mm)
+    model = elastic(mesh.mesh, scene)
+    return mesh, loaded_throw(loaded_blocks(model, scene, mesh.mesh.mirrored, whole=mesh.whole), scene)
+
+
+def about_near(scene: Scene, forces: Array) -> Array:
+    """Resultant force and moment about the near section of forces on both, (6,)."""
+    near, far = forces[:6], forces[6:]
+    arm = np.array([0.0, 0.0, scene.pitch_mm])
+    return np.concatenate([near[:3] + far[:3], near[3:] + far[3:] + np.cross(arm, far[:3])])
+
+
+def test_section_forces_have_the_resultants_of_the_loads() -> None:
+    """Pin forces, their moments along the pin, and the centrifugal force of the unbalance."""
+    scene = load_scene("car-diesel")
+    mesh, throw = meshed(scene, 20.0)
+    middle, radius = scene.pitch_mm / 2, scene.throw.radius_mm
+    radial = about_near(scene, throw.loads["radial"])
+    assert radial == pytest.approx([0, -1, 0, middle, 0, 0], abs=1e-5)
+    tangential = about_near(scene, throw.loads["tangential"])
+    assert tangential == pytest.approx([1, 0, 0, 0, middle, -radius], rel=1e-3, abs=1e-5)
+    aside = about_near(scene, throw.loads["radial aside"])
+    assert aside == pytest.approx([0, 0, 0, -throw.aside_mm / 2, 0, 0], abs=1e-8)
+    assert throw.aside_mm == pytest.approx(scene.throw.crankpin.length_mm / 2, rel=2e-2)
+    spinning = about_near(scene, throw.loads["centrifugal"])
+    unbalance_N = throw_balance(scene).throw_unbalance_kg_mm / 1000
+    assert spinning[:2] == pytest.approx([0, unbalance_N], rel=2e-2, abs=1e-8)
+    rigid = np.zeros(12)
+    rigid[[UY, 6 + UY]] = 1.0
+    assert np.abs(throw.stiffness @ rigid).max() < 1e-6 * throw.stiffness.max()
+    assert not mesh.whole
+
+
+def test_a_single_throw_carries_half_of_its_pin_force() -> None:
+    """Statically determinate: half the force times the arm in the web, whatever the stiffness."""
+    scene = load_scene("car-diesel")
+    _, throw = meshed(scene, 20.0)
+    forces = random_forces(1)
+    moments = web_moments_Nmm(shaft_cycle(throw, (0.0,), forces, None), scene)
+    arm = sum(scene.web_z_mm) / 2
+    expected = forces.radial_N[0] / 2 * arm
+    assert np.abs(moments[0, 0]) == pytest.approx(np.abs(expected), rel=1e-4)
+    assert np.abs(moments[0, 1]) == pytest.approx(np.abs(expected), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_shafts_of_the_built_in_engines() -> None:
+    """Outer webs carry about four fifths, inner ones about half of what a throw alone does."""
+    for name, spring, outer, inner in (
+        ("mikron-iiic", 1.07e6, 0.81, 0.52),
+        ("car-diesel", 1.5e6, 0.85, 0.54),
+    ):
+        scene = load_scene(name)
+        _, throw = meshed(scene, 8.0)
+        found = continuous_shaft(throw, scene, "spring", spring)
+        assert found.webs[0].share == pytest.approx(outer, abs=0.02)
+        assert min(web.share for web in found.webs) == pytest.approx(inner, abs=0.02)
