@@ -28,7 +28,7 @@ from cranktopo.engine.kinematics import phase_shift
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
-from cranktopo.tasks.shaft.result import ContinuousShaft, MainBearing, WebMoment
+from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
 
 _STEP_DEG = 1.0
 _UM_PER_MM = 1000.0
@@ -213,7 +213,7 @@ def _of_throw(forces: CycleForces, index: int) -> CycleForces:
 
 def _main_bearings(
     cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float]
-) -> tuple[MainBearing, ...]:
+) -> tuple[ShaftBearing, ...]:
     sections = len(cycle.bearing_N)
     size = np.hypot(cycle.bearing_N[:, 0], cycle.bearing_N[:, 1])
     added = np.zeros_like(cycle.bearing_N)
@@ -226,7 +226,7 @@ def _main_bearings(
     tilt = np.hypot(motion[:, RX], motion[:, RY]).max(axis=1) * _MRAD_PER_RAD
     offset = np.hypot(motion[:, UX], motion[:, UY]).max(axis=1) * _UM_PER_MM
     return tuple(
-        MainBearing(
+        ShaftBearing(
             bearing=number + 1,
             largest_N=float(size[number].max()),
             at_deg=float(cycle.angle_deg[size[number].argmax()]),

@@ -22,7 +22,7 @@ class WebMoment(Result):
     """The first of these over the second."""
 
 
-class MainBearing(Result):
+class ShaftBearing(Result):
     """A main bearing over the cycle.
 
     Attributes:
@@ -48,7 +48,7 @@ class ContinuousShaft(Result):
     spring_N_per_mm: float | None
     """Of each bearing; none of rigid ones."""
     webs: tuple[WebMoment, ...]
-    main_bearings: tuple[MainBearing, ...]
+    main_bearings: tuple[ShaftBearing, ...]
 
     @property
     def worst_web(self) -> WebMoment:
@@ -56,6 +56,6 @@ class ContinuousShaft(Result):
         return max(self.webs, key=lambda web: web.range_Nm)
 
     @property
-    def worst_bearing(self) -> MainBearing:
+    def worst_bearing(self) -> ShaftBearing:
         """The main bearing with the largest force."""
         return max(self.main_bearings, key=lambda bearing: bearing.largest_N)
