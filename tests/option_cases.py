@@ -245,6 +245,7 @@ TABLE["sweep"] = {
     "--samples": Refused(f"{_SWEEP} --samples 3", "samples are of a Latin hypercube"),
     "--element-size-mm": Acts(_SWEEP, "--element-size-mm 9"),
     "--accuracy": Acts(_SWEEP, "--accuracy 2%"),
+    "--keep": Acts(_SWEEP, "--keep pitch"),
     "--refine": Acts(_SWEEP, "--refine front"),
     "--budget": Refused(f"{_SWEEP} --budget 9s", "time for what a first look does not rule out"),
     "--workers": Acts(_SWEEP, "--workers 3"),

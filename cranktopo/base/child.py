@@ -19,7 +19,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.notes import note, redirected
+from cranktopo.base.notes import at_work, note, redirected
 
 _R = TypeVar("_R")
 _READING_S, _WORKING_S = 60.0, 1200.0
@@ -53,7 +53,8 @@ def in_child(what: str, function: Callable[..., _R], *arguments: object) -> _R:
         )
         with process:
             try:
-                answer = _answer(process, pickle.dumps((function, arguments)), what)
+                with at_work(f"CAD kernel: {what}"):
+                    answer = _answer(process, pickle.dumps((function, arguments)), what)
             finally:
                 process.kill()
     finally:

@@ -56,9 +56,26 @@ def indented() -> AbstractContextManager[None]:
     return redirected(lambda line: outer(f"  {line}"))
 
 
-_QUIET_S = 3.0
+QUIET_S = 3.0
 """Seconds that work may take without a line about how far it is."""
 _BAR = 12
+_at_work: list[str] = []
+"""Parts of the work that run now, in any thread, the newest last."""
+
+
+@contextmanager
+def at_work(part: str) -> Iterator[None]:
+    """Name a part of the work while it runs, for whoever waits for it."""
+    _at_work.append(part)
+    try:
+        yield
+    finally:
+        _at_work.remove(part)
+
+
+def running() -> str:
+    """Return the newest part of the work that runs now; empty where none has a name."""
+    return next(reversed(_at_work.copy()), "")
 
 
 class Pace:
@@ -67,7 +84,7 @@ class Pace:
     Parts that follow each other fast have a line together, so that short work has none.
     """
 
-    def __init__(self, work: str, parts: int, *, at_most: bool = False, quiet_s: float = _QUIET_S) -> None:
+    def __init__(self, work: str, parts: int, *, at_most: bool = False, quiet_s: float = QUIET_S) -> None:
         self._work, self._parts, self._done, self._quiet_s = work, max(parts, 1), 0, quiet_s
         self._most = "at most " if at_most else ""
         self._began = self._told = time.perf_counter()

@@ -5,12 +5,16 @@ from __future__ import annotations
 import logging
 import os
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial, wraps
 from typing import Any
 
 import click
+
+from cranktopo.base.notes import QUIET_S, duration_text, running
 
 _LEVEL = "cranktopo.verbosity"
 QUIET, NORMAL, VERBOSE = -1, 0, 1
@@ -37,25 +41,58 @@ def verbosity_options(function: Any) -> Any:
 
 
 class _Stderr(logging.Handler):
-    """Write a record as one line on stderr, above a progress bar where there is one."""
+    """Write a record as one line on stderr, above a progress bar where there is one.
+
+    Attributes:
+        told: when the last line was written.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.told = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
+        self.told = time.monotonic()
         bars = sys.modules.get("tqdm")
         with bars.tqdm.external_write_mode(file=sys.stderr) if bars else nullcontext():
             click.echo(record.getMessage(), err=True)
 
+    def tell_waits(self, command: str, ended: threading.Event, quiet_s: float) -> None:
+        """Tell what runs when no line has come for some seconds, and after twice the time each again."""
+        last, wait = self.told, quiet_s
+        while not ended.wait(max(last + wait - time.monotonic(), 0.0)):
+            if self.told != last:
+                last, wait = self.told, quiet_s
+                continue
+            bars: Any = sys.modules.get("tqdm")
+            if not (bars and getattr(bars.tqdm, "_instances", None)):  # a bar shows that the work goes on
+                took = duration_text(time.monotonic() - last)
+                click.echo(f"{running() or command}: {took} so far", err=True)
+            wait *= 2
+
 
 @contextmanager
-def _notes_on_stderr() -> Iterator[None]:
-    logger, handler = logging.getLogger("cranktopo"), _Stderr()
+def _notes_on_stderr(quiet_s: float = QUIET_S) -> Iterator[None]:
+    logger, handler, ended = logging.getLogger("cranktopo"), _Stderr(), threading.Event()
     before = logger.level
     logger.addHandler(handler)
     logger.setLevel(_LOGGED[level()])
+    waits = threading.Thread(target=handler.tell_waits, args=(_command(), ended, quiet_s), daemon=True)
+    if level() == QUIET:
+        ended.set()
+    waits.start()
     try:
         yield
     finally:
+        ended.set()
+        waits.join()
         logger.removeHandler(handler)
         logger.setLevel(before)
+
+
+def _command() -> str:
+    context = click.get_current_context(silent=True)
+    return (context and context.info_name) or "at work"
 
 
 def level() -> int:

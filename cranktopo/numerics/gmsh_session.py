@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
+from cranktopo.base.notes import at_work
 
 _TRIANGLE = 2
 _RESET = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM)
@@ -30,7 +31,7 @@ def cad_session(what: str) -> Iterator[Any]:
 
     Single-threaded, so that the same input gives the same mesh; sessions of other threads wait.
     """
-    with _ALONE:
+    with _ALONE, at_work(f"CAD kernel: {what}"):
         yield from _session(what)
 
 

@@ -52,7 +52,7 @@ def png(figure: Figure, dpi: float | str = "figure", facecolor: str = "auto") ->
 
 
 _WIDE_INCHES = 9.0
-_PANEL_INCHES, _AXES, _POLAR_AXES = (4.4, 3.0), (0.145, 0.165, 0.83, 0.74), (0.07, 0.09, 0.5, 0.72)
+_PANEL_INCHES, _POLAR_AXES = (4.4, 3.0), (0.07, 0.09, 0.5, 0.72)
 
 
 @dataclass(frozen=True)
@@ -73,14 +73,30 @@ class Picture:
 def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, polar: bool = False) -> Picture:
     """Return a plot with one pair of axes; `draw` is called with them and the arguments.
 
-    Polar axes leave room for a legend beside them.
+    Labelled curves are named below the axes. Polar axes leave room for a legend beside them.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=_PANEL_INCHES, facecolor="none")
+    figure = Figure(figsize=_PANEL_INCHES, facecolor="none", layout=None if polar else "constrained")
     FigureCanvasAgg(figure)
-    axes = figure.add_axes(_POLAR_AXES, projection="polar") if polar else figure.add_axes(_AXES)
+    axes = figure.add_axes(_POLAR_AXES, projection="polar") if polar else figure.add_subplot()
     axes.set_facecolor("none")
     draw(axes, *arguments)
+    if axes.get_legend() is None:
+        _name_below(axes)
     return Picture(name, figure, alt)
+
+
+_LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES = 0.065, 0.55, 0.17
+
+
+def _name_below(axes: Any) -> None:
+    """Name the curves below the axes, where the names cover none of them; the figure grows by their rows."""
+    labels = axes.get_legend_handles_labels()[1]
+    if labels:
+        width, height = _PANEL_INCHES
+        widest = _HANDLE_INCHES + _LETTER_INCHES * max(map(len, labels))
+        columns = max(1, min(len(labels), int(width / widest)))
+        axes.figure.set_size_inches(width, height + _ROW_INCHES * -(-len(labels) // columns))
+        axes.figure.legend(fontsize=8, ncols=columns, loc="outside lower center", frameon=False)

@@ -18,7 +18,7 @@ from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
 from cranktopo.tasks.sweep.points import points_of
 from cranktopo.tasks.sweep.run import SweptRun, run_sweep
-from cranktopo.tasks.sweep.text import frame_of, write_tables
+from cranktopo.tasks.sweep.text import write_tables
 from cranktopo.tasks.sweep.variation import read_option
 from tests.sweep_cases import empty
 
@@ -39,7 +39,7 @@ def timed(work: Callable[[], object]) -> float:
 def written(done: SweptRun, folder: Path) -> None:
     """Front, table and page of a finished sweep once more."""
     front_of([row for row in done.result.points if row.status == "done"])
-    write_tables(frame_of(done.result.points, done.result.front), folder, "again")
+    write_tables(done.frame, folder, "again")
     sweep_html(done.result, {})
 
 

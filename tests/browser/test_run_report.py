@@ -83,6 +83,21 @@ def test_the_throw_is_drawn_the_right_way_round(visit: Any, run: Path) -> None:
     assert np.nonzero(is_grey(seen.picture()))[0].mean() > middle, "the journal is below"
 
 
+def test_the_front_view_is_that_of_a_drawing(visit: Any, run: Path) -> None:
+    """Parallel, so that the outline from behind is its mirror image, and with edges."""
+    seen = visit(run / "report.html")
+    front = seen.page.get_by_role("button", name="Front")
+    front.click()
+    before = seen.picture()
+    front.evaluate("button => button.dataset.view = '3.14159265,0'")
+    front.click()
+    behind = seen.picture()[:, ::-1]
+    solid = before[:, :, 3] == 255
+    assert (solid != (behind[:, :, 3] == 255)).sum() < 0.01 * solid.sum()
+    edge = solid & (before[:, :, :3].max(axis=2) < 40)
+    assert 0.002 < edge.sum() / solid.sum() < 0.05
+
+
 def test_keys_turn_zoom_and_reset(visit: Any, run: Path) -> None:
     seen = visit(run / "report.html")
     start = seen.picture()

@@ -12,7 +12,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.units import NMM_PER_NM
+from cranktopo.base.units import NMM_PER_NM, plain_number
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.quantities import QUANTITIES
@@ -42,7 +42,10 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
     users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
     users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
     if not users:
-        return replace(estimate, changes="nothing", absent="neither goal nor limits need it", needed="")
+        absent, changes = "neither goal nor limits need it", "nothing"
+        if kind == "centrifugal" and _wants_safety(goal):
+            absent, changes = f"{absent} on cells: the fatigue safety counts it", f"{changes} on cells"
+        return replace(estimate, changes=changes, absent=absent, needed="")
     needed = f"the goal needs it: {', '.join(users)}"
     changes = f"{', '.join(users)} cannot be told"
     return replace(estimate, changes=changes, absent="", needed=needed, indispensable=needed)
@@ -55,6 +58,10 @@ def _wants_safety(goal: Goal | None) -> str:
     limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
     users = [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
     return f"the goal needs it: {', '.join(users)}" if users else ""
+
+
+def _signed(percent: float) -> str:
+    return f"{'+' * (percent >= 0)}{plain_number(percent, 2)} %"
 
 
 def bound(context: PlanningContext) -> Estimate:
@@ -109,7 +116,7 @@ def bearing_compliance(context: PlanningContext) -> Estimate:
     held = "spring" in (scene.supports.torsion, scene.supports.bending)
     needed = "a support is 'spring'" if held else ""
     stiffer = 100 * (1 / (2 * spring)) / own
-    changes = f"reported bending stiffness {stiffer:+z.2g} %; the best shape stays, springs are in series"
+    changes = f"reported bending stiffness {_signed(stiffer)}; the best shape stays, springs are in series"
     return Estimate(percent, because, changes, needed=needed, indispensable=needed)
 
 
@@ -124,7 +131,7 @@ def fillets(context: PlanningContext) -> Estimate:
     sharp, rounded = context.compliance, throw_compliance(context.scene)
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
     bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
-    because = f"bending stiffness {bending:+z.2g} %, torsional {torsion:+z.2g} %"
+    because = f"bending stiffness {_signed(bending)}, torsional {_signed(torsion)}"
     wanted = context.scene.effects.fatigue
     needed = (
         "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(context)) else ""
@@ -132,7 +139,7 @@ def fillets(context: PlanningContext) -> Estimate:
     return Estimate(
         max(torsion, bending),
         because,
-        f"bending stiffness {-bending:+z.2g} %, torsional {-torsion:+z.2g} %, no stress",
+        f"bending stiffness {_signed(-bending)}, torsional {_signed(-torsion)}, no stress",
         needed=needed,
     )
 
@@ -147,7 +154,7 @@ def bores(context: PlanningContext) -> Estimate:
     stiffer = 100 * (hollow / throw_compliance(plain).torsion_rad_per_Nmm - 1)
     heavier = 100 * (throw_balance(plain).mass_kg / context.balance.mass_kg - 1)
     because = f"solid journals would be {stiffer:.3g} % stiffer in torsion, the throw {heavier:.3g} % heavier"
-    changes = f"torsional stiffness {stiffer:+z.2g} %, mass {heavier:+z.2g} %"
+    changes = f"torsional stiffness {_signed(stiffer)}, mass {_signed(heavier)}"
     return Estimate(max(stiffer, heavier), because, changes)
 
 
@@ -310,5 +317,5 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
     other = next(s for s in without if s.name == "max_radial").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
-    changes = f"radial force {100 * (other - full) / abs(full):+z.2g} %"
+    changes = f"radial force {_signed(100 * (other - full) / abs(full))}"
     return Estimate(percent, because, changes)

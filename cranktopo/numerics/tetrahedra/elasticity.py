@@ -19,6 +19,7 @@ import scipy.sparse.linalg as sla
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
+from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
@@ -52,12 +53,17 @@ def symmetric_solver(
     The prolongation is the interpolation from linear elements, the method "direct", "multigrid", or "auto" by
     size. Raises CranktopoError: a singular matrix, or, of the solver, a relative residual above the limit.
     """
-    direct = method == "direct" or (method == "auto" and matrix.shape[0] <= DIRECT_LIMIT)
-    factor = _factorise(matrix) if direct else two_level_cycle(matrix, prolongation)
+    unknowns = matrix.shape[0]
+    direct = method == "direct" or (method == "auto" and unknowns <= DIRECT_LIMIT)
+    with at_work(f"factorising, {unknowns:,} unknowns"):
+        factor = _factorise(matrix) if direct else two_level_cycle(matrix, prolongation)
 
     def solve(loads: Array) -> Array:
-        solution = factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, _AIM * residual)
-        _check_residual(matrix, loads, solution, residual)
+        with at_work(f"solving {loads.shape[1]} columns, {unknowns:,} unknowns"):
+            solution = (
+                factor(loads) if direct else _conjugate_gradients(matrix, loads, factor, _AIM * residual)
+            )
+            _check_residual(matrix, loads, solution, residual)
         return solution
 
     return solve
@@ -189,6 +195,7 @@ class Elasticity:
     order: Order = 2
 
 
+@at_work("stiffness matrix")
 def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2) -> Elasticity:
     """Assemble the isotropic stiffness matrix; order 1 is only for comparison with quadratic elements."""
     from skfem import MeshTet2

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.notes import at_work
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.mesh import EDGES, node_points, shape_gradients
 
@@ -52,6 +53,7 @@ class NodalStress:
     nodal_MPa: Array
 
 
+@at_work("stresses at all nodes")
 def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, poisson: float) -> NodalStress:
     """Return the stresses of displacement fields (fields, unknowns) at all nodes.
 

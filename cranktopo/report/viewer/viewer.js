@@ -11,7 +11,7 @@
   const VERTEX = `#version 300 es
     in vec3 position; in vec3 normal; in float share;
     uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1;
-    uniform vec2 lens; uniform vec3 depth; uniform vec3 ramp[STOPS]; uniform bool ramped;
+    uniform vec3 scale; uniform float nearer; uniform vec3 ramp[STOPS]; uniform bool ramped;
     out vec3 tint; out float light, height;
     const vec3 KEY = normalize(vec3(-0.45, 0.60, 0.65));
     const vec3 FRONT = normalize(vec3(0.10, 0.0, 1.0));
@@ -30,8 +30,7 @@
         + 0.16 * max(dot(n, RIM), 0.0);
       tint = colour();
       height = own.z;
-      float w = depth.x - p.z;
-      gl_Position = vec4(lens * p.xy, depth.y * w + depth.z, w);
+      gl_Position = vec4(scale * p, 1.0) - vec4(0.0, 0.0, nearer, 0.0);
     }`;
   const FRAGMENT = `#version 300 es
     precision highp float;
@@ -43,14 +42,14 @@
     }`;
   const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5];
   const EVERYWHERE = [-1e9, 1e9], SHARP = Math.cos(35 * Math.PI / 180);
-  const FIELD_OF_VIEW = 0.5, START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
+  const EDGE = [0.10, 0.16, 0.30], START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
   const { header, arrays } = await unpack(packed.textContent);
   const stress = header.stress;
   const program = link();
   const at = (name) => gl.getUniformLocation(program, name);
   const uniforms = Object.fromEntries(
-    ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "lens", "depth", "ramp",
+    ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "scale", "nearer", "ramp",
       "ramped", "sides", "beyond"].map((n) => [n, at(n)]),
   );
   const bodies = allBuffers(header.bodies, arrays);
@@ -121,7 +120,7 @@
   }
 
   function discardHalves(body) {
-    for (const half of new Set([body, body.beyond])) discard(half.web);
+    for (const half of new Set([body, body.beyond])) [half.web, half.edges].forEach(discard);
   }
 
   const pitch = (body) => body.half_pitch_mm + body.beyond.half_pitch_mm;
@@ -145,7 +144,44 @@
       ...body,
       web: buffers(attributes, faces.filter((v, i) => !isJournal(v, i))),
       journals: buffers(attributes, faces.filter(isJournal)),
+      edges: buffers(attributes.slice(0, 1), sharpEdges(arrays[body.positions], faces, body.size_mm)),
     };
+  }
+
+  // Pairs of corners between faces that meet at a sharp edge; corners at one place count as one.
+  function sharpEdges(positions, faces, size) {
+    const places = new Map(), pairs = new Map(), found = [];
+    const own = Uint32Array.from({ length: positions.length / 3 }, (_, v) => {
+      const place = positions[3 * v] * 2 ** 32 + positions[3 * v + 1] * 2 ** 16 + positions[3 * v + 2];
+      if (!places.has(place)) places.set(place, v);
+      return places.get(place);
+    });
+    const at = (v) => size.map((length, axis) => length * positions[3 * v + axis]);
+    for (let f = 0; f < faces.length; f += 3) {
+      const [a, b, c] = [at(faces[f]), at(faces[f + 1]), at(faces[f + 2])];
+      const across = cross(less(b, a), less(c, a)), length = Math.hypot(...across);
+      if (!length) continue;
+      const normal = across.map((part) => part / length);
+      for (let i = 0; i < 3; i++) {
+        const from = own[faces[f + i]], to = own[faces[f + ((i + 1) % 3)]];
+        const pair = Math.min(from, to) * 2 ** 24 + Math.max(from, to), other = pairs.get(pair);
+        if (!other) pairs.set(pair, normal);
+        else if (dot(normal, other) < SHARP) found.push(from, to);
+      }
+    }
+    return Uint32Array.from(found);
+  }
+
+  function less(u, v) {
+    return u.map((x, axis) => x - v[axis]);
+  }
+
+  function cross(u, v) {
+    return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+  }
+
+  function dot(u, v) {
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
   }
 
   // A body that comes without normals: they are means over the faces at a corner that meet at no sharp edge.
@@ -157,11 +193,9 @@
     const across = [], meeting = Array.from({ length: named }, () => []);
     for (let f = 0; 3 * f < faces.length; f++) {
       const corners = [...faces.subarray(3 * f, 3 * f + 3)], [a, b, c] = corners.map(at);
-      const [u, v] = [b, c].map((end) => end.map((x, axis) => x - a[axis]));
-      across.push([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]);
+      across.push(cross(less(b, a), less(c, a)));
       corners.forEach((corner) => meeting[corner].push(f));
     }
-    const dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     const lengths = across.map((n) => Math.hypot(...n) || 1);
     const positions = new Float32Array(3 * faces.length), normals = new Int8Array(3 * faces.length);
     faces.forEach((v, corner) => {
@@ -175,7 +209,11 @@
     });
     const attributes = [[positions, 3, gl.FLOAT, false], [normals, 3, gl.BYTE, true]];
     const web = buffers(attributes, Uint32Array.from(faces.keys()));
-    return { ...body, web, journals: { ...web, count: 0 } };
+    const lines = buffers(
+      [[points, 3, gl.FLOAT, false]],
+      sharpEdges(arrays[body.points], faces, body.size_mm.map((size) => size / body.steps)),
+    );
+    return { ...body, web, edges: lines, journals: { ...web, count: 0 } };
   }
 
   // Shows a packed body in place of the page's own, or that again; false where another was asked for since.
@@ -289,8 +327,10 @@
       gl.uniform3f(uniforms.shift, 0, 0, mirrored ? pitch(body) : 0);
       place(half.low_mm, half.size_mm, half.sides_mm);
       paint(half.journals, JOURNAL, JOURNAL);
-      if (blocks === null) paint(half.web, WEB, WEB);
-      else {
+      if (blocks === null) {
+        paint(half.web, WEB, WEB);
+        paint(half.edges, EDGE, EDGE, gl.LINES);
+      } else {
         place(steps.origin_mm, steps.cell_mm);
         paint(blocks, THIN, WEB);
       }
@@ -317,13 +357,10 @@
       for (const i of [0, 1]) size[i] = Math.max(size[i], body.beyond.size_mm[i]);
     }
     const radius = Math.hypot(...size) / 2;
-    const distance = radius / Math.sin(FIELD_OF_VIEW / 2) / state.zoom;
-    const near = Math.max(distance - 1.2 * radius, 0.02 * distance), far = distance + 1.2 * radius;
-    const lens = (1.1 / Math.tan(FIELD_OF_VIEW / 2)) * Math.min(aspect, 1);
+    const scale = 1.06 * state.zoom * Math.min(aspect, 1) / radius; // parallel projection, as on a drawing
     gl.uniformMatrix3fv(uniforms.turn, false, turn);
     gl.uniform3fv(uniforms.target, target);
-    gl.uniform2f(uniforms.lens, lens / aspect, lens);
-    gl.uniform3f(uniforms.depth, distance, (far + near) / (far - near), (-2 * far * near) / (far - near));
+    gl.uniform3f(uniforms.scale, scale / aspect, scale, -1 / (1.2 * radius));
   }
 
   function place(low, size, sides = EVERYWHERE) {
@@ -333,11 +370,14 @@
     gl.uniform3fv(uniforms.beyond, JOURNAL);
   }
 
-  function paint(shape, colour0, colour1) {
+  function paint(shape, colour0, colour1, kind = gl.TRIANGLES) {
+    const edge = kind === gl.LINES;
+    gl.uniform1f(uniforms.nearer, edge ? 0.002 : 0); // than the faces that an edge bounds
+    if (edge) gl.uniform3fv(uniforms.beyond, EDGE);
     gl.uniform3fv(uniforms.colour0, colour0);
     gl.uniform3fv(uniforms.colour1, colour1);
     gl.bindVertexArray(shape.vao);
-    gl.drawElements(gl.TRIANGLES, shape.count, gl.UNSIGNED_INT, 0);
+    gl.drawElements(kind, shape.count, gl.UNSIGNED_INT, 0);
   }
 
   function turnBy(yaw, pitch) {

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from itertools import cycle
-from typing import Any, TypeVar
+from typing import Any
 
 from cranktopo.base.units import plain_number
 from cranktopo.numerics.extrapolation import Extrapolation
@@ -116,38 +114,13 @@ def _limit_text(name: str, limit: Extrapolation) -> str:
 
 
 _MARKERS, _COLOURS = "osD^vP*X", ("C0", "C1", "C2")
-_Point = TypeVar("_Point", "TimedError", LevelResult)
-
-
-@dataclass(frozen=True)
-class TimedError:
-    """The error estimate of a result and the seconds that it took."""
-
-    name: str
-    seconds: float
-    error_percent: float
-
-
-def error_picture(points: Sequence[TimedError]) -> Picture:
-    """Return error against seconds."""
-    return _picture([point for point in points if point.error_percent], _draw_errors)
 
 
 def study_pictures(result: StudyResult) -> tuple[Picture, ...]:
     """Return error against seconds where any error is known, the Pareto front of each study joined."""
     shown = [level for level in result.rungs if level.error_percent]
-    return (_picture(shown, _draw_fronts),) if shown else ()
-
-
-def _picture(shown: Sequence[_Point], draw: Callable[[Any, Sequence[_Point]], None]) -> Picture:
     words = "; ".join(f"{v.name}: {v.error_percent:.2g} % in {v.seconds:.3g} s" for v in shown)
-    return picture("accuracy", f"Error against seconds. {words}", draw, shown)
-
-
-def _draw_errors(axes: Any, levels: Sequence[TimedError]) -> None:
-    for level, marker in zip(levels, cycle(_MARKERS), strict=False):
-        axes.plot(level.seconds, level.error_percent, marker, label=level.name)
-    _frame(axes)
+    return (picture("accuracy", f"Error against seconds. {words}", _draw_fronts, shown),) if shown else ()
 
 
 def _draw_fronts(axes: Any, levels: Sequence[LevelResult]) -> None:
@@ -177,8 +150,7 @@ def _frame(axes: Any) -> None:
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    axes.margins(0.15 if len(axes.texts) == 0 else 0.25, 0.15)
-    axes.legend(fontsize=8)
+    axes.margins(0.25, 0.15)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)
 

@@ -104,6 +104,9 @@ def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
             "neutral",
         ),
         Fact(
-            f"Main bearing {index + 1}", f"{plain:.0f} N", f"{COUNTERWEIGHTED}: {weighted:.0f} N", "neutral"
+            f"Main bearing {index + 1}",
+            f"{number_text(plain)} N",
+            f"{COUNTERWEIGHTED}: {number_text(weighted)} N",
+            "neutral",
         ),
     )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.units import number_text
 from cranktopo.engine.balance.free_forces import ORDERS, Complex
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS, EngineBalance
 from cranktopo.report.plot import GREY, Picture, picture
@@ -32,7 +33,7 @@ class _Curve:
         return float(np.abs(self.values).max())
 
     def size(self, unit: str) -> str:
-        return f"{self.largest:{'.0f' if self.largest >= 1e4 else '.4g'}} {unit}"
+        return f"{number_text(self.largest)} {unit}"
 
 
 def balance_pictures(balance: EngineBalance) -> tuple[Picture, ...]:
@@ -75,6 +76,14 @@ def _polar(name: str, title: str, curves: Sequence[_Curve], unit: str) -> Pictur
     return picture(f"balance-{name}", f"{title}. {told}", _draw, title, curves, unit, polar=True)
 
 
+def _emptiest_deg(curves: Sequence[_Curve]) -> float:
+    """Return the direction, between those that are named, from which the curves keep farthest away."""
+    points = np.concatenate([curve.values for curve in curves])
+    places = np.arange(22.5, 360.0, 45.0)
+    along = np.real(points[:, None] * np.exp(-1j * np.deg2rad(places)))
+    return float(places[along.max(axis=0).argmin()])
+
+
 def _draw(axes: Any, title: str, curves: Sequence[_Curve], unit: str) -> None:
     """Directions as in the engine: its plane of symmetry upright, the crank turning clockwise."""
     from matplotlib.ticker import MaxNLocator
@@ -92,7 +101,7 @@ def _draw(axes: Any, title: str, curves: Sequence[_Curve], unit: str) -> None:
             zorder=3 - curve.largest / max(c.largest for c in curves),
         )
     axes.set_rmax(1.05 * max(curve.largest for curve in curves))
-    axes.set_rlabel_position(157.5)
+    axes.set_rlabel_position(_emptiest_deg(curves))
     axes.yaxis.set_major_locator(MaxNLocator(4))
     axes.tick_params(labelsize=7, colors=GREY)
     axes.grid(color="0.9", linewidth=0.8)

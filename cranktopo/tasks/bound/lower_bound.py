@@ -18,7 +18,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.notes import detail
+from cranktopo.base.notes import at_work, detail
 from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
@@ -191,6 +191,7 @@ class Bound:
         return None if self.value is None else 100 * self.value / self.original
 
 
+@at_work("bound: what no web of the envelope can beat")
 def prove(model: BoundModel, goal: Goal, start: Array | None = None) -> Bound:
     """Return the bound of a goal, from densities (nx, ny, nw) or uniform ones; inside `double_precision()`.
 

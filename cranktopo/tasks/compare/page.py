@@ -17,7 +17,6 @@ from cranktopo.report.plot import save_figure
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
 from cranktopo.runs.destination import check_file
-from cranktopo.tasks.accuracy.page import TimedError, error_picture
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
@@ -219,14 +218,12 @@ def _accuracy(comparison: Comparison) -> Section:
         ),
         evaluations,
     )
-    found = [TimedError(e.target, e.total_seconds, e.error_percent) for e in evaluations]
     return Section(
         "accuracy",
         "Accuracy and what it costs",
         "Errors are bounds by what cubic elements would change, and for triangles by a coarser mesh as well. "
         "A difference between two webs has a smaller one, since errors of like meshes cancel.",
         (("Meshes", table),),
-        (error_picture(found),),
     )
 
 
@@ -264,6 +261,7 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound
     most = most_by_label(bound.stiffest if bound else {}, original)
     for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
+    figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
     with replacing(path) as temporary:
         save_figure(figure, temporary, dpi=130)
 

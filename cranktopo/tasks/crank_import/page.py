@@ -69,7 +69,7 @@ def _numbered(word: str, lines: Sequence[str]) -> list[tuple[str, str]]:
 def _headline(half: ImportedHalf) -> str:
     share = 100 * (half.design_volume_mm3 / half.volume_mm3 - 1)
     return (
-        f"The design has {share:+.2f} % of the body's volume; its outline ({half.outline}) lies within "
+        f"The design has {share:+z.2f} % of the body's volume; its outline ({half.outline}) lies within "
         f"{half.outline_deviation_mm:.3g} mm. Gains are measured against the body itself."
     )
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.notes import at_work
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric, on_cells
 from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.bodies.memory import WALL_CELLS, available_memory_MiB, check_resolution, thinnest_wall_mm
@@ -78,7 +79,8 @@ def first_state(
     coarse = build_problem(coarser, there, cases, problem.solving)
     state = loop.init(coarse)
     while not state.done:
-        state = loop.step(coarse, state)
+        with at_work(f"iteration {len(state.history) + 1} on larger cells"):
+            state = loop.step(coarse, state)
         progress(coarse, state)
     x = interpolated(state.x, np.asarray(coarse.density_chain.design_fraction), there, domain)
     told = CoarseStart(there.grid.largest_edge_mm, len(state.history), time.perf_counter() - began)
@@ -160,7 +162,8 @@ def optimise_density(
 def iterate(problem: DensityProblem, state: State, progress: Progress = lambda *_: None) -> State:
     """Return the state at the end of the optimisation; `progress` is called after every iteration."""
     while not state.done:
-        state = loop.step(problem, state)
+        with at_work(f"iteration {len(state.history) + 1}"):
+            state = loop.step(problem, state)
         progress(problem, state)
     return state
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.notes import at_work
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
@@ -242,6 +243,7 @@ def volume_error(model: Elasticity, meshed: MeshedThrow) -> float:
     return model.volume_mm3 * (2 if meshed.mesh.mirrored else 1) / meshed.body.volume_mm3 - 1
 
 
+@at_work("error bounds of the mesh")
 def discretisation_errors(
     model: Elasticity, meshed: MeshedThrow, blocks: Sequence[Superelement], scene: Scene
 ) -> list[DiscretisationError]:

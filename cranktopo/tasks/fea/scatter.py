@@ -60,7 +60,6 @@ def draw_stiffness_over_mass(
         axes.scatter([point.mass_kg], [point.stiffness], marker=marker, label=point.name, zorder=2)
     if most is not None:
         axes.plot(most.mass_kg, most.stiffness, color="C3", label="no web of the envelope is above")
-    axes.legend(fontsize=8, loc="lower right")
     axes.set_title(f"dashed: equal stiffness per mass, % of {points[baseline].name}", fontsize=9)
 
 

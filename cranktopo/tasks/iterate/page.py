@@ -149,5 +149,5 @@ def _steps_figure(loop: LoopResult) -> Figure:
     axes.set(xlabel="step", ylabel="percent of the original web")
     axes.set_xticks(numbers, names)
     axes.set_title(f"{loop.design}: {loop.stop_reason}", fontsize=9)
-    axes.legend(fontsize=8)
+    figure.legend(fontsize=8, loc="outside lower center", ncols=2, frameon=False)
     return figure

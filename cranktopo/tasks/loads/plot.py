@@ -35,6 +35,7 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
     figure = Figure(figsize=(9, 13), layout="constrained")
     for axes, panel in zip(figure.subplots(len(panels), 1, sharex=True), panels, strict=True):
         panel(axes, analysis)
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
         axes.label_outer()
     figure.suptitle(title)
     with replacing(path) as temporary:
@@ -97,5 +98,4 @@ def _frame(axes: Any, analysis: LoadAnalysis, label: str) -> None:
     axes.set_ylabel(label)
     axes.set_xlabel("crank angle from firing top dead centre [deg]")
     axes.grid(alpha=0.3)
-    axes.legend()
     axes.set_xlim(0, analysis.engine.cycle_deg)

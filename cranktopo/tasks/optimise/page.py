@@ -14,8 +14,6 @@ from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable, Row
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, stress_scales
 from cranktopo.tasks.accuracy.page import (
-    TimedError,
-    error_picture,
     level_tables,
     recommendation_table,
     study_pictures,
@@ -156,23 +154,13 @@ def accuracy_section(metrics: RunMetrics, studies: StudyResult | None, folder: s
         "estimate."
     )
     tables = [("This run", pairs(rows))]
-    pictures: tuple[Picture, ...] = _own_picture(metrics)
+    pictures: tuple[Picture, ...] = ()
     if not studies:
         text += f" 'cranktopo accuracy {folder}' adds what each digit costs, from cheap to exact."
     if studies and studies.rungs:
         tables += [*level_tables(studies), ("Cheapest level", recommendation_table(studies))]
         pictures = study_pictures(studies)
     return Section("accuracy", "Accuracy and what it costs", text, tuple(tables), pictures)
-
-
-def _own_picture(metrics: RunMetrics) -> tuple[Picture, ...]:
-    seconds = metrics.seconds.total
-    found = [
-        TimedError(name, seconds, case.error_estimate_percent)
-        for name, case in metrics.load_cases.items()
-        if case.error_estimate_percent is not None
-    ]
-    return (error_picture(found),) if found else ()
 
 
 def _estimates(load_cases: Mapping[str, CaseMetrics]) -> list[tuple[str, str]]:

@@ -90,6 +90,10 @@ def _draw_curves(figure: Figure, history: _History) -> None:
     )
     for number, panel in enumerate(PANELS):
         panel(figure.add_subplot(grid[number]), history)
+    if figure.axes[-len(PANELS)].get_legend_handles_labels()[0]:
+        figure.axes[-len(PANELS)].legend(
+            fontsize=9, frameon=False, loc="upper right", bbox_to_anchor=(1.0, 0.94)
+        )
 
 
 _CASE_KEY = "_compliance_N_mm"
@@ -142,8 +146,6 @@ def _draw_compliances(axes: Any, history: _History) -> None:
     if highest > 8 * lowest > 0:
         axes.set_yscale("log")
     axes.set_ylabel("compliance over its start (-)", fontsize=9)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=9, frameon=False, loc="upper right", bbox_to_anchor=(1.0, 0.94))
 
 
 def _draw_fraction(axes: Any, history: _History, key: str, label: str) -> None:

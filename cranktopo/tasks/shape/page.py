@@ -37,6 +37,7 @@ from cranktopo.tasks.shape.text import (
     release_verdict,
     rounds_table,
     shape_headline,
+    value_words,
     worst_case_table,
 )
 
@@ -66,7 +67,9 @@ def shape_page(
 
 def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
     change, error = found.change_percent[key], _change_error_percent(found, key)
-    label, note = quantity.label.capitalize(), "against the original web, body-fitted evaluation"
+    original, result, unit = value_words(found, key)
+    label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
+    note = f"{value} against the original's {original}"
     shown = f"{change:+z.1f} %" if not error else f"{change:+z.1f} +-{error:.1g} %"
     if abs(change) <= error:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")

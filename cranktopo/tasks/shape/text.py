@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from cranktopo.base.units import plain_number
 from cranktopo.report.goal_table import broken_limits, limits_table
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
@@ -86,17 +87,26 @@ def changes_table(found: ShapeResult) -> ResultTable:
     columns = {"quantity": 0, "unit": 0, "original": 0, "result": 0, "change_percent": 2}
     before, after, rows = found.values.original, found.values.result, list[Row]()
     for key in (key for key in QUANTITIES_TOLD if key in before and key in after):
-        quantity = QUANTITIES_TOLD[key]
-        factor = 1e-3 if quantity.unit in _KILO_UNITS else 1.0
+        original, result, unit = value_words(found, key)
         row: Row = {
-            "quantity": quantity.label,
-            "unit": _KILO_UNITS.get(quantity.unit, quantity.unit.replace("_", " ")),
-            "original": f"{factor * before[key]:.{quantity.digits}f}",
-            "result": f"{factor * after[key]:.{quantity.digits}f}",
+            "quantity": QUANTITIES_TOLD[key].label,
+            "unit": unit,
+            "original": original,
+            "result": result,
             "change_percent": found.change_percent.get(key),
         }
         rows.append(row)
     return ResultTable(columns, tuple(rows))
+
+
+def value_words(found: ShapeResult, key: str) -> tuple[str, str, str]:
+    """Return a quantity of original and result as text, small ones with four digits, and their unit."""
+    quantity = QUANTITIES_TOLD[key]
+    factor = 1e-3 if quantity.unit in _KILO_UNITS else 1.0
+    values = [factor * web[key] for web in (found.values.original, found.values.result)]
+    small = max(map(abs, values)) < 10.0 ** (2 - quantity.digits)
+    original, result = (plain_number(v) if small else f"{v:.{quantity.digits}f}" for v in values)
+    return original, result, _KILO_UNITS.get(quantity.unit, quantity.unit.replace("_", " "))
 
 
 def feature_trials_table(found: ShapeResult) -> ResultTable:

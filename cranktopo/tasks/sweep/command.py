@@ -75,6 +75,11 @@ _BESIDE_FILE = ("target", "workers", "scheduler", "out", "as_json")
     help="Time for points at full accuracy with --refine front, such as 10min; the picks come first.",
 )
 @click.option(
+    "--keep",
+    type=Choice(["journals", "pitch"]),
+    help="What stays where webs or pins get longer: main journals, or the pitch.  [default: journals]",
+)
+@click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes here; default: as cores and memory allow."
 )
 @click.option(

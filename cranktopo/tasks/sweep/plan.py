@@ -39,7 +39,14 @@ Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 _STAGES: tuple[Stage, ...] = get_args(Stage)
 OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
 """Stages that work on one web, which is that of both halves."""
-_CHOICES = {"sampling": ("grid", "latin", "sobol"), STAGE: _STAGES, "refine": ("all", "front")}
+JOURNAL_LENGTHS = ("throw.main_journal.length_mm", "throw.second_main_journal_length_mm")
+"""Keys of the lengths that follow where the pitch is kept."""
+_CHOICES = {
+    "sampling": ("grid", "latin", "sobol"),
+    STAGE: _STAGES,
+    "refine": ("all", "front"),
+    "keep": ("journals", "pitch"),
+}
 """Settings that take one of a few words, the first by default."""
 
 
@@ -67,6 +74,8 @@ class SweepPlan(Result):
     """Every point at full accuracy, or those alone that a coarse first look does not rule out."""
     budget_s: int | float | None = None
     """Time for points at full accuracy after the first look."""
+    keep: Literal["journals", "pitch"] = "journals"
+    """What stays where webs or pins get longer: main journals, or the pitch of the throws."""
     seed: int = SEED
 
     @property
@@ -147,6 +156,8 @@ def _check(plan: SweepPlan) -> None:
     if plan.budget_s is not None and plan.refine != "front":
         raise _misused("--budget is time for what a first look does not rule out", "Add --refine front.")
     keys = [variation.key for variation in plan.vary]
+    for key in set(keys) & set(JOURNAL_LENGTHS) if plan.keep == "pitch" else ():
+        raise _misused(f"{key} varies, and the pitch decides it", "Leave out --keep pitch.")
     for key in (key for key in keys if keys.count(key) > 1):
         raise _misused(f"{key} varies twice", "Give all its values at once.")
     for stage in (s for one in plan.vary if one.key == STAGE for s in one.values or ("a range",)):
@@ -180,7 +191,7 @@ def _misused(what: str, hint: str) -> CranktopoError:
     return CranktopoError(f"sweep: {what}.", hint=hint, code=ExitCode.USAGE)
 
 
-_WORDS = ("stage", "sampling", "refine", "minimise", "maximise")
+_WORDS = ("stage", "sampling", "refine", "keep", "minimise", "maximise")
 _NUMBERS = {"element_size_mm": (1e-3, 1e3), "accuracy_percent": (1e-3, 99.0), "budget_s": (1.0, 1e8)}
 """Keys with their smallest and largest value."""
 _KEYS = ("schema_version", "design", "scenes", "samples", "limits", "vary", *_WORDS, *_NUMBERS)

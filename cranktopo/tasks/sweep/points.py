@@ -13,7 +13,7 @@ from cranktopo.design.loading import input_files, scene_from_dict, with_value
 from cranktopo.design.schema import Scene
 from cranktopo.runs.manifest import file_hash, settings_hash
 from cranktopo.tasks.sweep.fineness import Fineness
-from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
+from cranktopo.tasks.sweep.plan import JOURNAL_LENGTHS, OPTIMISED, Stage, SweepPlan
 from cranktopo.tasks.sweep.variation import STAGE, Value
 
 _ID_LETTERS = 12
@@ -96,17 +96,30 @@ def _point(
     settings: Mapping[str, Any],
     fineness: Fineness,
 ) -> SweepPoint:
-    stage = cast(Stage, varied.get(STAGE, plan.stage))
+    own, stage = tables, cast(Stage, varied.get(STAGE, plan.stage))
     for key, value in varied.items():
         if key != STAGE:
             tables = with_value(tables, key, value)
-    scene, reason = _scene(tables, design, whole=stage not in OPTIMISED)
+    whole = stage not in OPTIMISED
+    scene, reason = _scene(tables, design, whole)
+    if scene is not None and varied and plan.keep == "pitch":
+        tables = _with_pitch(tables, scene, scene_from_dict(own, design, whole=True).pitch_mm)
+        scene, reason = _scene(tables, design, whole)
     files = {} if scene is None else {role: file_hash(path) for role, path in input_files(scene).items()}
     known = {STAGE: stage, **fineness.settings(), "files": files, **settings}
     # without what is as by default, so that keys that a later version adds leave the hash as it is
     told = tables if scene is None else _told(scene)
     sha256 = settings_hash(told, known)
     return SweepPoint(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
+
+
+def _with_pitch(tables: dict[str, Any], scene: Scene, pitch_mm: float) -> dict[str, Any]:
+    """Return the tables of a scene with main journals so long that its throws are so far apart."""
+    lengths = (scene.throw.main_journal.length_mm, scene.throw.second_main_journal_length_mm)
+    for key, length in zip(JOURNAL_LENGTHS, lengths, strict=True):
+        if length is not None:
+            tables = with_value(tables, key, length + pitch_mm - scene.pitch_mm)
+    return tables
 
 
 def _scene(tables: dict[str, Any], design: str, whole: bool) -> tuple[Scene | None, str]:

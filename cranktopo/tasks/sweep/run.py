@@ -53,8 +53,8 @@ class SweptRun:
 
     @property
     def frame(self) -> pandas.DataFrame:
-        """One row per point, units in the column names."""
-        return frame_of(self.result.points, self.result.front)
+        """One row per point and one of the original, units in the column names."""
+        return frame_of(self.result.points, self.result.original, self.result.front)
 
     @property
     def failed(self) -> int:
@@ -152,7 +152,7 @@ def _result(run: RunStore, plan: SweepPlan, found: Computed) -> SweepResult:
         picks=picks_of(leading, original if original.status == DONE else None),
         operating_conditions=tuple(conditions_of(varied)) or None,
         undecided=found.undecided if plan.refine == "front" else None,
-        files=SweepFiles(**write_tables(frame_of(rows, front), run.path, TABLE), page=REPORT),
+        files=SweepFiles(**write_tables(frame_of(rows, original, front), run.path, TABLE), page=REPORT),
         seconds=SweepSeconds(total=0.0),
     )
 
@@ -178,6 +178,7 @@ def sweep(
     accuracy_percent: float | None = None,
     refine: str = "all",
     budget_s: float | None = None,
+    keep: str = "journals",
     minimise: str | None = None,
     maximise: str | None = None,
     limits: Sequence[str] = (),
@@ -187,7 +188,7 @@ def sweep(
     resume: str | Path | None = None,
     function: PointFunction | None = None,
 ) -> pandas.DataFrame:
-    """Compute many variants of a design and return one row for each.
+    """Compute many variants of a design and return one row for each, and one of the original.
 
     In a script it stands below `if __name__ == "__main__":`, because worker processes import the script.
 
@@ -199,6 +200,7 @@ def sweep(
         accuracy_percent: evaluations are refined until the bound of their error is no larger.
         refine: `front` computes all points coarse first, and those alone at full accuracy that may be on the
             front, within `budget_s` where it is given.
+        keep: what stays where webs or pins get longer: the `journals`, or the `pitch` of the throws.
         minimise, maximise, limits: goal of optimisations; `torsion >= 90:130:5 %` varies its limit.
         workers: processes on this machine; by default as many as cores and memory allow.
         scheduler: address of a Dask scheduler to use instead.
@@ -233,6 +235,7 @@ def sweep(
             accuracy_percent=accuracy_percent,
             refine=refine,
             budget_s=budget_s,
+            keep=keep,
         )
         done = run_sweep(plan, place, None if out is None else Path(out), ("cranktopo.sweep",))
     frame = done.frame

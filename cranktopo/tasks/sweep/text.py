@@ -16,16 +16,24 @@ if TYPE_CHECKING:
     import pandas
 
 
-_FIRST = ("id", "status", "design", "stage", "accuracy")
+_FIRST = ("id", "original", "status", "design", "stage", "accuracy")
 _LAST = ("optimiser_status", "iterations", "limits_hold", "seconds", "reason", "run", "sha256", "version")
 _LEFT_OUT = ("varied", "target")
 
 
-def frame_of(rows: Sequence[PointResult], front: Sequence[str] = ()) -> pandas.DataFrame:
-    """Return one row per point: its keys, its quantities, how it ended, its hash and version."""
+def frame_of(
+    points: Sequence[PointResult], original: PointResult, front: Sequence[str] = ()
+) -> pandas.DataFrame:
+    """Return one row per point: its keys, its quantities, how it ended, its hash and version.
+
+    The first row is the original, unless it is one of the points.
+    """
     import pandas as pd
 
-    flat = [_flat(row) | {"on_front": row.id in set(front)} for row in rows]
+    rows = points if any(point.id == original.id for point in points) else (original, *points)
+    flat = [
+        _flat(row) | {"original": row.id == original.id, "on_front": row.id in set(front)} for row in rows
+    ]
     names = list(dict.fromkeys(name for row in flat for name in row))
     middle = [name for name in names if name not in (*_FIRST, *_LAST)]
     order = [name for name in (*_FIRST, *middle, *_LAST) if name in names]

@@ -51,7 +51,16 @@ def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
             continue
         axes.plot(speeds, line, color="C0" if major else "0.8", lw=1.0 if major else 0.6)
         at = min(speeds[-1], 60 * top / order)
-        axes.annotate(f"{order:g}", (at, order * at / 60), fontsize=6, color=GREY, clip_on=False)
+        axes.annotate(
+            f"{order:g}",
+            (at, order * at / 60),
+            (2, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=6,
+            color=GREY,
+            annotation_clip=False,
+        )
     for number, mode in enumerate(study.modes, start=1):
         if mode.frequency_Hz <= top:
             axes.axhline(mode.frequency_Hz, color="C3", lw=1.2)
@@ -79,7 +88,6 @@ def _draw_torque(axes: Any, study: VibrationStudy) -> None:
         axes.axvspan(low, high, color="C3", alpha=0.15, lw=0)
     axes.set(xlabel="speed (rpm)", ylabel="torque amplitude (N m)", ylim=(0, None))
     axes.set_xlim(response.speeds_rpm[[0, -1]])
-    axes.legend(fontsize=7)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)
 
@@ -89,11 +97,6 @@ def _draw_modes(axes: Any, study: VibrationStudy) -> None:
     for mode in study.modes[:_MODES]:
         axes.plot(places, mode.shape.real, "o-", ms=3, lw=1, label=f"{mode.frequency_Hz:.0f} Hz")
     axes.axhline(0.0, color="0.5", lw=0.8)
-    axes.set_xticks(places, [_short(name) for name in study.shaft.names], fontsize=6)
+    axes.set_xticks(places, study.shaft.names, fontsize=7, rotation=35, ha="right", rotation_mode="anchor")
     axes.set_ylabel("twist over the largest")
-    axes.legend(fontsize=7)
     plain(axes)
-
-
-def _short(name: str) -> str:
-    return name.removeprefix("throw ").replace(" ", "\n")

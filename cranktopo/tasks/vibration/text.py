@@ -82,7 +82,7 @@ def worst_sentence(study: VibrationStudy) -> str:
     amplitude = response.worst_Nm
     return (
         f"The crankshaft's torque swings most at {response.speeds_rpm[worst.speed_index]:.0f} rpm between "
-        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{amplitude:.1f} N m, "
+        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{number_text(amplitude)} N m, "
         f"+-{study.shaft.shear_MPa(amplitude):.1f} MPa nominal shear stress, mostly of order {worst.order:g}."
     )
 
@@ -126,7 +126,7 @@ def run_up_sentence(study: VibrationStudy) -> str:
     inertia = ", with mean inertia," if study.varying.included else ""
     return (
         f"In a run-up of {passage.seconds:g} s{inertia} it swings most at {speed:.0f} rpm between "
-        f"{study.shaft.sections[section].replace(' - ', ' and ')}: +-{torque:.1f} N m, "
+        f"{study.shaft.sections[section].replace(' - ', ' and ')}: +-{number_text(torque)} N m, "
         f"{100 * torque / steady:.0f} % of the largest steady vibration there."
     )
 

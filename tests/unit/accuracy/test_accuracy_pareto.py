@@ -163,10 +163,9 @@ def test_the_report_of_a_run_shows_its_studies(front: StudyResult) -> None:
         "Optimiser",
         "Cheapest level",
     ]
-    assert [p.alt for p in plain.pictures] == ["Error against seconds. torsion: 1.3 % in 12 s"]
+    assert plain.pictures == (), "one number is no plot"
     assert "'cranktopo accuracy one'" in plain.text
     assert len(full.pictures) == 1
-    assert full.pictures[0].alt != plain.pictures[0].alt
 
 
 def test_one_level_has_no_error_and_no_plot() -> None:

@@ -96,3 +96,18 @@ def test_a_plan_that_cannot_serve_its_goal_is_refused(scene, options, message):
 def test_an_unbalance_below_zero_may_stay_as_it_is():
     """More than balanced: 100 % of it has a meaning whatever its sign, other shares have none."""
     assert goal_plan(balanced(), minimise="mass", limits=["unbalance <= 100 %"]).enabled
+
+
+def test_a_load_that_only_the_fatigue_safety_counts_says_so():
+    heavy = MIKRON.optimise.weights.model_copy(update={"centrifugal": 0.5})
+    scene = with_part(with_part(MIKRON, "optimise", weights=heavy), "engine", overspeed_rpm=9000.0)
+    told = goal_plan(scene, minimise="mass", limits=["fatigue_safety >= 100 %"])["centrifugal"]
+    assert told.state == "off"
+    assert "the fatigue safety counts it" in told.reason
+    plain = goal_plan(scene, minimise="mass", limits=["fatigue_safety none"])["centrifugal"]
+    assert "fatigue" not in plain.reason
+
+
+def test_large_changes_have_no_exponent():
+    fast = with_part(MIKRON, "engine", speed_rpm=9000.0, overspeed_rpm=9000.0)
+    assert not [effect for effect in plan(fast).effects if "e+" in f"{effect.reason} {effect.changes}"]
