@@ -21,9 +21,11 @@ from cranktopo.throw.hole import (
     depth_range_mm,
 )
 from cranktopo.throw.primitives import Circle, FeatureDrawing, Polyline, number_lines
-from cranktopo.throw.tapered_hole import TaperedHole, slope_of
+from cranktopo.throw.tapered_hole import TaperedHole, floor_rounding_mm, slope_of
 
 _LARGEST_DRAFT_DEG = 45.0
+_FLATTEST = 0.99
+"""Most of half a box's floor that the rounding of its edge may take: the CAD kernel makes no line of it."""
 
 
 class FacePocket(Feature):
@@ -47,7 +49,8 @@ class FacePocket(Feature):
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
         numbers = self.model_dump(exclude={"shape", "face"}, exclude_none=True)
-        unused = [name for name in ("draft_deg", "corner_radius_mm") if numbers.get(name) == 0]
+        rounded = ("draft_deg", "corner_radius_mm", "floor_radius_mm")
+        unused = [name for name in rounded if numbers.get(name) == 0]
         told = {name: value for name, value in numbers.items() if name not in unused}
         lines = number_lines(f"POCKET {self.shape}, {self.face}", told)
         return FeatureDrawing(front=self._edges(scene), lines=lines)
@@ -75,11 +78,13 @@ class BoxPocket(FacePocket):
     """Radius of its corners at the floor; 0 = sharp."""
     draft_deg: float = Field(default=0.0, ge=0, le=_LARGEST_DRAFT_DEG)
     """Draft angle: the walls open outward by it."""
+    floor_radius_mm: LengthOrZero = 0.0
+    """Radius of the edge of its floor; 0 = sharp."""
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         half_x, half_y = self.size_x_mm / 2, self.size_y_mm / 2
-        if self.draft_deg or self.corner_radius_mm:
+        if self.draft_deg or self.corner_radius_mm or self.floor_radius_mm:
             return (self._tapered(scene, key),)
         low, high = (self.x_mm - half_x, self.y_mm - half_y), (self.x_mm + half_x, self.y_mm + half_y)
         return (RectangularHole(key, depth_range_mm(scene, self.face, self.depth_mm), low, high),)
@@ -89,12 +94,19 @@ class BoxPocket(FacePocket):
         check_depth(scene, f"{key}.depth_mm", self.depth_mm)
         sizes = self.size_x_mm, self.size_y_mm
         check_corners(scene, f"{key}.corner_radius_mm", self.corner_radius_mm, *sizes)
+        foot = _check_floor_radius(scene, key, self.floor_radius_mm, self.draft_deg, self.depth_mm)
+        if self.corner_radius_mm < foot:
+            allowed = f"needs a corner_radius_mm of at least {foot:.4g} mm"
+            raise scene.invalid(f"{key}.floor_radius_mm", allowed)
+        if foot > _FLATTEST * min(sizes) / 2:
+            raise scene.invalid(f"{key}.floor_radius_mm", "leaves no flat floor", "Widen the pocket.")
 
     def _tapered(self, scene: ThrowView, key: str) -> TaperedHole:
         corner = (self.size_x_mm / 2, self.size_y_mm / 2, self.corner_radius_mm)
         z_mm = depth_range_mm(scene, self.face, self.depth_mm)
         floor = z_mm[self.face == "journal"]
-        return TaperedHole(key, z_mm, floor, self.x_mm, self.y_mm, *corner, slope_of(self.draft_deg))
+        slope = slope_of(self.draft_deg)
+        return TaperedHole(key, z_mm, floor, self.x_mm, self.y_mm, *corner, slope, self.floor_radius_mm)
 
     @override
     def _edges(self, scene: ThrowView) -> tuple[Polyline, ...]:
@@ -116,13 +128,16 @@ class CylinderPocket(FacePocket):
     """Depth below the face; needed unless it goes through."""
     draft_deg: float = Field(default=0.0, ge=0, le=_LARGEST_DRAFT_DEG)
     """Draft angle: its wall opens outward by it, the diameter is that of the floor."""
+    floor_radius_mm: LengthOrZero = 0.0
+    """Radius of the edge of its floor; 0 = sharp."""
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         z_mm = depth_range_mm(scene, self.face, self.depth_mm)
-        if self.draft_deg:
+        if self.draft_deg or self.floor_radius_mm:
             at, radius = (z_mm[self.face == "journal"], self.x_mm, self.y_mm), self.diameter_mm / 2
-            return (TaperedHole(key, z_mm, *at, *(radius,) * 3, slope_of(self.draft_deg)),)
+            edges = slope_of(self.draft_deg), self.floor_radius_mm
+            return (TaperedHole(key, z_mm, *at, *(radius,) * 3, *edges),)
         return (RoundHole(key, z_mm, self.x_mm, self.y_mm, self.diameter_mm / 2),)
 
     @override
@@ -133,11 +148,16 @@ class CylinderPocket(FacePocket):
             else:
                 allowed, hint = "has no meaning with face = 'through'", "Remove it, or name another face."
             raise scene.invalid(f"{key}.depth_mm", allowed, hint)
-        if self.draft_deg and self.face == "through":
-            allowed = "has no meaning with face = 'through'"
-            raise scene.invalid(f"{key}.draft_deg", allowed, "Remove it, or name another face.")
+        for name in ("draft_deg", "floor_radius_mm") if self.face == "through" else ():
+            if getattr(self, name):
+                allowed = "has no meaning with face = 'through'"
+                raise scene.invalid(f"{key}.{name}", allowed, "Remove it, or name another face.")
         if self.depth_mm is not None:
             check_depth(scene, f"{key}.depth_mm", self.depth_mm)
+            foot = _check_floor_radius(scene, key, self.floor_radius_mm, self.draft_deg, self.depth_mm)
+            if self.diameter_mm / 2 < foot:
+                allowed = f"must be at most that of the floor, {self.diameter_mm / 2:g} mm"
+                raise scene.invalid(f"{key}.floor_radius_mm", allowed)
 
     @override
     def _edges(self, scene: ThrowView) -> tuple[Circle, ...]:
@@ -145,3 +165,14 @@ class CylinderPocket(FacePocket):
         floor = Circle(at, radius, hidden, f"⌀{self.diameter_mm:g}")
         wider = slope_of(self.draft_deg) * (self.depth_mm or 0.0)
         return (floor, Circle(at, radius + wider, hidden)) if wider else (floor,)
+
+
+def _check_floor_radius(
+    scene: ThrowView, key: str, radius_mm: float, draft_deg: float, depth_mm: float
+) -> float:
+    """Refuse a radius that the depth does not hold; return the radius that the corners need at least."""
+    foot, height = floor_rounding_mm(radius_mm, slope_of(draft_deg))
+    if height > depth_mm:
+        allowed = f"rises {height:.4g} mm over the floor, more than the depth of {depth_mm:g} mm"
+        raise scene.invalid(f"{key}.floor_radius_mm", allowed)
+    return foot

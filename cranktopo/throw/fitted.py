@@ -147,6 +147,10 @@ class FittedFeature(ABC):
         the least and largest y of the outline, mm; the points have x > 0 and are broadcastable.
         """
 
+    def seams_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        """Return distances from surfaces that cross its last face where that leaves others as a tangent."""
+        return []
+
     @abstractmethod
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Walls, shoulders and access of a tool, mm."""

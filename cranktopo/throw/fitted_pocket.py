@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -13,8 +14,9 @@ from typing_extensions import override
 
 from cranktopo.base.arrays import Array
 from cranktopo.throw.face_pocket import FacePocket
-from cranktopo.throw.feature import Feature, ThrowView, least_shoulder_mm
+from cranktopo.throw.feature import Feature, Mask, ThrowView, least_shoulder_mm
 from cranktopo.throw.fitted import (
+    CLEAR_MM,
     JOURNALS,
     LEAST_MM,
     SIZE_OVER_CORNER,
@@ -31,25 +33,27 @@ from cranktopo.throw.fitted import (
 )
 from cranktopo.throw.hole import FACES
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
-from cranktopo.throw.tapered_hole import rounded_gap_mm, slope_of
+from cranktopo.throw.tapered_hole import floor_rounding_mm, rounded_gap_mm, slope_of
 
 _TINY = 1e-12
 
 
 _LEAST_DEPTH_MM = 1.0
+_GIVEN = ("draft_deg", "corner_radius_mm", "floor_radius_mm")
 
 
 @dataclass(frozen=True)
 class FittedPocket(FittedFeature):
     """A pocket parallel to the crank axis: the face it starts from, whether there are two.
 
-    Sizes and the radius of its corners are those of its floor; draft and radius are the workshop's, not free.
+    Sizes and the radius of its corners are those of its floor; draft and radii are the workshop's, not free.
     """
 
     face: Literal["journal", "pin", "through"]
     pair: bool = False
     draft_deg: float = 0.0
     corner_radius_mm: float = 0.0
+    floor_radius_mm: float = 0.0
     shape: ClassVar[str]
     sizes: ClassVar[tuple[str, ...]]
     """Names of its size across and along the throw."""
@@ -75,6 +79,10 @@ class FittedPocket(FittedFeature):
         return slope_of(self.draft_deg) * named.get("depth", 0.0)
 
     @property
+    def _rounding_mm(self) -> tuple[float, float]:
+        return floor_rounding_mm(self.floor_radius_mm, slope_of(self.draft_deg))
+
+    @property
     @override
     def label(self) -> str:
         return f"{self.shape}-{self.face}{'-pair' if self.pair else ''}"
@@ -95,8 +103,10 @@ class FittedPocket(FittedFeature):
     def bounds(self, scene: ThrowView, limits: ManufacturingLimits) -> list[tuple[float, float]]:
         far = 4 * scene.throw.radius_mm
         deepest = limits.deepest_mm(scene.web.thickness_mm)
-        ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (_LEAST_DEPTH_MM, deepest)}
-        smallest = max(LEAST_MM, SIZE_OVER_CORNER * self.corner_radius_mm)
+        foot, top = self._rounding_mm
+        shallowest = max(_LEAST_DEPTH_MM, top + CLEAR_MM)
+        ranges = {"x": (LEAST_MM / 2, far), "y": (-far, far), "depth": (shallowest, deepest)}
+        smallest = max(LEAST_MM, SIZE_OVER_CORNER * max(self.corner_radius_mm, foot))
         return [ranges.get(name, (smallest, far)) for name in self.names]
 
     @override
@@ -104,7 +114,8 @@ class FittedPocket(FittedFeature):
         shop = limits.workshop
         if shop.opens == "sides" or (self.face == "through" and shop.draft_deg):
             return None
-        return replace(self, draft_deg=max(self.draft_deg, shop.draft_deg))
+        floor = 0.0 if self.face == "through" else max(self.floor_radius_mm, shop.floor_radius_mm)
+        return replace(self, draft_deg=max(self.draft_deg, shop.draft_deg), floor_radius_mm=floor)
 
     @override
     def faces_mm(self, named: Named, ends: Array, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
@@ -113,11 +124,46 @@ class FittedPocket(FittedFeature):
         if self.face == "through":
             return self.walls_mm(named, across, along, 0.0)
         floor = depth_mm(self.face, z, web_z_mm) - named["depth"]
-        if not self.draft_deg:
-            return [*self.walls_mm(named, across, along, 0.0), floor]
-        walls = self.walls_mm(named, across, along, -slope_of(self.draft_deg) * floor)
-        steep = math.cos(math.radians(self.draft_deg))
-        return [*(steep * wall for wall in walls), floor]
+        if self.draft_deg:
+            walls = self.walls_mm(named, across, along, -slope_of(self.draft_deg) * floor)
+            steep = math.cos(math.radians(self.draft_deg))
+            plain = [*(steep * wall for wall in walls), floor]
+        else:
+            plain = [*self.walls_mm(named, across, along, 0.0), floor]
+        return [*plain, self._arc_mm(named, at, floor)[0]] if self.floor_radius_mm else plain
+
+    @override
+    def seams_mm(self, named: Named, at: Axes, web_z_mm: tuple[float, float]) -> list[Array]:
+        if not self.floor_radius_mm:
+            return []
+        floor, (foot, top) = depth_mm(self.face, at[2], web_z_mm) - named["depth"], self._rounding_mm
+        return [self._gap_mm(named, at) + foot, floor + top]
+
+    @override
+    def field_mm(self, values: Array, ends: Array, axes: Axes, web_z_mm: tuple[float, float]) -> Array:
+        if not self.floor_radius_mm:
+            return super().field_mm(values, ends, axes, web_z_mm)
+        named = dict(zip(self.names, values, strict=True))
+        at = axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :]
+        *plain, arc = self.faces_mm(named, ends, at, web_z_mm)
+        _, holds = self._arc_mm(named, at, plain[-1])
+        sharp = functools.reduce(np.maximum, plain)
+        return np.where(holds, np.maximum(sharp, arc), sharp)
+
+    def _arc_mm(self, named: Named, at: Axes, floor: Array) -> tuple[Array, Mask]:
+        """Signed distance from the round edge of the floor, of which the whole tube, and where it holds.
+
+        It holds between its tangents on the floor and on the wall.
+        """
+        slope, (foot, _) = slope_of(self.draft_deg), self._rounding_mm
+        out, down = self._gap_mm(named, at) + foot, floor + self.floor_radius_mm
+        tube = np.sqrt(out**2 + down**2 + _TINY) - self.floor_radius_mm
+        return tube, (out > 0) & (down > slope * out)
+
+    def _gap_mm(self, named: Named, at: Axes) -> Array:
+        """Distance in their section from where the walls would meet the floor, negative in the pocket."""
+        (gap,) = self.walls_mm(named, at[0] - named.get("x", 0.0), at[1] - named["y"], 0.0)
+        return gap
 
     def rules(self, named: Named, around: Surroundings) -> Iterator[Rule]:
         """Walls toward bores and the outline, between twins, and journals out of the tool's way."""
@@ -160,16 +206,15 @@ class FittedPocket(FittedFeature):
 
     @property
     def _given(self) -> dict[str, float]:
-        """Draft and radius where there are some, by their keys in a table."""
-        given = {"draft_deg": self.draft_deg, "corner_radius_mm": self.corner_radius_mm}
-        return {key: value for key, value in given.items() if value}
+        """Draft and radii where there are some, by their keys in a table."""
+        return {key: value for key in _GIVEN if (value := getattr(self, key))}
 
     @classmethod
     @override
     def read(cls, table: Feature, pair: bool, frame_mm: Frame) -> tuple[Self, Array] | None:
         if not isinstance(table, FacePocket) or table.shape != cls.shape:
             return None
-        given = {name: getattr(table, name, 0.0) for name in ("draft_deg", "corner_radius_mm")}
+        given = {name: getattr(table, name, 0.0) for name in _GIVEN}
         part = cls(table.face, pair, **given)
         return part, np.array([getattr(table, f"{name}_mm") for name in part.names])
 
@@ -202,7 +247,7 @@ class FittedBox(FittedPocket):
     @override
     def made(self, limits: ManufacturingLimits) -> Self | None:
         drafted = super().made(limits)
-        corner = max(self.corner_radius_mm, limits.workshop.radius_mm)
+        corner = max(self.corner_radius_mm, limits.workshop.radius_mm, limits.workshop.floor_radius_mm)
         return drafted and replace(drafted, corner_radius_mm=corner)
 
     @override

@@ -16,12 +16,14 @@ class Workshop:
         opens: which way pockets may open: from web faces, from the sides, or both.
         draft_deg: draft of what opens at a web face.
         radius_mm: least radius of the corners of a pocket.
+        floor_radius_mm: radius of the edge of a floor of what opens at a web face.
         depth_share: most depth of what is cut from a face, over the web's thickness.
     """
 
     opens: Literal["faces", "sides", "both"] = "both"
     draft_deg: float = 0.0
     radius_mm: float = 0.0
+    floor_radius_mm: float = 0.0
     depth_share: float = 1.0
 
 
@@ -65,9 +67,11 @@ class ProcessLimits(ManufacturingLimits):
     opens: Literal["faces", "sides", "both"] = "both"
     pocket_draft_deg: float = 0.0
     pocket_radius_mm: float = 0.0
+    floor_radius_mm: float = 0.0
     depth_share: float = 1.0
 
     @property
     @override
     def workshop(self) -> Workshop:
-        return Workshop(self.opens, self.pocket_draft_deg, self.pocket_radius_mm, self.depth_share)
+        radii = self.pocket_radius_mm, self.floor_radius_mm
+        return Workshop(self.opens, self.pocket_draft_deg, *radii, self.depth_share)

@@ -73,11 +73,15 @@ class Box:
 
 @dataclass(frozen=True)
 class Frustum:
-    """A body between two quadrilaterals with corners in the same order; rectangles may have round corners."""
+    """A body between two quadrilaterals with corners in the same order; rectangles may have round corners.
+
+    With round corners the edge of the floor may be rounded.
+    """
 
     floor: tuple[Point, ...]
     mouth: tuple[Point, ...]
     corner_radii: tuple[float, float] = (0.0, 0.0)
+    floor_radius: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,12 @@ def slope_of(draft_deg: float) -> float:
     return math.tan(math.radians(draft_deg))
 
 
+def floor_rounding_mm(radius_mm: float, slope: float) -> tuple[float, float]:
+    """Return how far a rounded floor ends inside the foot of its walls, and how high the rounding is."""
+    steep = math.hypot(1.0, slope)
+    return radius_mm * (steep - slope), radius_mm * (1.0 - slope / steep)
+
+
 def rounded_gap_mm(over_x: Any, over_y: Any, radius_mm: Any) -> Any:
     """Return the distance of points from a rectangle with round corners, negative inside.
 
@@ -42,7 +48,8 @@ _TINY = 1e-12
 class TaperedHole(Body):
     """A hole from a web face to its floor: a rectangle, its corners round, that grows by `slope` per mm.
 
-    Half sizes and the corners' radius are those of the floor; where the radius is 0 all corners stay sharp.
+    Half sizes and the corners' radius are those of the floor, where its walls would meet it without the
+    rounding of its edge; where the corners' radius is 0 all corners stay sharp.
     """
 
     floor_z_mm: float
@@ -52,6 +59,7 @@ class TaperedHole(Body):
     half_y_mm: float
     corner_mm: float
     slope: float
+    floor_radius_mm: float = 0.0
 
     @property
     def _face_z_mm(self) -> float:
@@ -62,9 +70,32 @@ class TaperedHole(Body):
         """Growth from the floor to the face."""
         return self.slope * (self.z_mm[1] - self.z_mm[0])
 
+    @property
+    def _rounding_mm(self) -> tuple[float, float]:
+        return floor_rounding_mm(self.floor_radius_mm, self.slope)
+
+    def _growth_mm(self, z_mm: Array) -> Array:
+        """Growth of the section from that of the floor to heights; negative where the edge is round."""
+        height = np.abs(z_mm - self.floor_z_mm)
+        growth = self.slope * height
+        if not self.floor_radius_mm:
+            return np.asarray(growth)
+        (foot, top), radius = self._rounding_mm, self.floor_radius_mm
+        arc = np.sqrt(np.maximum(radius**2 - (radius - height) ** 2, 0.0)) - foot
+        return np.where(height < top, arc, growth)
+
+    def _height_mm(self, growth: Array) -> Array:
+        """Height over the floor at which the section has grown by so much; beyond the face where never."""
+        wall = np.maximum(growth, 0.0) / self.slope if self.slope else np.full_like(growth, np.inf)
+        if not self.floor_radius_mm:
+            return np.asarray(wall)
+        (foot, top), radius = self._rounding_mm, self.floor_radius_mm
+        along = np.clip(growth + foot, 0.0, radius)
+        return np.where(growth < self.slope * top, radius - np.sqrt(radius**2 - along**2), wall)
+
     @override
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        growth = self.slope * np.abs(z_mm - self.floor_z_mm)
+        growth = self._growth_mm(z_mm)
         corner = self.corner_mm + growth if self.corner_mm else 0.0
         along = np.abs(y_mm - self.y_mm) - self.half_y_mm - growth
         bend = np.sqrt(np.maximum(corner**2 - np.maximum(along + corner, 0.0) ** 2, 0.0))
@@ -82,13 +113,16 @@ class TaperedHole(Body):
     @property
     @override
     def y_breaks_mm(self) -> tuple[float, ...]:
-        halves = (self.half_y_mm - self.corner_mm, self.half_y_mm, self.half_y_mm + self._mouth_mm)
+        halves = [self.half_y_mm - self.corner_mm, self.half_y_mm, self.half_y_mm + self._mouth_mm]
+        if self.floor_radius_mm:
+            foot, top = self._rounding_mm
+            halves += [self.half_y_mm - foot, self.half_y_mm + self.slope * top]
         return tuple(self.y_mm + side * half for half in halves for side in (-1, 1))
 
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
-        """Both ends, the wall's foot beyond the floor, and where the walls meet the outline."""
+        """Both ends, the wall's foot beyond the floor, its rounding, and where the walls meet the outline."""
         ends = [np.full(y_mm.shape, z) for z in self.z_mm]
-        if self.slope == 0:
+        if self.slope == 0 and not self.floor_radius_mm:
             return ends
         beyond = np.abs(y_mm - self.y_mm) - self.half_y_mm
         round_end = np.maximum(beyond + self.corner_mm, 0.0) if self.corner_mm else 0.0
@@ -97,12 +131,15 @@ class TaperedHole(Body):
             across = half_width_mm + side * self.x_mm - self.half_x_mm + self.corner_mm
             growths.append(np.hypot(np.maximum(across, 0.0), round_end) - self.corner_mm)
         way = 1.0 if self._face_z_mm > self.floor_z_mm else -1.0
-        return [*ends, *(self.floor_z_mm + way * np.maximum(g, 0.0) / self.slope for g in growths)]
+        heights = [self._height_mm(growth) for growth in growths]
+        if self.floor_radius_mm:
+            heights.append(np.full(y_mm.shape, self._rounding_mm[1]))
+        return [*ends, *(self.floor_z_mm + way * height for height in heights)]
 
     @property
     @override
     def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
-        return (self.z_mm,) if self.slope else ()
+        return (self.z_mm,) if self.slope or self.floor_radius_mm else ()
 
     def distance_mm(self, y_mm: float, z_mm: float) -> float:
         """Distance of its edge at the face from the axis (0, y), mm; negative if it covers the axis."""
@@ -114,7 +151,8 @@ class TaperedHole(Body):
     def solids(self) -> tuple[Solid, ...]:
         floor, mouth = (self._corners(z) for z in (self.floor_z_mm, self._face_z_mm))
         radius = self.corner_mm
-        return (Frustum(floor, mouth, (radius, radius + self._mouth_mm) if radius else (0.0, 0.0)),)
+        radii = (radius, radius + self._mouth_mm) if radius else (0.0, 0.0)
+        return (Frustum(floor, mouth, radii, self.floor_radius_mm),)
 
     def _corners(self, z_mm: float) -> tuple[Point, ...]:
         half_x, half_y = self._half_sizes(z_mm)

@@ -14,7 +14,8 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.runs.directories import create_run
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fatigue import stage
+from cranktopo.tasks.fea.targets import Target, resolve_targets
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 NO_DATA = 'name = "31CrMoV9"'
@@ -104,6 +105,36 @@ def test_small_fillets_stay_where_the_method_needs_no_fatigue_strength(
     )
     assert main(command.format(path, path).split()) == 3
     assert met == [0.8]
+
+
+def test_two_methods_share_the_unit_loads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every target is meshed and solved once, and its shaft's stiffness is found once, for lsa and fkm."""
+    solved, told, held = [], [], []
+
+    def solve(target: Target, kinds: object, _: float) -> str:
+        solved.append((target.name, kinds))
+        return f"model {target.name}"
+
+    def judged(model: str, method: str, _: object) -> tuple[str, str]:
+        told.append((model, method))
+        return model, method
+
+    def with_stiffness(target: Target) -> Target:
+        held.append(target.name)
+        return target
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solve)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.safety_field", judged)
+    monkeypatch.setattr(stage, "with_throw_stiffness", with_stiffness)
+    monkeypatch.setattr(stage, "_note_fields", lambda *_: None)
+    names = ["mikron-iiic-plain", "opposed-piston"]
+    found = stage.assess_by_methods(resolve_targets(names, fillets=True, whole=True), ["lsa", "fkm"])
+    assert [name for name, _ in solved] == held == names
+    assert told == [(f"model {name}", method) for name in names for method in ("lsa", "fkm")]
+    assert [one.method for one in found] == ["lsa", "fkm"]
+    assert [one.fields for one in found] == [
+        tuple((f"model {name}", method) for name in names) for method in ("lsa", "fkm")
+    ]
 
 
 def test_a_later_target_is_checked_before_the_first_is_solved(

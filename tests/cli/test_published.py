@@ -106,11 +106,11 @@ def test_every_method_is_assessed(
             )
             return FatigueComparison((1.0, 1.5, 2.0), (f"verdict {self.method}",), result)
 
-    def assess(_: object, method: str, **__: object) -> Assessed:
-        asked.append(method)
-        return Assessed(method)
+    def assess(_: object, methods: list[str], **__: object) -> list[Assessed]:
+        asked.extend(methods)
+        return [Assessed(method) for method in methods]
 
-    monkeypatch.setattr("cranktopo.tasks.compare.stage.assess_fatigue", assess)
+    monkeypatch.setattr("cranktopo.tasks.compare.stage.assess_by_methods", assess)
     assert main([*COMMAND, "--fatigue", "lsa", "--fatigue", "fkm", "--fatigue", "lsa"]) == 0
     out = capsys.readouterr().out
     assert asked == ["lsa", "fkm"]

@@ -174,11 +174,11 @@ def stop(*arguments: object, **_: object) -> Any:
 
 
 def test_fatigue_takes_names_and_knows_its_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fatigue, "fatigue_field", stop)
+    monkeypatch.setattr(fatigue, "fatigue_fields", stop)
     with pytest.raises(AskedError) as asked:
         cranktopo.assess_fatigue(["mikron-iiic-plain"])
     target, *settings = asked.value.args[0][:4]
-    assert (target.name, *settings) == ("mikron-iiic-plain", "lsa", "extremes", fatigue.RULE_FRACTION)
+    assert (target.name, *settings) == ("mikron-iiic-plain", ["lsa"], "extremes", fatigue.RULE_FRACTION)
 
 
 def test_accuracy_takes_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

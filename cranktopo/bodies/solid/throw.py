@@ -115,11 +115,32 @@ def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> in
 
 
 def _rounded(occ: Any, frustum: Frustum) -> int:
-    """Add planes and quarters of cones between two rectangles with round corners."""
+    """Add planes and quarters of cones between two rectangles with round corners; round the floor's edge."""
     rings = zip((frustum.floor, frustum.mouth), frustum.corner_radii, strict=True)
     loops = [_rounded_loop(occ, np.array(ring), radius) for ring, radius in rings]
     ((_, tag),) = (pair for pair in occ.addThruSections(loops, -1, True, True) if pair[0] == 3)
-    return int(tag)
+    if not frustum.floor_radius:
+        return int(tag)
+    ((_, rounded),) = occ.fillet([tag], _floor_edges(occ, int(tag), frustum.floor), [frustum.floor_radius])
+    return int(rounded)
+
+
+def _floor_edges(occ: Any, tag: int, floor: tuple[Point, ...]) -> list[int]:
+    """Return the edges of a solid that lie in the plane of its floor."""
+    import gmsh
+
+    occ.synchronize()  # curves can be asked for their boxes only then
+    corner, one, other = (np.array(point) for point in floor[:3])
+    normal = np.cross(one - corner, other - corner)
+    edges = gmsh.model.getBoundary([(3, tag)], recursive=False, oriented=False)
+    curves = {curve for face in edges for curve in gmsh.model.getBoundary([face], oriented=False)}
+    found = []
+    for _, curve in sorted(curves):
+        (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+        at = gmsh.model.getValue(1, curve, np.linspace(low, high, 3)).reshape(-1, 3)
+        away = np.abs((at - corner) @ normal) / np.linalg.norm(normal)
+        found += [int(curve)] if away.max() < _ON_EDGE_MM else []
+    return found
 
 
 def _rounded_loop(occ: Any, ring: Array, radius: float) -> int:

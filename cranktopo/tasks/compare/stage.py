@@ -34,7 +34,7 @@ from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
 from cranktopo.tasks.extraction.text import DesignUndercuts
-from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_fatigue
+from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_by_methods
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
@@ -137,7 +137,7 @@ def compare_targets(
     fatigues, loaded = [], None
     if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        assessed = [assess_fatigue(filleted, method, baseline=index) for method in methods]
+        assessed = assess_by_methods(filleted, methods, baseline=index)
         fatigues = [one.compared() for one in assessed]
         loaded = assessed[0].targets[assessed[0].baseline or 0].scene
     found = evaluate_targets(targets, wanted)

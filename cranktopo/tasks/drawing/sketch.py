@@ -183,6 +183,7 @@ def _box_names(axes: Any) -> None:
 def _depth_names(axes: Any) -> None:
     _size(axes, (_STOP - 9, 24), (_STOP, 24), (0, -56 - _GAP), "depth_mm")
     _word(axes, (_END + 8, _MIDDLE), 'face = "pin"')
+    _leader(axes, (_STOP - 8.1, _MIDDLE + 6.1), (_START - 16, _MIDDLE + 22), "floor_radius_mm")
 
 
 def _side_front_names(axes: Any) -> None:
@@ -284,7 +285,12 @@ PARTS: Mapping[str, Sequence[_Panel]] = {
         _pocket('shape = "cylinder"', _front, _cylinder_names, **_ROUND, depth_mm=9.0),
         _pocket('shape = "box"', _front, _box_names, **_BOX, depth_mm=9.0),
         _pocket(
-            "their depth, section x = 0", _lengthwise, _depth_names, **{**_ROUND, "x_mm": 0.0}, depth_mm=9.0
+            "their depth, section x = 0",
+            _lengthwise,
+            _depth_names,
+            **{**_ROUND, "x_mm": 0.0},
+            depth_mm=9.0,
+            floor_radius_mm=3.0,
         ),
         _pocket('shape = "side"', _front, _side_front_names, **_SIDE),
         _pocket("its height, section", _across, _side_across_names, **_SIDE, offset_mm=2.0, draft_deg=10.0),

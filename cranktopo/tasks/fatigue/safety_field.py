@@ -118,11 +118,24 @@ def fatigue_field(
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
-    check_method(target.scene, method)
+    return fatigue_fields(target, (method,), kind, fillet_fraction)[0]
+
+
+def fatigue_fields(
+    target: Target, methods: Sequence[str], kind: HistoryKind, fillet_fraction: float
+) -> tuple[FatigueField, ...]:
+    """Return the safety of a throw by each of several methods; its unit loads are solved once.
+
+    Raises:
+        CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
+    """
+    for method in methods:
+        check_method(target.scene, method)
     enabled, kinds = load_kinds(target.scene, kind)
     history = load_history(target.scene, kind, enabled)
     note(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
-    return safety_field(solve_stresses(target, kinds, fillet_fraction), method, history)
+    model = solve_stresses(target, kinds, fillet_fraction)
+    return tuple(safety_field(model, method, history) for method in methods)
 
 
 def safety_field(model: StressModel, method: str, history: LoadHistory) -> FatigueField:

@@ -29,7 +29,7 @@ from cranktopo.tasks.fatigue.result import (
     SurfaceTreatment,
 )
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
-from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_field
+from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_fields
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
@@ -130,8 +130,29 @@ def assess_fatigue(
     if out is not None:
         _check_files(method, out)
     resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True)
+    (found,) = assess_by_methods(resolved, (method,), loads, baseline, fillet_fraction)
+    if out is not None:
+        for field in found.fields:
+            _write_field(out, field)
+        write_json(out / "fatigue.json", found.as_json())
+    return found
+
+
+def assess_by_methods(
+    resolved: Sequence[Target],
+    methods: Sequence[FatigueMethod],
+    loads: HistoryKind = "extremes",
+    baseline: int | None = None,
+    fillet_fraction: float = RULE_FRACTION,
+) -> list[FatigueAssessment]:
+    """Assess targets with their fillets by each method; methods of local stresses share the unit loads.
+
+    Raises:
+        CranktopoError: a target without fillets or strength, or a failed solve.
+    """
     for target in resolved:
-        check_inputs(target, method, loads)
+        for method in methods:
+            check_inputs(target, method, loads)
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
@@ -139,23 +160,27 @@ def assess_fatigue(
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
     assumed = tuple(filter_by_table(target.assumed, USED) for target in resolved)
-    if method == "m53":
-        return _by_rule(resolved, loads, baseline, fillet_fraction, assumed)
-    fields = []
-    for target in resolved:
-        field = fatigue_field(target, method, loads, fillet_fraction)
-        fields.append(field)
-        _note_quality(field)
-        note_yielding(field, target.scene.material.yield_MPa)
+    local = [method for method in methods if method != "m53"]
+    solved = [fatigue_fields(one, local, loads, fillet_fraction) for one in resolved if local]
+    for target, own in zip(resolved, solved, strict=False):
+        _note_fields(target, own)
+    fields = dict(zip(local, zip(*solved, strict=True), strict=True))
+    return [
+        _by_rule(resolved, loads, baseline, fillet_fraction, assumed)
+        if method == "m53"
+        else FatigueAssessment(method, loads, fields[method], (), baseline, assumed, tuple(resolved))
+        for method in methods
+    ]
+
+
+def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:
+    """Say what is to be known of fields on one mesh; quality and yielding are those of the stresses."""
+    _note_quality(fields[0])
+    note_yielding(fields[0], target.scene.material.yield_MPa)
+    for field in fields:
         if field.web_safety:
             told = ", ".join(f"{web} web {safety:.3f}" for web, safety in field.web_safety.items())
             note(f"{target.name}: least safety: {told}")
-        if out is not None:
-            _write_field(out, field)
-    found = FatigueAssessment(method, loads, tuple(fields), (), baseline, assumed, tuple(resolved))
-    if out is not None:
-        write_json(out / "fatigue.json", found.as_json())
-    return found
 
 
 def _by_rule(

@@ -251,9 +251,11 @@ def _surface_nodes(
     surface = np.unique(numbers)
     place = np.zeros(mesh.points_mm.shape[1], dtype=np.intp)
     place[surface] = np.arange(len(surface))
-    on = np.zeros((len(faces), len(surface)), dtype=bool)
+    on, last = np.zeros((len(faces), len(surface)), dtype=bool), 0
     for k, one in enumerate(faces):
-        nodes = np.unique(place[numbers[:, ~away & (face == k)]])
+        last = last if one.seam else k
+        own = np.unique(place[numbers[:, ~away & (face == k)]])
+        nodes = np.flatnonzero(on[last]) if one.seam else own
         near = one.contact(mesh.points_mm[:, surface[nodes]], values).distance_mm
         on[k, nodes[np.abs(near) < _ON_FACE_MM]] = True  # edge nodes of straightened elements are off it
     still = np.zeros(len(surface), dtype=bool)
@@ -268,6 +270,8 @@ def _face_of(points: Array, faces: list[WebFace], values: Array) -> Index:
     across /= np.linalg.norm(across, axis=0)
     best, found = np.zeros(points.shape[2]), np.full(points.shape[2], -1)
     for k, face in enumerate(faces):
+        if face.seam:
+            continue
         contact = face.contact(corners.reshape(3, -1), values)
         near = (np.abs(contact.distance_mm).reshape(3, -1) < _ON_FACE_MM).all(axis=0)
         gradient = contact.gradient.reshape(3, -1, 3).mean(axis=0).T

@@ -28,6 +28,8 @@ from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLim
 
 STATIONS = 7
 _SAME_MM = 1e-6
+_FLOOR_SHARE = 0.5
+"""Most radius of a floor's edge over the depth that a pocket may have."""
 
 
 def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STATIONS) -> Array:
@@ -67,12 +69,15 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
 def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
     """Return limits with what the scene's process asks of pockets: way, draft, corners, and depth.
 
-    A die with a flat parting plane in mid-web cuts no deeper than that.
+    A die with a flat parting plane in mid-web cuts no deeper than that. The edges of floors have the radius
+    of the mill or the die, but no more than half of the depth that a pocket may have.
     """
     settings, own = scene.optimise, vars(limits)
-    if settings.process in ("free", "milled"):
-        tool_mm = tool_radius_mm(scene) if settings.process == "milled" else 0.0
-        return ProcessLimits(**{**own, "pocket_radius_mm": max(limits.min_radius_mm, tool_mm)})
+    if settings.process == "free":
+        return ProcessLimits(**{**own, "pocket_radius_mm": limits.min_radius_mm})
+    if settings.process == "milled":
+        radius = max(limits.min_radius_mm, tool_radius_mm(scene))
+        return _with_floors(scene, ProcessLimits(**{**own, "pocket_radius_mm": radius}))
     draft, lateral = max(limits.min_draft_deg, settings.draft_deg), settings.parting == "lateral"
     asked = {
         "min_draft_deg": draft,
@@ -81,7 +86,14 @@ def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
         "pocket_radius_mm": limits.min_radius_mm,
         "depth_share": 1.0 if lateral or settings.process == "cast" else 0.5,
     }
-    return ProcessLimits(**{**own, **asked})
+    made = ProcessLimits(**{**own, **asked})
+    return made if lateral else _with_floors(scene, made)
+
+
+def _with_floors(scene: Scene, limits: ProcessLimits) -> ProcessLimits:
+    thinnest, _ = free_range_mm(scene, "web_thickness") or (scene.web.thickness_mm, 0.0)
+    most = _FLOOR_SHARE * limits.deepest_mm(thinnest)
+    return replace(limits, floor_radius_mm=min(limits.pocket_radius_mm, most))
 
 
 def _made(found: WebRead, limits: ManufacturingLimits) -> WebRead:

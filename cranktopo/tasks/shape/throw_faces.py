@@ -48,7 +48,9 @@ class Contact:
 
 
 class WebFace(ABC):
-    """One face of the web."""
+    """One face of the web, or a seam: a surface that crosses the face before where that leaves a tangent."""
+
+    seam: bool = False
 
     @abstractmethod
     def contact(self, points_mm: Array, values: Array) -> Contact:

@@ -39,13 +39,14 @@ _THICKNESS: DimensionName = "web_thickness"
 
 @dataclass(frozen=True)
 class _FeatureFace(WebFace):
-    """One of the faces of a feature, whose first value has the place `first` among all."""
+    """A face or a seam of a feature, whose first value has the place `first` among all."""
 
     scene: Scene
     layout: Layout
     part: FittedFeature
     number: int
     first: int
+    seam: bool = False
 
     @override
     def contact(self, points_mm: Array, values: Array) -> Contact:
@@ -70,7 +71,10 @@ class _FeatureFace(WebFace):
     def _distance(self, values: Array, web_z_mm: tuple[float, float], points_mm: Array) -> Array:
         named = dict(zip(self.part.names, values[self.first :], strict=False))
         x, y, z = points_mm
-        distance = self.part.faces_mm(named, values[:2], (np.abs(x), y, z), web_z_mm)[self.number]
+        at = np.abs(x), y, z
+        seams, faces = self.part.seams_mm, self.part.faces_mm
+        found = seams(named, at, web_z_mm) if self.seam else faces(named, values[:2], at, web_z_mm)
+        distance = found[self.number]
         return np.asarray(np.broadcast_to(distance, x.shape))
 
 
@@ -168,6 +172,8 @@ def _feature_faces(scene: Scene, layout: Layout) -> Iterator[WebFace]:
         count = len(part.faces_mm(named, np.array([-1.0, 9.0]), one, scene.web_z_mm))
         for number in range(count):
             yield _FeatureFace(scene, layout, part, number, first)
+        for number in range(len(part.seams_mm(named, one, scene.web_z_mm))):
+            yield _FeatureFace(scene, layout, part, number, first, seam=True)
         first += len(part.names)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +35,14 @@ def drafted_web() -> tuple[Scene, Layout, Array]:
     box, cones = FittedBox("pin", False, 5.0, 2.5), FittedCylinder("journal", pair=True, draft_deg=7.0)
     values = np.array([*_OUTLINE, *_BEVELS[:3], 18.5, 9.0, 6.5, 6.0, 17.0, 26.0, 5.0, 4.0])
     return load_scene("mikron-iiic-plain"), Layout(7, (FittedBevel("journal", True), box, cones)), values
+
+
+def milled_web() -> tuple[Scene, Layout, Array]:
+    """The same, the edges of both floors round: tubes and tori beside planes and cones."""
+    scene, layout, values = drafted_web()
+    bevel, box, cones = layout.parts
+    box, cones = replace(box, floor_radius_mm=1.2), replace(cones, floor_radius_mm=1.5)
+    return scene, replace(layout, parts=(bevel, box, cones)), values
 
 
 def rounded_web() -> tuple[Scene, Layout, Array]:

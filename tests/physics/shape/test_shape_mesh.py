@@ -28,11 +28,18 @@ from tests.physics.shape.shape_cases import (
     Array,
     drafted_web,
     full_web,
+    milled_web,
     rounded_web,
     solid_web,
 )
 
-WEBS = {"every-feature": full_web, "drafted-pockets": drafted_web, "solid-journals": solid_web}
+WEBS = {
+    "every-feature": full_web,
+    "drafted-pockets": drafted_web,
+    "round-floors": milled_web,
+    "solid-journals": solid_web,
+}
+SLOW = ("round-floors", "solid-journals")
 
 ELASTIC = 2e5, 0.3
 
@@ -49,13 +56,13 @@ class Case:
 
 @pytest.fixture(
     scope="module",
-    params=["every-feature", "drafted-pockets", pytest.param("solid-journals", marks=pytest.mark.slow)],
+    params=[pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else []) for name in WEBS],
 )
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
     model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET)
     # Thin walls beside pockets scatter more.
-    size_mm = COARSE_MM / 2 if request.param == "drafted-pockets" else COARSE_MM
+    size_mm = COARSE_MM / 2 if request.param in ("drafted-pockets", "round-floors") else COARSE_MM
     return Case(scene, layout, model, values, model.responses(values), size_mm)
 
 

@@ -60,26 +60,33 @@ def test_a_feature_opens_the_way_of_the_process(
 
 
 @pytest.mark.parametrize(
-    ("process", "draft", "corner"),
+    ("process", "draft", "corner", "floor"),
     [
-        (FACES, DRAFT_DEG, 6.0),
-        ({**FACES, "process": "cast", "draft_deg": 2.0}, 3.0, 6.0),
-        ({"process": "milled"}, 0.0, 6.0),
-        ({"process": "milled", "tool_radius_mm": 8.0}, 0.0, 8.0),
-        ({"process": "free"}, 0.0, 6.0),
+        (FACES, DRAFT_DEG, 6.0, 4.75),
+        ({**FACES, "process": "cast", "draft_deg": 2.0}, 3.0, 6.0, 6.0),
+        ({"process": "milled"}, 0.0, 6.0, 6.0),
+        ({"process": "milled", "tool_radius_mm": 7.0}, 0.0, 7.0, 7.0),
+        ({"process": "milled", "tool_radius_mm": 9.0}, 0.0, 9.0, 8.0),
+        ({"process": "free"}, 0.0, 6.0, 0.0),
     ],
 )
-def test_a_pocket_has_draft_and_corners_of_the_process(
-    mikron: Scene, process: dict[str, Any], draft: float, corner: float
+def test_a_pocket_has_draft_and_radii_of_the_process(
+    mikron: Scene, process: dict[str, Any], draft: float, corner: float, floor: float
 ) -> None:
-    """The least draft of the workshop (3 deg) and the least radius (6 mm) count besides."""
+    """The least draft of the workshop (3 deg) and the least radius (6 mm) count besides.
+
+    The edge of a floor is rounded by no more than half of the greatest depth, 9.5 mm of a die and 16 mm.
+    """
     scene, limits = made_by(mikron, **process)
     box = FittedBox("pin").made(limits)
-    assert box == FittedBox("pin", False, draft, corner)
+    assert box == FittedBox("pin", False, draft, corner, floor)
+    least = max(1.0, floor * (1 - np.sin(np.deg2rad(draft))))
+    assert box.bounds(scene, limits)[3][0] == pytest.approx(least, abs=0.03)
     named = dict(zip(box.names, [20.0, 30.0, 14.0, 5.0], strict=True))
     (written,) = box.tables(named, (-25.0, 73.0, 30.0))
     assert written.get("draft_deg", 0.0) == draft
     assert written["corner_radius_mm"] == corner
+    assert written.get("floor_radius_mm", 0.0) == floor
     assert min(low for low, _ in box.bounds(scene, limits)[1:3]) > 2 * corner
 
 
@@ -110,7 +117,7 @@ def test_a_start_takes_over_what_the_process_can_make(mikron: Scene) -> None:
     assert len(found.values) == found.layout.stations
     assert "box pocket of the pin face, as the process opens from the sides only" in found.left_out
     own, limits = made_by(scene, **FACES)
-    assert scene_start(own, limits).layout.parts == (FittedBox("pin", False, DRAFT_DEG, 6.0),)
+    assert scene_start(own, limits).layout.parts == (FittedBox("pin", False, DRAFT_DEG, 6.0, 4.75),)
 
 
 @pytest.mark.parametrize(("crown_mm", "kept"), [(0.0, True), (5.0, False), (-5.0, False)])
@@ -148,9 +155,9 @@ def test_rules_know_the_mouth(mikron: Scene, pair: bool) -> None:
 
 def test_written_and_read_back_it_is_the_same(mikron: Scene) -> None:
     scene, limits = made_by(mikron, **FACES)
-    box = FittedBox("pin", True, DRAFT_DEG, 6.0)
+    box = FittedBox("pin", True, DRAFT_DEG, 6.0, 4.75)
     layout = Layout(7, (box,))
-    values = np.array([*outline_start(scene, limits), 10.0, 18.0, 13.5, 13.5, 4.0])
+    values = np.array([*outline_start(scene, limits), 10.0, 18.0, 13.5, 13.5, 4.5])
     with_box = scene.model_copy(
         update={"web": scene_with_web(wide(scene), exact_web_of(layout, values, scene)).web}
     )

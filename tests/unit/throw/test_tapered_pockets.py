@@ -15,6 +15,7 @@ from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.fit import scene_with_web
+from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.primitives import Circle, Polyline
 from tests.step_volume import step_volume_mm3
 from tests.unit.refit.remodel_cases import table
@@ -77,6 +78,10 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
         {**BOX, **DRAFT},
         {**ROUND, **DRAFT},
         {**BOX, **DRAFT, "corner_radius_mm": 2.0, "size_x_mm": 90.0},
+        {**BOX, **DRAFT, "corner_radius_mm": 2.5, "floor_radius_mm": 2.5},
+        {**BOX, "corner_radius_mm": 2.0, "floor_radius_mm": 2.0},
+        {**ROUND, **DRAFT, "floor_radius_mm": 3.0},
+        {**BOX, **DRAFT, "corner_radius_mm": 2.0, "floor_radius_mm": 1.5, "size_x_mm": 90.0},
         {**SIDE, **DRAFT, "corner_radius_mm": 3.0},
         {**SIDE, "corner_radius_mm": 2.0},
         {**SIDE, **DRAFT, "corner_radius_mm": 2.0, "y_mm": 2.0, "depth_mm": 14.0},
@@ -96,6 +101,10 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
         "sharp",
         "cone",
         "runs out at both sides",
+        "round floor",
+        "round floor without draft",
+        "round floor of a cone",
+        "round floor that runs out at both sides",
         "side",
         "side without draft",
         "side where the outline is round",
@@ -110,6 +119,33 @@ def test_solid_cells_and_sections_agree(mikron: Scene, pocket: dict[str, Any], t
     assert step_volume_mm3(tmp_path / "web.step") == pytest.approx(volume, rel=1e-6)
     domain = build_domain(scene, 4.0, "web", extent="half")
     assert float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
+
+
+def test_a_round_floor_leaves_what_a_torus_has(mikron: Scene) -> None:
+    """A cylinder with a floor rounded by r leaves a ring of the section r2 (1 - pi/4), by Pappus."""
+    radius, floor = 4.0, 2.0
+    away = radius - floor + floor / 6 / (1 - math.pi / 4)
+    ring = 2 * math.pi * away * floor**2 * (1 - math.pi / 4)
+    taken = removed_mm3(mikron, pocket=[{**ROUND, "x_mm": 19.0, "floor_radius_mm": floor}])
+    assert taken == pytest.approx(math.pi * radius**2 * 7.0 - ring, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", [BOX | {"corner_radius_mm": 2.5}, ROUND])
+def test_the_distance_of_the_search_is_that_of_the_solid(mikron: Scene, kind: dict[str, Any]) -> None:
+    """Points are in the pocket by its signed distance where its sections say so, to 0.001 mm."""
+    scene = scene_with_web(mikron, table(pocket=[{**kind, **DRAFT, "floor_radius_mm": 2.0}]))
+    (pocket,) = scene.web.pocket
+    (body,) = pocket.bodies(scene, "web.pocket[0]")
+    fitted = FittedBox if pocket.shape == "box" else FittedCylinder
+    part, values = fitted.read(pocket, pair=True, frame_mm=(0.0, 0.0, 0.0))
+    random = np.random.default_rng(3)
+    x = random.uniform(pocket.x_mm, pocket.x_mm + 16.0, 40)
+    y = random.uniform(pocket.y_mm - 6.0, pocket.y_mm + 6.0, 41)
+    z = np.linspace(*body.z_mm, 42)[1:-1]
+    inside = part.field_mm(values, np.zeros(2), (x, y, z), scene.web_z_mm)
+    cut = np.stack([body.contains(x[:, None], y[None, :], height) for height in z], axis=-1)
+    assert 0.02 < cut.mean() < 0.9
+    assert (cut == (inside < 0))[np.abs(inside) > 1e-3].all()
 
 
 def test_the_half_throw_is_cut_above_a_mouth_in_a_fillet(mikron: Scene, tmp_path: Path) -> None:
@@ -127,6 +163,17 @@ def test_the_half_throw_is_cut_above_a_mouth_in_a_fillet(mikron: Scene, tmp_path
         ({**SIDE, "corner_radius_mm": 4.1}, "corner_radius_mm"),
         ({"shape": "cylinder", "x_mm": 24.0, "y_mm": 30.0, "diameter_mm": 8.0, **DRAFT}, "draft_deg"),
         ({**BOX, "draft_deg": 30.0}, "cuts the bore"),
+        ({**BOX, "floor_radius_mm": 1.0}, "needs a corner_radius_mm of at least 1 mm"),
+        ({**BOX, "corner_radius_mm": 3.0, "floor_radius_mm": 3.0}, "leaves no flat floor"),
+        (
+            {**BOX, "depth_mm": 1.5, "corner_radius_mm": 2.5, "floor_radius_mm": 2.0},
+            "rises 2 mm over the floor",
+        ),
+        ({**ROUND, "floor_radius_mm": 4.5}, "at most that of the floor"),
+        (
+            {"shape": "cylinder", "x_mm": 24.0, "y_mm": 30.0, "diameter_mm": 8.0, "floor_radius_mm": 1.0},
+            "floor_radius_mm = 1.0: has no meaning",
+        ),
     ],
 )
 def test_impossible_ones_are_refused(mikron: Scene, pocket: dict[str, Any], key: str) -> None:
@@ -139,11 +186,11 @@ def test_the_drawing_shows_mouth_and_floor_and_says_draft_and_radius(mikron: Sce
     (box, cone) = (
         scene_with_web(mikron, table(pocket=[{**one, **DRAFT}])).web.pocket[0] for one in (BOX, ROUND)
     )
-    box = box.model_copy(update={"corner_radius_mm": 2.5})
+    box = box.model_copy(update={"corner_radius_mm": 2.5, "floor_radius_mm": 1.5})
     drawn = box.drawing(mikron)
     assert [type(stroke) for stroke in drawn.front] == [Polyline, Polyline]
     wide = [2 * np.abs([x for x, _ in stroke.points]).max() for stroke in drawn.front]
     assert wide == pytest.approx([30 + 16 * SLOPE, 30.0])
-    assert {"   corner radius 2.50", "   draft 8.00°"} <= set(drawn.lines)
+    assert {"   corner radius 2.50", "   draft 8.00°", "   floor radius 1.50"} <= set(drawn.lines)
     radii = [stroke.radius for stroke in cone.drawing(mikron).front if isinstance(stroke, Circle)]
     assert radii == pytest.approx([4.0, 4 + 7 * SLOPE])
