@@ -13,6 +13,7 @@ from typing import Any, BinaryIO, TextIO
 import click
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
+from cranktopo.base.interruption import cut_off
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.cli.group import LazyGroup, found_commands
 from cranktopo.cli.verbosity import coloured
@@ -201,6 +202,11 @@ def _run(arguments: list[str]) -> int:
         return _report(CranktopoError("not enough memory.", hint=hint, code=ExitCode.SOLVER), arguments)
     except Exception as error:
         return _internal(error, arguments)
+
+
+def end_cut_off() -> None:
+    """Record and tell, from another thread, that the interrupted work of the main one is cut off."""
+    _report(cut_off(), sys.argv[1:])
 
 
 def _check_words(arguments: list[str]) -> None:
