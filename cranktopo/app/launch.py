@@ -68,10 +68,10 @@ def _cut_off(heard: int, numbers: set[int]) -> None:
     while not numbers.intersection(os.read(heard, 1)):
         pass
     time.sleep(_SAVING_S)
-    at_last = threading.Timer(_TELLING_S, os._exit, [_INTERRUPTED])  # where not even that can be written
-    at_last.daemon = True
-    at_last.start()
     try:
+        at_last = threading.Timer(_TELLING_S, os._exit, [_INTERRUPTED])  # where not even that can be written
+        at_last.daemon = True
+        at_last.start()
         end_cut_off()
     finally:
         os._exit(_INTERRUPTED)

@@ -64,6 +64,7 @@ _ENDED = {0, 5, 6, 130}
 
 def start(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
     pipe = subprocess.PIPE
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     return subprocess.Popen(
         [*PROGRAM, *arguments], stdout=pipe, stderr=pipe, text=True, env=ENVIRONMENT, cwd=cwd
     )
