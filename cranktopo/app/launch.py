@@ -9,6 +9,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from contextlib import suppress
 from typing import Any, NoReturn
 
@@ -20,6 +21,8 @@ _COLLECTING = 50_000, 20, 100
 _ONE_THREAD = "OPENBLAS_NUM_THREADS", "1"
 """Small matrices gain nothing by more threads, which then wait busily: a fifth of a run's processor time."""
 _AGAIN_S = 0.05
+_SAVING_S, _TELLING_S = 7.0, 2.0
+"""Seconds that the main thread has to end after a signal, and then another one to say so in its place."""
 
 
 def main() -> NoReturn:
@@ -34,6 +37,7 @@ def main() -> NoReturn:
     sys.unraisablehook = _raise_again
     for number in ours:
         signal.signal(number, signal.default_int_handler)
+    _watch(ours)
     code: int | str | None = 0
     try:
         run()
@@ -44,6 +48,33 @@ def main() -> NoReturn:
     for number in ours:  # nothing is left to save, only Python's own end
         signal.signal(number, signal.SIG_DFL)
     _end(int(code or 0))
+
+
+def _watch(numbers: list[signal.Signals]) -> None:
+    """End the process in seconds after a signal, whatever native code or lock holds the main thread.
+
+    Python raises KeyboardInterrupt there alone, once native code has returned: meshing, factorising and
+    compiling take minutes. What is stored is whole at every moment, as for SIGKILL.
+    """
+    heard, told = os.pipe()
+    os.set_blocking(told, False)
+    signal.set_wakeup_fd(told, warn_on_full_buffer=False)
+    threading.Thread(target=_cut_off, args=(heard, set(numbers)), daemon=True).start()
+
+
+def _cut_off(heard: int, numbers: set[int]) -> None:
+    from cranktopo.app.main import end_cut_off
+
+    while not numbers.intersection(os.read(heard, 1)):
+        pass
+    time.sleep(_SAVING_S)
+    try:
+        at_last = threading.Timer(_TELLING_S, os._exit, [_INTERRUPTED])  # where not even that can be written
+        at_last.daemon = True
+        at_last.start()
+        end_cut_off()
+    finally:
+        os._exit(_INTERRUPTED)
 
 
 def _end(code: int) -> NoReturn:

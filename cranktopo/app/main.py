@@ -12,7 +12,8 @@ from typing import Any, BinaryIO, TextIO
 
 import click
 
-from cranktopo.base.errors import CranktopoError, ExitCode, quoted
+from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory, quoted
+from cranktopo.base.interruption import cut_off
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.cli.group import LazyGroup, found_commands
 from cranktopo.cli.verbosity import coloured
@@ -195,12 +196,19 @@ def _run(arguments: list[str]) -> int:
     except (BrokenPipeError, SystemExit):  # click turns the first into the second
         return ExitCode.DONE
     except OSError as error:  # a file or stream that the system refuses in the middle of the work
-        return _report(_system_error(error), arguments)
-    except MemoryError:
-        hint = "Take larger cells or elements."
-        return _report(CranktopoError("not enough memory.", hint=hint, code=ExitCode.SOLVER), arguments)
+        return _report(_NO_MEMORY if lacks_memory(error) else _system_error(error), arguments)
     except Exception as error:
-        return _internal(error, arguments)
+        return _report(_NO_MEMORY, arguments) if lacks_memory(error) else _internal(error, arguments)
+
+
+_NO_MEMORY = CranktopoError(
+    "not enough memory.", hint="Take larger cells or elements, or allow more memory.", code=ExitCode.SOLVER
+)
+
+
+def end_cut_off() -> None:
+    """Record and tell, from another thread, that the interrupted work of the main one is cut off."""
+    _report(cut_off(), sys.argv[1:])
 
 
 def _check_words(arguments: list[str]) -> None:

@@ -62,6 +62,18 @@ def solver_error(message: str, hint: str) -> CranktopoError:
     return CranktopoError(message, hint=hint, code=ExitCode.SOLVER)
 
 
+_NO_MEMORY = re.compile(
+    "can't start new thread|failed to map segment|cannot allocate memory|RESOURCE_EXHAUSTED|bad_alloc",
+    re.IGNORECASE,
+)
+"""As threads, the loader of libraries, the system, XLA and C++ say it."""
+
+
+def lacks_memory(error: Exception) -> bool:
+    """Tell whether an error says, in the words of any library, that memory could not be had."""
+    return isinstance(error, MemoryError) or _NO_MEMORY.search(str(error)) is not None
+
+
 def quoted(value: object, most: int = 120) -> str:
     """Return a value for a message: on one line, shortened in the middle to so many characters."""
     try:
@@ -102,6 +114,8 @@ def packages_of(extra: str) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
+        if lacks_memory(error):
+            raise
         raise CranktopoError(
             f"{EXTRAS[extra]}: a package cannot be loaded: {error}.",
             hint=f"Install it: {install_line(extra)}",

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
+from cranktopo.base.interruption import closed_by
 
 _MIB = 1024**2
 _TEXT_LIMIT_MIB = 16
@@ -126,7 +127,8 @@ def replacing(path: Path) -> Iterator[Path]:
     temporary = path.with_name(f".{path.stem}.{secrets.token_hex(8)}{TEMPORARY}{path.suffix.lower()}")
     try:
         temporary.touch(exist_ok=False)
-        yield temporary
+        with closed_by(lambda: temporary.unlink(missing_ok=True)):
+            yield temporary
         _flush(temporary)
         os.replace(temporary, path)
         _flush(path.parent)

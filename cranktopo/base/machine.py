@@ -1,9 +1,11 @@
-"""The machine: its cores, its speed, the memory that a process takes, and the user's cache on it."""
+"""The machine: its cores, its speed, the memory that a process takes or may take, the user's cache on it."""
 
 from __future__ import annotations
 
+import math
 import os
 import platform
+import re
 import resource
 import stat
 import sys
@@ -13,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _OURS_ALONE = 0o700
+_MIB = 1024.0**2
 
 
 def private_cache(name: str) -> Path | None:
@@ -68,6 +71,45 @@ def usable_cores() -> int:
     """Return the cores that this process may use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return usable or 1
+
+
+def addresses_left_MiB() -> float:
+    """Return how many more addresses this process may take (`ulimit -v`), MiB; infinite without a limit."""
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return math.inf
+    import psutil
+
+    return max(limit - int(psutil.Process().memory_info().vms), 0) / _MIB
+
+
+_OWN_CGROUPS, _CGROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
+
+
+def container_memory_left_MiB() -> float:
+    """Return what the control groups of this process still allow, MiB; infinite where none sets a limit.
+
+    What is used counts without the files that the system keeps and would give back.
+    """
+    try:
+        lines = _OWN_CGROUPS.read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return math.inf
+    own = {controllers: path.lstrip("/") for _, controllers, path in (line.split(":", 2) for line in lines)}
+    found = [math.inf]
+    for folder, names in (
+        (_CGROUPS / own.get("", ""), ("memory.max", "memory.current", "inactive_file")),
+        (
+            _CGROUPS / "memory" / own.get("memory", ""),
+            ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
+        ),
+    ):
+        for group in (folder, *folder.parents):
+            with suppress(OSError, ValueError):  # no such group, or "max": no limit
+                limit, used = (int((group / name).read_text()) for name in names[:2])
+                kept = re.search(rf"^{names[2]} (\d+)", (group / "memory.stat").read_text(), re.MULTILINE)
+                found.append(max(limit - used + int(kept[1] if kept else 0), 0) / _MIB)
+    return min(found)
 
 
 def this_machine() -> Machine:

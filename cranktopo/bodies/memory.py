@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cranktopo.base.errors import invalid
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.machine import addresses_left_MiB, container_memory_left_MiB
 from cranktopo.bodies.cells.domain import throw_ranges_mm
 from cranktopo.bodies.cells.layers import GridContent
 from cranktopo.bodies.volume import web_volume_mm3
@@ -17,6 +18,10 @@ WALL_CELLS = 2
 _BASE_MIB = 1250.0
 _PER_CELL_KIB = 0.5
 _MIB = 1024.0**2
+_ADDRESSED_MIB = 2200.0
+"""Addresses that a process takes beyond the memory that it uses (libraries, stacks and heaps of threads).
+Measured: 1050 (evaluate) to 2130 (fatigue)."""
+_RAISE = "Close other programs, or allow more memory (container, ulimit -v)."
 
 
 def check_resolution(
@@ -33,6 +38,7 @@ def check_resolution(
             f"Use at most {wall / WALL_CELLS:g} mm.",
         )
     needed = optimiser_memory_MiB(scene, resolution_mm, quarter, cases)
+    _check_base("cells of any size", _BASE_MIB, available_MiB)
     if needed > available_MiB:
         finest = finest_resolution_mm(scene, quarter, cases, available_MiB)
         raise invalid(
@@ -41,6 +47,12 @@ def check_resolution(
             f"too fine: about {needed / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available",
             f"The finest that fits is about {finest:g} mm.",
         )
+
+
+def _check_base(what: str, base_MiB: float, available_MiB: float) -> None:
+    if base_MiB >= available_MiB:
+        told = f"{base_MiB / 1024:,.1f} GiB needed, {available_MiB / 1024:,.1f} GiB available"
+        raise CranktopoError(f"memory: {what} do not fit: {told}.", hint=_RAISE)
 
 
 def thinnest_wall_mm(scene: Scene) -> float:
@@ -71,10 +83,12 @@ def finest_resolution_mm(scene: Scene, quarter: bool, cases: int, available_MiB:
 
 
 def available_memory_MiB() -> float:
-    """Return the memory that a process may take now without swapping, MiB."""
+    """Return the memory that a process may take now, MiB: of the machine, the container and `ulimit -v`."""
     import psutil
 
-    return float(psutil.virtual_memory().available) / _MIB
+    of_machine = float(psutil.virtual_memory().available) / _MIB
+    addresses = addresses_left_MiB() - _ADDRESSED_MIB
+    return max(min(of_machine, container_memory_left_MiB(), addresses), 0.0)
 
 
 # Measured from 4.2 to 1.9 mm: 16.0 to 14.9 KiB per node over 120 MiB; 25 to 12 nodes per cubed element size.
@@ -93,6 +107,7 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
     needed = evaluation_memory_MiB(scene, element_size_mm)
     if needed <= available:
         return
+    _check_base("elements of any size", _MESH_BASE_MIB, available)
     finest = element_size_mm * math.cbrt((needed - _MESH_BASE_MIB) / max(available - _MESH_BASE_MIB, 1.0))
     raise invalid(
         "element size",

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
+from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory, solver_error
 from cranktopo.base.notes import at_work
 
 _TRIANGLE = 2
@@ -94,6 +94,8 @@ def _gmsh() -> Any:
     try:
         import gmsh
     except (ImportError, OSError) as error:  # OSError: a system library that gmsh loads is missing
+        if lacks_memory(error):
+            raise
         raise CranktopoError(
             f"gmsh cannot be loaded: {error}.",
             hint="'cranktopo doctor' says which line installs it.",

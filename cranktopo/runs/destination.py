@@ -11,6 +11,7 @@ from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import TEMPORARY, no_link, unwritable
+from cranktopo.base.interruption import closed_by
 
 LOCK = ".lock"
 """Name of the file that the process that works in a run holds."""
@@ -60,7 +61,8 @@ def unfinished_folder(parent: Path) -> Iterator[Path]:
     except OSError as error:
         raise unwritable(parent, error) from None
     try:
-        yield folder
+        with closed_by(lambda: shutil.rmtree(folder, ignore_errors=True)):
+            yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
 from cranktopo.base.files import read_json
+from cranktopo.base.interruption import closed_by
 from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, delete_folder
 
@@ -118,9 +119,19 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
     Raises:
         CranktopoError: what failed in the block, or interruption (exit code 130).
     """
+
+    def interrupted() -> CranktopoError:
+        run.set_status("interrupted")
+        run.log("interrupted")
+        return CranktopoError(
+            f"interrupted; {kept} in {run.path}.",
+            hint=f"Continue with: {resume_command(run)}",
+            code=ExitCode.INTERRUPTED,
+        )
+
     with locked(run.path):
         try:
-            with interruptible() as check:
+            with closed_by(interrupted), interruptible() as check:
                 yield check
             run.set_status("done")
         except (KeyboardInterrupt, Exception) as error:
@@ -131,13 +142,7 @@ def working_in(run: RunStore, kept: str) -> Iterator[Callable[[], None]]:
                 run.set_status("failed")
                 run.log(f"failed: {error}")
                 raise
-            run.set_status("interrupted")
-            run.log("interrupted")
-            raise CranktopoError(
-                f"interrupted; {kept} in {run.path}.",
-                hint=f"Continue with: {resume_command(run)}",
-                code=ExitCode.INTERRUPTED,
-            ) from None
+            raise interrupted() from None
 
 
 def _is_refusal(error: BaseException) -> bool:

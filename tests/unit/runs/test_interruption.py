@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
@@ -148,3 +150,45 @@ def test_what_a_destructor_drops_is_raised_again(name: str) -> None:
         check=True,
     )
     assert (result.stdout, result.stderr) == ("interrupted\n", "")
+
+
+HELD = """
+import signal, sys, time
+from contextlib import suppress
+from pathlib import Path
+from cranktopo.app import launch, main
+from cranktopo.base.files import replacing
+from cranktopo.runs.directories import create_run
+from cranktopo.runs.kind import working_in
+
+def work():
+    options = {"iterate": {}}
+    run = create_run(design="x", design_toml="", scene={}, options=options, command=[], out=Path("run"))
+    with working_in(run, "finished steps are kept"), replacing(Path("unwritten.step")):
+        signal.raise_signal(signal.SIGWINCH)  # asks nobody to end
+        while True:  # as native code that does not return, or a lock
+            with suppress(KeyboardInterrupt):
+                print("at work", flush=True)
+                time.sleep(60)
+
+launch._SAVING_S = 0.3
+signal.signal(signal.SIGWINCH, lambda *_: None)
+main._run = lambda _: work()
+launch.main()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_main_thread_that_is_held_is_cut_off(number: signal.Signals, tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", HELD], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "at work\n"
+    process.send_signal(number)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "interrupted; finished steps are kept in run." in stderr
+    assert "cranktopo iterate --resume run" in stderr
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "interrupted"
+    assert [path.name for path in tmp_path.iterdir()] == ["run"], "what was half written is gone"

@@ -1,0 +1,94 @@
+"""What a process may take is known: of the container, and by `ulimit -v`; what does not fit is one line."""
+
+from __future__ import annotations
+
+import math
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cranktopo.app import main
+from cranktopo.base import machine
+from cranktopo.bodies import memory
+
+PROGRAM = f"{sys.executable} -c 'from cranktopo.app.launch import main; main()'"
+MIB = 2**20
+
+
+def test_address_space(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+    assert math.isinf(machine.addresses_left_MiB())
+    assert memory.available_memory_MiB() > 500
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (900 * MIB, resource.RLIM_INFINITY))
+    assert 0 <= machine.addresses_left_MiB() < 900
+    assert memory.available_memory_MiB() == 0
+
+
+@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("limited", ["own", "parent", "none"])
+def test_container(version: int, limited: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = tmp_path / "cgroup"
+    own.write_text("0::/job/step\n" if version == 2 else "9:name=systemd:/\n4:memory:/job/step\n0::/\n")
+    most, used, kept = (
+        ("memory.max", "memory.current", "inactive_file")
+        if version == 2
+        else ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
+    )
+    root = tmp_path / "fs" if version == 2 else tmp_path / "fs" / "memory"
+    for name, folder in {"parent": root / "job", "own": root / "job" / "step"}.items():
+        folder.mkdir(parents=True)
+        unlimited = "max" if version == 2 else str(2**63 - 4096)
+        (folder / most).write_text(f"{512 * MIB}" if name == limited else unlimited)
+        (folder / used).write_text(str(300 * MIB))
+        (folder / "memory.stat").write_text(f"anon 5\n{kept} {100 * MIB}\n")
+    monkeypatch.setattr(machine, "_OWN_CGROUPS", own)
+    monkeypatch.setattr(machine, "_CGROUPS", tmp_path / "fs")
+    left = machine.container_memory_left_MiB()
+    assert left > 1e9 if limited == "none" else left == 312
+
+
+@pytest.mark.parametrize("line", ["evaluate mikron-iiic-plain", "optimise mikron-iiic-plain --out run"])
+def test_what_does_not_fit_is_refused_before_it_starts(line: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        ["bash", "-c", f"ulimit -v 1000000; {PROGRAM} {line}"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (3, ""), done.stderr
+    assert done.stderr.splitlines()[-1].startswith("error: memory: "), done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def fails(error: Exception) -> Callable[..., None]:
+    def raising(*_: object, **__: object) -> None:
+        raise error
+
+    return raising
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        RuntimeError("can't start new thread"),
+        ImportError("libgmsh.so.4.15: failed to map segment from shared object"),
+        OSError(12, "Cannot allocate memory"),
+        RuntimeError("RESOURCE_EXHAUSTED: Out of memory allocating 64 bytes."),
+        RuntimeError("std::bad_alloc"),
+    ],
+    ids=repr,
+)
+def test_memory_that_is_not_there_is_one_line(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(main.cli, "main", fails(error))
+    assert main.main(["plan"]) == 4
+    hint = "Take larger cells or elements, or allow more memory."
+    assert capsys.readouterr().err == f"error: not enough memory. {hint}\n"
