@@ -17,7 +17,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.numerics.tetrahedra import elasticity as linear
+from cranktopo.numerics.tetrahedra import solver
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fea.condense import condense, torsional_stiffness_Nm_per_rad
 
@@ -35,7 +35,7 @@ def main(engine: str = "mikron-iiic-plain") -> None:
         mesh = mesh_throw(scene, size).mesh
         model = assemble(mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
         for name, most in METHODS.items():
-            with patch.object(linear, "DIRECT_LIMIT", most):
+            with patch.object(solver, "DIRECT_LIMIT", most):
                 began = time.perf_counter()
                 twist, _ = side_by_side(
                     lambda m=model, h=mesh: condense(

@@ -20,7 +20,6 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     assemble,
     basis_above_plane,
     mean_displacement,
-    two_level_cycle,
 )
 from cranktopo.tasks.fea.condense import (
     Superelement,
@@ -125,9 +124,8 @@ class _Cubic:
         """Residuals times the displacements that answer them, with what the block holds at zero."""
         free = np.setdiff1d(np.arange(self.count), self._held(block))
         nodal = free[free < 3 * self.nodes]
-        inner = self.model.stiffness[nodal][:, nodal]
-        corners = nodal[nodal < self.model.prolongation.shape[1]]
-        cycle = two_level_cycle(inner, self.model.prolongation[nodal][:, corners])
+        matrix = self.model.stiffness
+        cycle = self.model.equations.two_level_cycle(np.setdiff1d(np.arange(3 * self.nodes), nodal))
 
         def product(x: Array) -> Array:
             field = np.zeros(self.count)
@@ -136,8 +134,10 @@ class _Cubic:
 
         def precondition(x: Array) -> Array:
             x = x.ravel()
-            corrected = cycle(x[: len(nodal), None])[:, 0]
-            return np.concatenate([corrected, x[len(nodal) :] / self.diagonal[free[len(nodal) :]]])
+            load, field = np.zeros((2, 3 * self.nodes, 1))
+            load[nodal, 0] = x[: len(nodal)]
+            field[matrix.unknowns] = cycle(load[matrix.unknowns] / matrix.root) / matrix.root
+            return np.concatenate([field[nodal, 0], x[len(nodal) :] / self.diagonal[free[len(nodal) :]]])
 
         shape = (len(free), len(free))
         operator, inverse = (LinearOperator(shape, f, dtype=float) for f in (product, precondition))

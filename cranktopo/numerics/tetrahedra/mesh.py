@@ -93,6 +93,12 @@ def shape_gradients(barycentric: Array, edges: tuple[tuple[int, int], ...] = EDG
     return np.concatenate([corner, np.stack(edge, axis=1)], axis=1)
 
 
+def shape_values(barycentric: Array) -> Array:
+    """Return the quadratic shape functions of the ten nodes at points (points, 4), shape (points, 10)."""
+    edges = [4 * barycentric[:, a] * barycentric[:, b] for a, b in EDGES]
+    return np.column_stack([barycentric * (2 * barycentric - 1), *edges])
+
+
 @dataclass(frozen=True)
 class TetMesh:
     """A mesh of ten-node tetrahedra.

@@ -22,12 +22,8 @@ from cranktopo.base.frames import Span
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import (
-    RESIDUAL_LIMIT,
-    Elasticity,
-    mean_displacement,
-    symmetric_solver,
-)
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mean_displacement
+from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 
 Lateral = Literal["even", "odd", "none"]
 
@@ -101,13 +97,12 @@ def condense(
     motions = {"even": _EVEN, "odd": _ODD, "none": tuple(range(6))}[lateral]
     sections, held = _constraints(model, scene, span, lateral)
     rigid = np.hstack([section_motions(model.nodes_mm, section)[:, motions] for section in sections])
-    free = np.setdiff1d(np.arange(model.nodes_mm.size), held)
     loaded = span != "antisymmetric" and lateral != "odd"
     mean = np.zeros(model.nodes_mm.size)
     if loaded:
         mean = -mean_displacement(model, 1, *loaded_mm(scene, span == "whole"))
     others = np.zeros((model.nodes_mm.size, 0)) if extra_loads is None else extra_loads
-    solve = _solver(model, free, residual)
+    solve = model.equations.solver(held, residual)
     if span == "whole":
         whole, turned = _whole_body(model.nodes_mm, motions, scene.pitch_mm)
         motions = (*motions, *(6 + motion for motion in motions))
@@ -139,19 +134,6 @@ def loaded_mm(scene: Scene, whole: bool) -> tuple[float, float]:
     """Return the heights between which the crankpin carries its load in the half or the whole throw."""
     start = scene.web_z_mm[1]
     return (start, scene.pitch_mm - halves(scene)[1].web_z_mm[1]) if whole else (start, math.inf)
-
-
-def _solver(model: Elasticity, free: NDArray[np.intp], residual: float) -> Callable[[Array], Array]:
-    corners = free[free < model.prolongation.shape[1]]
-    stiffness, prolongation = model.stiffness[free][:, free], model.prolongation[free][:, corners]
-    inner = symmetric_solver(stiffness, prolongation, residual=residual)
-
-    def solve(forces: Array) -> Array:
-        fields = np.zeros(forces.shape)
-        fields[free] = inner(forces[free])
-        return fields
-
-    return solve
 
 
 def section_motions(nodes_mm: Array, section: NDArray[np.intp]) -> Array:

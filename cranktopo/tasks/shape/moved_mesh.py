@@ -18,8 +18,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.free_dimensions import move_journals
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import solve_symmetric
 from cranktopo.numerics.tetrahedra.mesh import EDGES, TetMesh, least_jacobian_ratio
+from cranktopo.numerics.tetrahedra.solver import solve_directly
 from cranktopo.numerics.tetrahedra.stress import boundary_faces
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.throw_faces import Contact, FilletFace, WebFace
@@ -194,7 +194,7 @@ class _Net:
         if basis.shape[1] == 0:
             return first
         loads = -(basis.T @ (matrix @ flat))
-        along = solve_symmetric((basis.T @ matrix @ basis).tocsr(), loads, basis, "direct")
+        along = solve_directly(basis.T @ matrix @ basis, loads)
         return np.asarray((flat + basis @ along).reshape(first.shape))
 
     def fill(self, motion: Array, inner: Index) -> Array:
@@ -204,7 +204,7 @@ class _Net:
             held = np.setdiff1d(np.arange(len(motion)), inner)
             rows, flat = self._matrix[inner], motion.reshape(len(motion), -1)
             loads = -(rows[:, held] @ flat[held])
-            found = solve_symmetric(rows[:, inner].tocsr(), loads, sp.csr_matrix((len(inner), 0)), "direct")
+            found = solve_directly(rows[:, inner], loads)
             result[inner] = found.reshape(len(inner), *motion.shape[1:])
         return result
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import extract_mesh
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, solve_symmetric
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.stress import (
     nodal_stress,
@@ -114,13 +114,8 @@ def shaft_fields(shaft: Shaft, model: Elasticity, loads: tuple[int, ...]) -> Arr
         kept, plane = (ODD, [0, 2]) if load == TORSION else (EVEN, [1])
         held = [(3 * end[:, None] + np.arange(3)).ravel() for end in (low, high)]
         held += [3 * mirror + axis for axis in plane]
-        free = np.setdiff1d(np.arange(nodes.size), np.concatenate(held))
         units = motions[:, kept].copy()
-        corners = free[free < model.prolongation.shape[1]]
-        force = -(model.stiffness @ units)[free]
-        units[free] += solve_symmetric(
-            model.stiffness[free][:, free], force, model.prolongation[free][:, corners]
-        )
+        units += model.equations.solver(np.concatenate(held))(-(model.stiffness @ units))
         stiffness = 2 * units.T @ (model.stiffness @ units)
         unit = np.array([1.0 if motion == load else 0.0 for motion in kept])
         fields.append(units @ np.linalg.solve(stiffness, unit))

@@ -16,7 +16,7 @@ from skfem import Basis, ElementTetP2
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, solve_symmetric
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.tasks.fea.condense import (
     RX,
@@ -72,14 +72,8 @@ def full_throw(mesh: TetMesh, scene: Scene) -> FullThrow:
     ends = [plane_nodes(model.nodes_mm, 2, z) for z in (0.0, scene.pitch_mm)]
     rigid = np.hstack([section_motions(model.nodes_mm, nodes) for nodes in ends])
     held = np.concatenate([(3 * nodes[:, None] + np.arange(3)).ravel() for nodes in ends])
-    free = np.setdiff1d(np.arange(rigid.shape[0]), held)
     mean = pin_mean(model, scene)
-    loads = np.column_stack([-(model.stiffness @ rigid)[free], mean[free]])
-    fields = np.zeros((rigid.shape[0], 13))
-    corners = free[free < model.prolongation.shape[1]]
-    fields[free] = solve_symmetric(
-        model.stiffness[free][:, free], loads, model.prolongation[free][:, corners]
-    )
+    fields = model.equations.solver(held)(np.column_stack([-(model.stiffness @ rigid), mean]))
     fields[:, :12] += rigid
     units = fields[:, :12]
     return FullThrow(units.T @ (model.stiffness @ units), units.T @ mean, float(mean @ fields[:, 12]))

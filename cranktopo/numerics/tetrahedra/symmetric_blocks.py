@@ -1,0 +1,133 @@
+"""Symmetric matrices over the displacements of nodes: the upper half of their 3x3 blocks, scaled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.tetrahedra.block_code import product, scatter
+
+Index = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class SymmetricBlocks:
+    """A symmetric positive definite matrix over unknowns 3 node + axis, its diagonal scaled to one.
+
+    Attributes:
+        order: the node of each row of blocks, neighbours near each other, so that they stay in the cache.
+        start: the first block of each row, its diagonal one, and the end, (rows + 1,).
+        column: the row of blocks that a block couples its own with, (blocks,).
+        value: scaled blocks, (blocks, 3, 3).
+        root: roots of the diagonal of the true matrix, of unknowns in this order, (3 rows, 1).
+    """
+
+    order: NDArray[np.intp]
+    start: Index
+    column: Index
+    value: Array
+    root: Array
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of unknowns, twice."""
+        return len(self.root), len(self.root)
+
+    @property
+    def unknowns(self) -> NDArray[np.intp]:
+        """The unknown of each row of the scaled matrix."""
+        return (3 * self.order[:, None] + np.arange(3)).ravel()
+
+    def __matmul__(self, field: Array) -> Array:
+        """Return the true matrix times fields (unknowns,) or (unknowns, k)."""
+        columns = field.reshape(len(field), -1)
+        found = np.zeros((len(self.root), columns.shape[1]))
+        self.add_product(self.root * columns[self.unknowns], found)
+        result = np.empty_like(found)
+        result[self.unknowns] = self.root * found
+        return result.reshape(field.shape)
+
+    def add_product(self, field: Array, total: Array, factor: float = 1.0) -> None:
+        """Add a factor times the scaled matrix times fields (unknowns, k), in its own order, to a total."""
+        given = np.ascontiguousarray(field)
+        arrays = (self.start, self.column, self.value, given, total)
+        code = product(given.shape[1])
+        code(len(self.order), factor, *(array.ctypes.data for array in arrays))
+
+    def upper(self) -> sp.csr_matrix:
+        """Return the scaled matrix in its own order, its diagonal blocks and those above."""
+        size = len(self.root)
+        return sp.bsr_matrix((self.value, self.column, self.start), shape=(size, size)).tocsr()
+
+    def tocsr(self) -> sp.csr_matrix:
+        """Return the true matrix over the unknowns as the nodes number them."""
+        upper = sp.triu(self.upper())
+        scale, place = sp.diags(self.root[:, 0]), np.argsort(self.unknowns)
+        return (scale @ (upper + sp.triu(upper, 1).T) @ scale).tocsr()[place][:, place]
+
+
+def neighbourly(cells: NDArray[np.intp], corners: int) -> Array:
+    """Return a rank of corners, (corners,), by which those of an element lie near each other."""
+    one, other = (cells[list(ends)].ravel() for ends in ((0, 0, 0, 1, 1, 2), (1, 2, 3, 2, 3, 3)))
+    pairs = sp.coo_matrix((np.ones(one.size, np.int8), (one, other)), (corners, corners))
+    rank = np.empty(corners)
+    rank[reverse_cuthill_mckee((pairs + pairs.T).tocsr(), symmetric_mode=True)] = np.arange(corners)
+    return rank
+
+
+class Pattern:
+    """A stiffness matrix in the making: which blocks the elements of a mesh fill, and their sum."""
+
+    def __init__(self, cells: NDArray[np.intp], rank: Array) -> None:
+        """Order the nodes by rank, which of two as their numbers do where it is the same."""
+        self.order = np.argsort(rank, kind="stable")
+        place = np.empty(len(rank), dtype=np.int64)
+        place[self.order] = np.arange(len(rank))
+        rows = place[cells]
+        self._inside = np.argsort(rows, axis=0)
+        rows = np.take_along_axis(rows, self._inside, axis=0)
+        self._pairs = np.triu_indices(len(cells))
+        keys = rows[self._pairs[0]] * len(rank) + rows[self._pairs[1]]
+        found, slots = np.unique(keys, return_inverse=True)
+        self._slots = slots.reshape(keys.shape).astype(np.int32)
+        row, column = np.divmod(found, len(rank))
+        self._column = column.astype(np.int32)
+        self._start = np.searchsorted(row, np.arange(len(rank) + 1)).astype(np.int32)
+        self._value = np.zeros((len(found), 3, 3))
+
+    def add(self, elements: slice, slopes: Array, dx: Array, lame: tuple[float, float]) -> None:
+        """Add the stiffness of some elements: lambda div u div v + 2 mu eps(u):eps(v).
+
+        Args:
+            slopes: of the shape functions, (elements, nodes, 3, points).
+            dx: volume of the quadrature points, (elements, points).
+            lame: first constant and shear modulus, MPa.
+        """
+        inside = self._inside[:, elements].T
+        slopes = np.take_along_axis(slopes, inside[:, :, None, None], axis=1)
+        count, nodes, _, points = slopes.shape
+        flat = slopes.reshape(count, 3 * nodes, points)
+        outer = np.matmul(flat * dx[:, None, :], flat.transpose(0, 2, 1))
+        one, other = self._pairs
+        outer = outer.reshape(count, nodes, 3, nodes, 3)[:, one, :, other, :]
+        first, shear = lame
+        blocks = first * outer + shear * outer.swapaxes(2, 3)
+        trace = shear * np.einsum("peii->pe", outer)
+        for axis in range(3):
+            blocks[:, :, axis, axis] += trace
+        slots = np.ascontiguousarray(self._slots[:, elements])
+        scatter()(slots.size, slots.ctypes.data, blocks.ctypes.data, self._value.ctypes.data)
+
+    def matrix(self) -> SymmetricBlocks:
+        """Return the sum of all elements; call it once, as their blocks become those of the matrix."""
+        value = self._value
+        root = np.sqrt(np.einsum("nii->ni", value[self._start[:-1]]))
+        rows = np.repeat(np.arange(len(root)), np.diff(self._start))
+        value /= root[rows][:, :, None]
+        value /= root[self._column][:, None, :]
+        return SymmetricBlocks(self.order, self._start, self._column, value, root.reshape(-1, 1))
