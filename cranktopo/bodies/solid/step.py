@@ -81,6 +81,10 @@ def step_string(text: str) -> str:
 
 
 STEP_SUFFIXES = (".step", ".stp")
+_BREP_SUFFIXES = (".brep", ".brp")
+KERNEL_SUFFIXES = (*STEP_SUFFIXES, *_BREP_SUFFIXES)
+"""Files that the CAD kernel reads; a BREP file tells no unit."""
+_HEADS = {"STEP": b"ISO-10303-21", "BREP": b"CASCADE Topology"}
 _CHORD_MM = 0.01
 """Largest distance of a triangle from the body; 1e-4 of the volume of a web."""
 _TRIANGULATION = {
@@ -158,12 +162,13 @@ def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: ob
 
 
 def _check_step(path: Path, name: str) -> None:
-    """Check that a file can be one of STEP, before the reader is asked; raises CranktopoError."""
+    """Check that a file can be what its name says before the reader is asked; raises CranktopoError."""
     check_input(path, name, GEOMETRY_LIMIT_MIB, "Give the path of a STEP file of one solid.")
+    kind = "BREP" if path.suffix.lower() in _BREP_SUFFIXES else "STEP"
     with path.open("rb") as file:
         head = file.read(1000)
-    if b"ISO-10303-21" not in head:
-        raise CranktopoError(f"{name}: is no STEP file.", hint="Export one solid again as STEP, mm.")
+    if _HEADS[kind] not in head:
+        raise CranktopoError(f"{name}: is no {kind} file.", hint="Export one solid again as STEP, mm.")
 
 
 def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:

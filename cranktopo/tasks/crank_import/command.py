@@ -1,6 +1,6 @@
 """`cranktopo import`
 
-Turn a crank from CAD (STEP) into a design: axes, throws, journals, webs.
+Turn a crank from CAD (STEP, STL) into a design: axes, throws, journals, webs.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import click
 
 from cranktopo.cli.options import Choice
 from cranktopo.cli.verbosity import verbosity_options
-from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, END_JOURNALS, EndJournals
+from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, END_JOURNALS, UNITS, EndJournals, Unit
 
 
 @click.command(name="import")
@@ -32,6 +32,9 @@ from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, END_JOURNALS,
 @click.option(
     "--material", metavar="NAME", default=DEFAULT_MATERIAL, show_default=True, help="CAD does not tell it."
 )
+@click.option(
+    "--unit", type=Choice(UNITS), help="Unit of the numbers where the file tells none, or a wrong one."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -41,12 +44,15 @@ def command(
     out: Path | None,
     end_journals: EndJournals,
     material: str,
+    unit: Unit | None,
     as_json: bool,
 ) -> None:
-    """Recognise the crank in BODY (.step, .stp) in any attitude, and write a design of every distinct web.
+    """Recognise the crank in BODY in any attitude, and write a design of every distinct web.
+
+    STEP (.step, .stp) and BREP have exact faces; to the triangles of STL, 3MF and OBJ, faces are fitted.
 
     Exact faces tell crank axis, main journals, crankpins, throws and angles, webs, fillets, bores and oil
-    drillings. Each distinct half throw is cut and moved to the frame of a throw, unchanged, as STEP: the
+    drillings. Each distinct half throw is cut and moved to the frame of a throw, unchanged: the
     original of its design. The page shows body and design over each other. Material and engine are lines to
     fill in.
 
@@ -55,5 +61,5 @@ def command(
     from cranktopo.tasks.crank_import.stage import import_crank
     from cranktopo.tasks.crank_import.text import import_text
 
-    found = import_crank(body, name, out, solid, end_journals, material)
+    found = import_crank(body, name, out, solid, end_journals, material, unit)
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else import_text(found))

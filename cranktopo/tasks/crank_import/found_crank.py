@@ -111,3 +111,13 @@ class FoundCrank:
         first, own = self.direction(self.pins[0]), self.direction(pin)
         angle = math.degrees(math.atan2(float(np.cross(first, own) @ self.axis), float(first @ own)))
         return round(angle % 360, 6) % 360
+
+    @property
+    def words(self) -> str:
+        """The crank in a line."""
+        angles = ", ".join(f"{self.angle_deg(pin):g}" for pin in self.pins)
+        pins = len(self.pins)
+        return (
+            f"{pins} throw{'s' * (pins != 1)} at {angles} deg, {len(self.journals)} main "
+            f"journal{'s' * (len(self.journals) != 1)}, {len(self.halves)} web{'s' * (len(self.halves) != 1)}"
+        )

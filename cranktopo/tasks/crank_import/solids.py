@@ -9,7 +9,8 @@ from typing import Any
 from cranktopo.base.child import tell_read
 from cranktopo.base.errors import CranktopoError, suggest
 from cranktopo.bodies.solid.step import step_solids
-from cranktopo.tasks.crank_import.faces import exact_faces, lines_of, parallel
+from cranktopo.tasks.crank_import.choices import UNIT_MM, Unit
+from cranktopo.tasks.crank_import.faces import Faces, exact_faces, lines_of, parallel
 
 _LISTED = 20
 
@@ -41,38 +42,48 @@ def _solids(gmsh: Any, path: Path) -> tuple[FoundSolid, ...]:
         name = gmsh.model.getEntityName(dim, tag).rsplit("/", 1)[-1] or f"solid {len(found) + 1}"
         found.append(
             FoundSolid(
-                tag, name, (x, y, z), float(gmsh.model.occ.getMass(dim, tag)), _parallel_axes(gmsh, tag) >= 2
+                tag, name, (x, y, z), float(gmsh.model.occ.getMass(dim, tag)), _looks_like_a_crank(gmsh, tag)
             )
         )
     return tuple(found)
 
 
-def _parallel_axes(gmsh: Any, tag: int) -> int:
-    """Return on how many lines cylinders of one direction lie: two or more on a crank."""
+def _looks_like_a_crank(gmsh: Any, tag: int) -> bool:
     faces = [face for _, face in gmsh.model.getBoundary([(3, tag)], oriented=False)]
-    lines = lines_of(exact_faces(gmsh, faces).cylinders)
+    return parallel_axes(exact_faces(gmsh, faces)) >= 2
+
+
+def parallel_axes(faces: Faces) -> int:
+    """Return on how many lines whole shafts of one direction lie: two or more on a crank."""
+    lines = lines_of([face for face in faces.cylinders if face.full and face.outward])
     return max((sum(parallel(one[0].axis, other[0].axis) for other in lines) for one in lines), default=0)
 
 
-def read_crank(gmsh: Any, path: Path, name: str | None) -> tuple[FoundSolid, tuple[FoundSolid, ...]]:
-    """Read a STEP file; return its crank, which alone is left in the session, and all its solids.
+def read_crank(
+    gmsh: Any, path: Path, name: str | None, unit: Unit | None = None
+) -> tuple[FoundSolid, tuple[FoundSolid, ...]]:
+    """Read a file; return its crank, which alone is left in the session, and all its solids.
 
     The crank is the named solid, the only one, or the only one that looks so.
 
     Raises:
         CranktopoError: no solid, none or several of that name, or several that look like a crank.
     """
+    if unit:
+        gmsh.option.setNumber("Geometry.OCCScaling", UNIT_MM[unit])
     found = _solids(gmsh, path)
     tell_read()
-    own = _chosen(found, path, name)
+    own = chosen(found, path, name)
     rest = [solid.entity for solid in found if solid is not own]
     if rest:
         gmsh.model.occ.remove(rest, recursive=True)
     gmsh.model.occ.synchronize()
+    gmsh.option.setNumber("Geometry.OCCScaling", 1.0)
     return own, found
 
 
-def _chosen(found: tuple[FoundSolid, ...], path: Path, name: str | None) -> FoundSolid:
+def chosen(found: tuple[FoundSolid, ...], path: Path, name: str | None) -> FoundSolid:
+    """Return the named solid, the only one, or the only one that looks so; raises CranktopoError."""
     if name is not None:
         own = [solid for solid in found if solid.name == name]
         if len(own) != 1:

@@ -11,19 +11,20 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel
+from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, by_kernel
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_name
-from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_folder
-from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals
-from cranktopo.tasks.crank_import.crank_finder import find_crank
+from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals, Unit
 from cranktopo.tasks.crank_import.design_text import design_text
-from cranktopo.tasks.crank_import.faces import DIGITS, exact_faces, from_line_mm, parallel
+from cranktopo.tasks.crank_import.faces import DIGITS, from_line_mm, parallel
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
-from cranktopo.tasks.crank_import.half_body import HalfBody, distinct_halves
+from cranktopo.tasks.crank_import.half_body import FoundBody, HalfBody
+from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
+from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
+from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
 from cranktopo.tasks.crank_import.result import (
     CrankImport,
     ImportedHalf,
@@ -31,7 +32,6 @@ from cranktopo.tasks.crank_import.result import (
     ImportedSolid,
     ImportedThrow,
 )
-from cranktopo.tasks.crank_import.solids import FoundSolid, read_crank
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb, read_web
 
 _TANGENT = 1e-5
@@ -45,8 +45,9 @@ def import_crank(
     solid: str | None = None,
     ends: EndJournals = "auto",
     material: str = DEFAULT_MATERIAL,
+    unit: Unit | None = None,
 ) -> CrankImport:
-    """Recognise the crank in a STEP file; write its half throws, a design of each, and a page.
+    """Recognise the crank in a file from CAD; write its half throws, a design of each, and a page.
 
     Args:
         name: of the design; by default that of the file.
@@ -54,14 +55,17 @@ def import_crank(
         solid: name of the solid in the file.
         ends: what the outermost main journals are, where the body leaves it open.
         material: name of a built-in material.
+        unit: of the numbers in the file; by default what it tells, mm where it tells none.
 
     Raises:
-        CranktopoError: not a STEP file, no crank in it, or a web that no design can say.
+        CranktopoError: no body from CAD, no crank in it, or a web that no design can say.
     """
-    if path.suffix.lower() not in STEP_SUFFIXES:
+    suffix = path.suffix.lower()
+    if suffix not in (*KERNEL_SUFFIXES, *MESH_SUFFIXES):
         raise CranktopoError(
-            f"'{path}': is no STEP file by its name.",
-            hint="Export the crank as STEP (.step or .stp): its exact faces tell axes and journals.",
+            f"'{path}': is no body from CAD by its name.",
+            hint="Export the crank as STEP (.step or .stp): its exact faces tell most. "
+            "STL, 3MF, OBJ and BREP are read as well.",
         )
     name = design_name(Path(name or path.name).with_suffix(".toml"))
     folder = out or Path(name)
@@ -71,32 +75,25 @@ def import_crank(
             f"output '{folder}': is not empty.", hint="Choose another --out.", code=ExitCode.USAGE
         )
     note(f"{path}: reading, finding axes and journals")
-    solids, taken, crank = by_kernel(f"'{path}'", _recognised, path, solid, ends)
-    note(f"{path}: {crank_words(crank)}")
-    bodies = by_kernel(f"'{path}'", distinct_halves, path, crank, solid, folder)
+    find = (path, solid, ends, unit, folder)
+    found = (
+        crank_of_mesh(*find) if suffix in MESH_SUFFIXES else by_kernel(f"'{path}'", crank_by_kernel, *find)
+    )
     webs = []
-    for number, body in enumerate(bodies, 1):
+    for number, body in enumerate(found.halves, 1):
         own = name if number == 1 else f"{name}-{number}"
-        note(f"half {number} of {len(bodies)}: reading its web")
-        webs.append(_web(body, crank, own, material))
+        note(f"half {number} of {len(found.halves)}: reading its web")
+        webs.append(_web(body, found.crank, own, material))
     page = folder / "import.html"
-    result = _result(path, solids, taken, crank, webs, folder, material, page)
+    result = _result(path, found, webs, folder, material, page)
     for web, entry in zip(webs, result.halves, strict=True):
-        text = design_text(web.read.scene, crank, f"half-{entry.number}.step", _heading(path, entry))
+        text = design_text(web.read.scene, found.crank, web.body.file, _heading(path, entry))
         write_text(folder / f"{web.name}.toml", text)
     write_json(folder / "import.json", result.as_json())
     from cranktopo.tasks.crank_import.page import import_page
 
     write_report(import_page(result, webs), page)
     return result
-
-
-def _recognised(
-    path: Path, solid: str | None, ends: EndJournals
-) -> tuple[tuple[FoundSolid, ...], FoundSolid, FoundCrank]:
-    with cad_session(f"crank in {path}") as gmsh:
-        taken, solids = read_crank(gmsh, path, solid)
-        return solids, taken, find_crank(exact_faces(gmsh), f"'{path}'", ends)
 
 
 def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> ImportedWeb:
@@ -137,19 +134,20 @@ def _fillet_mm(body: HalfBody, journal: FoundJournal, y_mm: float) -> float:
 
 def _result(
     path: Path,
-    solids: Sequence[FoundSolid],
-    taken: FoundSolid,
-    crank: FoundCrank,
+    found: FoundBody,
     webs: Sequence[ImportedWeb],
     folder: Path,
     material: str,
     page: Path,
 ) -> CrankImport:
+    crank, taken = found.crank, found.taken
     x, y, z = (float(v) for v in crank.origin_mm)
     along = tuple(float(v) for v in crank.axis)
     return CrankImport(
         file=str(path),
-        solids=tuple(ImportedSolid(**{k: v for k, v in vars(one).items() if k != "tag"}) for one in solids),
+        solids=tuple(
+            ImportedSolid(**{k: v for k, v in vars(one).items() if k != "tag"}) for one in found.solids
+        ),
         solid=taken.name,
         origin_mm=(x, y, z),
         axis=(along[0], along[1], along[2]),
@@ -176,7 +174,7 @@ def _result(
         ),
         halves=tuple(_half(number, web, folder) for number, web in enumerate(webs, 1)),
         material=material,
-        assumed=(*crank.assumed, f"material = {material}: CAD does not tell it"),
+        assumed=(*found.assumed, *crank.assumed, f"material = {material}: CAD does not tell it"),
         unread=crank.unread,
         page=str(page),
     )
@@ -186,9 +184,9 @@ def _half(number: int, web: ImportedWeb, folder: Path) -> ImportedHalf:
     scene, body = web.read.scene, web.body
     return ImportedHalf(
         number=number,
-        body=str(folder / f"half-{number}.step"),
+        body=str(folder / body.file),
         design=str(folder / f"{web.name}.toml"),
-        webs=tuple(web_words(half) for half in body.others),
+        webs=tuple(web_words(half, half in body.mirrored) for half in body.others),
         outline=web.read.outline,
         outline_deviation_mm=web.read.outline_mm,
         volume_mm3=body.solid.volume_mm3,
@@ -200,9 +198,10 @@ def _half(number: int, web: ImportedWeb, folder: Path) -> ImportedHalf:
     )
 
 
-def web_words(half: FoundHalf) -> str:
-    """Return a web in words: its throw and on which side of the pin it lies."""
-    return f"throw {half.throw}, {'first' if half.toward > 0 else 'second'} web"
+def web_words(half: FoundHalf, mirrored: bool = False) -> str:
+    """Return a web in words: its throw, on which side of the pin it lies, and if it is a mirror image."""
+    word = f"throw {half.throw}, {'first' if half.toward > 0 else 'second'} web"
+    return f"{word} (mirrored)" if mirrored else word
 
 
 def _dimensions(scene: Scene) -> Iterator[tuple[str, float]]:
@@ -239,16 +238,6 @@ def _unread(web: ImportedWeb) -> Iterator[str]:
     kinds = sorted({other for other in faces.others if other != "Cone"})
     if kinds:
         yield f"faces that are no plane, cylinder or torus: {', '.join(kinds).lower()}"
-
-
-def crank_words(crank: FoundCrank) -> str:
-    """Return a crank in a line."""
-    angles = ", ".join(f"{crank.angle_deg(pin):g}" for pin in crank.pins)
-    pins = len(crank.pins)
-    return (
-        f"{pins} throw{'s' * (pins != 1)} at {angles} deg, {len(crank.journals)} main "
-        f"journal{'s' * (len(crank.journals) != 1)}, {len(crank.halves)} web{'s' * (len(crank.halves) != 1)}"
-    )
 
 
 def _heading(path: Path, entry: ImportedHalf) -> tuple[str, ...]:

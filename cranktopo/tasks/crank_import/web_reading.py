@@ -78,13 +78,14 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     Raises:
         CranktopoError: no web of the family fits the throw.
     """
-    solid, exact_mm = solid_of(body.shown, name), _EXACT * throw["radius_mm"]
+    solid, exact_mm = solid_of(body.shown, name), max(_EXACT * throw["radius_mm"], body.near.outline_mm)
     found: list[tuple[float, tuple[float, int], str, Scene]] = []
     refusals: list[CranktopoError] = []
     start = throw["main_journal"]["length_mm"] / 2
     own = silhouette(solid, start, start + body.half.thickness_mm)
     for rank, (words, web) in enumerate(web_candidates(body, throw["radius_mm"], own)):
         data = {"name": name, "throw": dict(throw), "web": web, "material": dict(material)}
+        data = rounded(data, body.near.digits)
         try:
             scene = scene_from_dict(data, name)
         except CranktopoError as error:
@@ -101,6 +102,15 @@ def read_web(body: HalfBody, throw: Mapping[str, Any], material: Mapping[str, An
     return _with_features(body, ReadWeb(scene, words, off, solid, _shown(scene)))
 
 
+def rounded(data: Any, digits: int) -> Any:
+    """Return tables with all numbers rounded."""
+    if isinstance(data, Mapping):
+        return {key: rounded(value, digits) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [rounded(value, digits) for value in data]
+    return round(data, digits) if isinstance(data, float) else data
+
+
 def _shown(scene: Scene) -> Manifold:
     return solid_of(kernel_surface_of(scene, "half"), scene.name)
 
@@ -112,6 +122,7 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
     features = [("web", "bevel", table) for table in bevels]
     features += [("throw", "drilling", table) for table in read_drillings(body, read.scene)]
     for table, key, feature in features:
+        feature = rounded(feature, body.near.digits)
         tried = {**data, table: {**data[table], key: [*data[table].get(key, ()), feature]}}
         try:
             scene = scene_from_dict(tried, read.scene.name)
@@ -120,8 +131,8 @@ def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
             continue
         if found.differs_mm3 < read.differs_mm3:
             data, read = tried, found
-    rounded = with_outlet_radius(body, read.scene) if read.scene.throw.drilling else None
-    if rounded is None:
+    outlets = with_outlet_radius(body, read.scene) if read.scene.throw.drilling else None
+    if outlets is None:
         return read
-    found = replace(read, scene=rounded, shown=_shown(rounded))
+    found = replace(read, scene=outlets, shown=_shown(outlets))
     return found if found.differs_mm3 < _OUTLETS * read.differs_mm3 else read

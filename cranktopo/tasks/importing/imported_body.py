@@ -146,7 +146,7 @@ def _sides_alike(occ: Any, body: DimTags, scene: Scene) -> bool:
 
 def _mesh_stl(path: Path, scene: Scene, size: float, align: bool) -> MeshedThrow:
     surface, note = _half_throw(read_stl(path, str(path)), path, scene, align)
-    body, half = solid_of(surface, str(path)), _properties(surface)
+    body, half = solid_of(surface, str(path)), surface_properties(surface)
     mirrored = scene.effects.lateral_symmetry != "off" and is_mirror_image(body, _ALIKE)
     if mirrored:
         cut = mesh_of(body.trim_by_plane((1.0, 0.0, 0.0), 0.0))
@@ -239,7 +239,8 @@ def _check_unit(path: Path, scene: Scene, low: float, high: float) -> None:
             )
 
 
-def _properties(surface: SurfaceMesh) -> SolidProperties:
+def surface_properties(surface: SurfaceMesh) -> SolidProperties:
+    """Return the mass properties of a closed surface."""
     body = surface.as_trimesh()
     x, y, z = (float(c) for c in body.center_mass)
     volume = float(body.volume)

@@ -196,8 +196,8 @@ def test_what_is_no_crank_is_refused_in_a_line(tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match=r"holds 3 solids, none of them looks like a crank.*--solid"):
         import_crank(block(tmp_path, (99, 0, 0, 1, 1, 1), bars=2), None, tmp_path / "out")
     assert not (tmp_path / "out").exists()
-    with pytest.raises(CranktopoError, match="is no STEP file by its name"):
-        import_crank(tmp_path / "crank.stl", None, tmp_path / "out")
+    with pytest.raises(CranktopoError, match="is no body from CAD by its name"):
+        import_crank(tmp_path / "crank.iges", None, tmp_path / "out")
 
 
 def test_a_folder_with_files_is_left_alone(tmp_path: Path) -> None:

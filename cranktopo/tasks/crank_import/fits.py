@@ -1,0 +1,87 @@
+"""Planes, circles and cylinders through points by least squares, and how far the points lie from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+
+_TRIMMED = 6
+"""Rounds in which points far from a circle are left out of its fit."""
+_BAND = 4.0
+"""Distance of points that are kept, over the median one."""
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A circle in a plane; `off_mm` is the distance of each point from it, outside positive."""
+
+    centre: Array
+    radius: float
+    off_mm: Array
+
+
+def circle(points: Array, weights: Array | None = None) -> Circle:
+    """Return the circle through points (n, 2) by linear least squares (I. Kasa, IEEE Trans. IM 25, 1976)."""
+    middle = points.mean(axis=0)
+    x, y = (points - middle).T
+    root = np.ones(len(x)) if weights is None else np.sqrt(weights)
+    rows = np.column_stack([2 * x, 2 * y, np.ones(len(x))]) * root[:, None]
+    solved, *_ = np.linalg.lstsq(rows, (x**2 + y**2) * root, rcond=None)
+    radius = float(np.sqrt(max(solved[2] + solved[0] ** 2 + solved[1] ** 2, 0.0)))
+    centre = middle + solved[:2]
+    return Circle(centre, radius, np.linalg.norm(points - centre, axis=1) - radius)
+
+
+def trimmed_circle(points: Array, weights: Array, least_mm: float) -> tuple[Circle, NDArray[np.bool_]]:
+    """Return the circle through points (n, 2) of most weight, and which are on it: ends of fillets are not.
+
+    Points nearer than `least_mm` stay.
+    """
+    on = np.ones(len(points), bool)
+    for _ in range(_TRIMMED):
+        found = circle(points[on], weights[on])
+        off = np.linalg.norm(points - found.centre, axis=1) - found.radius
+        near = np.abs(off) <= max(least_mm, _BAND * _median(np.abs(off), weights))
+        if near.sum() < 3 or (near == on).all():
+            break
+        on = near
+    return Circle(found.centre, found.radius, off), on
+
+
+def _median(values: Array, weights: Array) -> float:
+    order = np.argsort(values)
+    sums = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(sums, sums[-1] / 2)])
+
+
+def covered_rad(points: Array, centre: Array) -> tuple[float, float]:
+    """Return the angle about a centre that points (n, 2) cover without their largest gap, and its middle."""
+    angles = np.sort(np.arctan2(*(points - centre).T[::-1]))
+    gaps = np.diff(angles, append=angles[0] + 2 * np.pi)
+    largest = int(gaps.argmax())
+    turn = float(2 * np.pi - gaps[largest])
+    return turn, float(angles[(largest + 1) % len(angles)] + turn / 2)
+
+
+def tangent_fillet(out: Array, z: Array, radius: float) -> tuple[float, float]:
+    """Return radius and height of the centre of a circle through (out, z) that touches out = `radius`."""
+    start = circle(np.column_stack([out, z]))
+    found = np.array([start.radius, start.centre[1]])
+    for _ in range(_TRIMMED):
+        tube, height = found
+        away = np.maximum(np.hypot(out - radius - tube, z - height), 1e-12)
+        slope = np.column_stack([-(out - radius - tube) / away - 1, -(z - height) / away])
+        found = found - np.linalg.lstsq(slope, away - tube, rcond=None)[0]
+    return float(found[0]), float(found[1])
+
+
+def across(axis: Array) -> Array:
+    """Return two unit vectors (2, 3) across an axis."""
+    helper = np.eye(3)[int(np.abs(axis).argmin())]
+    first = np.cross(axis, helper)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first)])

@@ -1,0 +1,303 @@
+"""Planes, cylinders and fillets of a body of triangles, found by growing regions and least squares.
+
+Corners of triangles lie on the body, triangles beside it: normals part the triangles into regions, and
+corners alone tell dimensions. What lies along the crank is looked for in a plane across it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, TorusFace, from_line_mm
+from cranktopo.tasks.crank_import.fits import across, circle, covered_rad, tangent_fillet, trimmed_circle
+from cranktopo.tasks.crank_import.mesh_skin import Chosen, Numbers, Skin
+from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
+
+_BENT_RAD = (3e-3, 0.75)
+"""Angle between neighbours that may be facets of one round face."""
+_DIRECTIONS = 64
+_SPREAD = 0.07
+"""Sine between the crank axis and the fold of two neighbours that lie along it."""
+_UPRIGHT, _ACROSS = 0.1, 1 - 1e-4
+"""Parts of a normal along the crank of a wall, and of a face across."""
+_COPLANAR_RAD, _FILLET_RAD = 0.02, 0.95
+"""Folds within a plane, and within a fillet of few facets."""
+_SHARED = 0.02
+"""Distance of axes that may be one over the radius of the cylinder about them."""
+_FEWEST = 6
+_SMALL = 0.05
+"""Area of a drilling over the body's."""
+_BARREL = 0.02
+"""Mean square of the normals along its axis on a cylinder of coarse triangles."""
+_SLANTED = 1e-4
+"""Area of a bevel over the body's."""
+_COLLINEAR = 1 - 1e-4
+_SQUARE = 1 - 3e-7
+"""Part along the crank of the normal of a face that is square to it: 0.045 deg."""
+_BORED = 0.98
+"""Largest part of a drilling's direction along the walls: what lies along the crank is a wall."""
+
+
+def mesh_faces(mesh: SurfaceMesh, near_mm: float) -> tuple[Faces, float]:
+    """Return the faces of a body of triangles, and how far corners lie from its whole cylinders.
+
+    Args:
+        near_mm: distance of corners from a face that they belong to.
+    """
+    skin = Skin(mesh, near_mm)
+    axis = _direction(skin)
+    if axis is None:
+        return Faces((), (), (), ()), 0.0
+    matrix = np.vstack([across(axis), axis])
+    matrix = _straightened(skin.turned(matrix)) @ matrix
+    faces, off_mm = _faces(skin.turned(matrix))
+    return turned_faces(faces, matrix.T, np.zeros(3)), off_mm
+
+
+def turned_faces(faces: Faces, matrix: Array, shift: Array) -> Faces:
+    """Return faces after a rigid motion, p -> matrix p + shift."""
+
+    def at(point: Array) -> Array:
+        return np.asarray(matrix @ point + shift)
+
+    return Faces(
+        tuple(
+            replace(f, point_mm=at(f.point_mm), axis=matrix @ f.axis, middle_mm=at(f.middle_mm))
+            for f in faces.cylinders
+        ),
+        tuple(replace(f, normal=matrix @ f.normal, point_mm=at(f.point_mm)) for f in faces.planes),
+        tuple(replace(f, centre_mm=at(f.centre_mm), axis=matrix @ f.axis) for f in faces.tori),
+        faces.others,
+    )
+
+
+def _direction(skin: Skin) -> Array | None:
+    """Return the direction along which most round area lies; None where nothing is round."""
+    bent = (skin.folds > _BENT_RAD[0]) & (skin.folds < _BENT_RAD[1])
+    one, other = skin.pairs[bent].T
+    folds = np.cross(skin.normals[one], skin.normals[other])
+    weights = (skin.areas[one] + skin.areas[other]) * (skin.folds[bent] > 0)
+    if not len(weights) or weights.sum() == 0:
+        return None
+    folds /= np.linalg.norm(folds, axis=1)[:, None]
+    tried = np.random.default_rng(0).choice(len(folds), _DIRECTIONS, p=weights / weights.sum())
+    axis = max(
+        (folds[index] for index in tried),
+        key=lambda d: float(weights[np.abs(folds @ d) > 1 - _SPREAD**2 / 2].sum()),
+    )
+    for _ in range(3):
+        near = np.abs(folds @ axis) > 1 - _SPREAD**2 / 2
+        axis = np.linalg.eigh((folds[near].T * weights[near]) @ folds[near])[1][:, -1]
+    return np.asarray(axis)
+
+
+def _straightened(skin: Skin) -> Array:
+    """Return the rotation that stands whole cylinders, which nearly lie along z, along it."""
+    matrix = np.eye(3)
+    for _ in range(3):
+        turned = skin.turned(matrix)
+        tilt, total = np.zeros(2), 0.0
+        for region in turned.regions(np.abs(turned.normals[:, 2]) < _UPRIGHT, _BENT_RAD[1]):
+            points, weights = turned.mesh.corners_mm[region].reshape(-1, 3), turned.areas[region].repeat(3)
+            found, near = trimmed_circle(points[:, :2], weights, turned.near_mm)
+            whole = covered_rad(points[near, :2], found.centre)[0] > FULL_RAD
+            if not whole or near.mean() < 0.5 or np.ptp(points[near, 2]) == 0:
+                continue
+            z = points[near, 2] - points[near, 2].mean()
+            unit = (points[near, :2] - found.centre) / found.radius
+            slope = np.column_stack([unit, unit * z[:, None], np.ones(len(z))])
+            solved, *_ = np.linalg.lstsq(slope, found.off_mm[near], rcond=None)
+            weight = float(turned.areas[region].sum()) * float(np.ptp(z)) ** 2
+            tilt, total = tilt + weight * solved[2:4], total + weight
+        if total == 0:
+            return matrix
+        axis = np.array([*(tilt / total), 1.0])
+        axis /= np.linalg.norm(axis)
+        matrix = np.vstack([across(axis), axis]) @ matrix
+    return matrix
+
+
+def _faces(skin: Skin) -> tuple[Faces, float]:
+    """Return the faces of a body with its crank axis along z, and the scatter about whole cylinders."""
+    left = np.ones(len(skin.areas), bool)
+    bores = list(_drillings(skin, left))
+    along = skin.normals[:, 2]
+    flat, upright = left & (np.abs(along) > _ACROSS), left & (np.abs(along) < _UPRIGHT)
+    planes = [_plane(skin, region) for region in skin.regions(flat, _COPLANAR_RAD)]
+    found = [wall for region in skin.regions(upright, _BENT_RAD[1]) for wall in walls(skin, region)]
+    found = on_axes(found, skin.near_mm)
+    left &= ~flat & ~upright
+    rounds = [wall for wall in found if wall.full and wall.outward]
+    tori: list[TorusFace] = []
+    others: list[str] = []
+    for region in skin.regions(left, _FILLET_RAD):
+        torus = _torus(skin, region, rounds)
+        bore = _cylinder(skin, region) if torus is None else None
+        if torus is not None:
+            tori.append(torus)
+        elif bore is not None:
+            bores.append(bore)
+        else:
+            flats = list(_flats(skin, region))
+            planes += flats
+            others += [] if flats else [_kind(skin, region, rounds)]
+    cylinders = [*(wall.cylinder() for wall in found if wall.radius), *_of_one_bore(bores, skin.near_mm)]
+    planes += [wall.plane() for wall in found if not wall.radius]
+    off = max((wall.off_mm for wall in found if wall.full), default=0.0)
+    return Faces(tuple(cylinders), tuple(planes), tuple(tori), tuple(others)), off
+
+
+def on_axes(found: Sequence[Wall], near_mm: float) -> list[Wall]:
+    """Return walls, those cylinders about one axis that nearly are: the larger tell it."""
+    axes: list[Array] = []
+    moved: list[Wall] = []
+    for wall in sorted(found, key=lambda wall: (not wall.full, -wall.area)):
+        own = wall
+        if wall.radius:
+            about = [
+                wall.about(axis)
+                for axis in axes
+                if np.linalg.norm(axis - wall.centre) < _SHARED * wall.radius
+            ]
+            about = [other for other in about if other.off_mm < max(2 * wall.off_mm, near_mm)]
+            own = min(about, key=lambda other: other.off_mm, default=wall)
+            if own is wall and wall.full:
+                axes.append(wall.centre)
+        moved.append(own)
+    return moved
+
+
+def _drillings(skin: Skin, left: Chosen) -> Iterator[CylinderFace]:
+    """Yield oblique bores that sharp edges bound, and take their triangles out of `left`."""
+    inner = np.abs(skin.normals[:, 2]) < _ACROSS
+    for region in list(skin.regions(inner, _BENT_RAD[1])):
+        if len(region) >= _FEWEST and skin.areas[region].sum() < _SMALL * skin.areas.sum():
+            bore = _cylinder(skin, region)
+            if bore is not None and abs(bore.axis[2]) < _BORED:
+                left[region] = False
+                yield bore
+
+
+def _cylinder(skin: Skin, region: Numbers) -> CylinderFace | None:
+    """Return the cylinder that all of a region lies on; None where it lies on none."""
+    normals, areas = skin.normals[region], skin.areas[region]
+    values, vectors = np.linalg.eigh((normals.T * areas) @ normals / areas.sum())
+    points = skin.corners(region)
+    if values[0] > _BARREL or values[1] < _BARREL or len(points) < _FEWEST:
+        return None
+    axis = _along(points, vectors[:, 0])
+    frame = across(axis)
+    found = circle(points @ frame.T)
+    if np.abs(found.off_mm).max() > 2 * skin.near_mm:
+        return None
+    turn, middle = covered_rad(points @ frame.T, found.centre)
+    heights = points @ axis
+    centre = found.centre @ frame
+    on = found.radius * np.array([np.cos(middle), np.sin(middle)]) @ frame
+    out = (((skin.mesh.corners_mm[region].mean(axis=1) - centre) * normals).sum(axis=1) * areas).sum() > 0
+    span = (float(heights.min()), float(heights.max()))
+    return CylinderFace(centre, axis, found.radius, span, turn, bool(out), centre + on + axis * sum(span) / 2)
+
+
+def _along(points: Array, axis: Array) -> Array:
+    """Return the axis of a cylinder through points (n, 3), from one that is nearly it."""
+    for _ in range(3):
+        frame = across(axis)
+        found, heights = circle(points @ frame.T), points @ axis
+        unit = (points @ frame.T - found.centre) / found.radius
+        slope = np.column_stack([unit, unit * (heights - heights.mean())[:, None], np.ones(len(points))])
+        tilt = np.linalg.lstsq(slope, found.off_mm, rcond=None)[0][2:4]
+        if np.linalg.norm(tilt) > 0.2:
+            break
+        axis = axis + tilt @ frame
+        axis = axis / np.linalg.norm(axis)
+    return axis
+
+
+def _plane(skin: Skin, region: Numbers) -> PlaneFace:
+    """Return a face across the crank: its height is that of most of its corners."""
+    areas = skin.areas[region]
+    heights = np.median(skin.mesh.corners_mm[region][:, :, 2], axis=1)
+    order = np.argsort(heights)
+    middle = heights[order][np.searchsorted(np.cumsum(areas[order]), areas.sum() / 2)]
+    x, y = np.average(skin.mesh.corners_mm[region].mean(axis=1)[:, :2], axis=0, weights=areas)
+    normal = (skin.normals[region] * areas[:, None]).sum(axis=0)
+    normal /= np.linalg.norm(normal)
+    if abs(normal[2]) > _SQUARE:
+        normal = np.array([0.0, 0.0, np.sign(normal[2])])
+    return PlaneFace(normal, np.array([x, y, middle]), float(areas.sum()))
+
+
+def _flats(skin: Skin, region: Numbers) -> Iterator[PlaneFace]:
+    """Yield slanted planes of a region."""
+    chosen = np.zeros(len(skin.areas), bool)
+    chosen[region] = True
+    for part in skin.regions(chosen, _COPLANAR_RAD):
+        area = float(skin.areas[part].sum())
+        if area > _SLANTED * skin.areas.sum():
+            points = skin.corners(part)
+            middle = points.mean(axis=0)
+            normal = np.linalg.svd(points - middle, full_matrices=False)[2][-1]
+            sign = np.sign(normal @ (skin.normals[part] * skin.areas[part, None]).sum(axis=0))
+            yield PlaneFace(sign * normal, middle, area)
+
+
+def _torus(skin: Skin, region: Numbers, rounds: Sequence[Wall]) -> TorusFace | None:
+    """Return the fillet of a whole cylinder that all of a region lies on; None where it is none."""
+    points = skin.corners(region)
+    for wall in rounds:
+        out = np.linalg.norm(points[:, :2] - wall.centre, axis=1)
+        if abs(float(out.min()) - wall.radius) > wall.radius * _SHARED or len(points) < _FEWEST:
+            continue
+        tube, height = tangent_fillet(out, points[:, 2], wall.radius)
+        off = np.abs(np.hypot(out - wall.radius - tube, points[:, 2] - height) - abs(tube))
+        if 0 < tube < wall.radius and np.median(off) < skin.near_mm and (off < 2 * skin.near_mm).mean() > 0.9:
+            centre = np.array([*wall.centre, height])
+            return TorusFace(centre, np.array([0.0, 0.0, 1.0]), wall.radius + tube, tube)
+    return None
+
+
+def _kind(skin: Skin, region: Numbers, rounds: Sequence[Wall]) -> str:
+    """Return what a region is that no design says: a cone about a journal, or another face."""
+    points = skin.corners(region)
+    for centre in (wall.centre for wall in rounds):
+        out = np.linalg.norm(points[:, :2] - centre, axis=1)
+        line = np.polyfit(points[:, 2], out, 1) if np.ptp(points[:, 2]) > 0 else np.zeros(2)
+        if np.abs(np.polyval(line, points[:, 2]) - out).max() < 2 * skin.near_mm:
+            return "Cone"
+    return "Free-form surface"
+
+
+def _of_one_bore(bores: Sequence[CylinderFace], near_mm: float) -> Iterator[CylinderFace]:
+    """Yield bores and bevels, those on one line that were found in parts on the line of the longest."""
+    longest: list[CylinderFace] = []
+    for bore in sorted(bores, key=lambda bore: -bore.area_mm2):
+        same = next(
+            (
+                other
+                for other in longest
+                if abs(other.radius_mm - bore.radius_mm) < 5 * near_mm
+                and abs(other.axis @ bore.axis) > _COLLINEAR
+                and from_line_mm(bore.middle_mm, other.point_mm, other.axis) < other.radius_mm + 5 * near_mm
+            ),
+            None,
+        )
+        if same is None:
+            longest.append(bore)
+            yield bore
+        else:
+            start = float((bore.point_mm - same.point_mm) @ same.axis)
+            sign = float(np.sign(bore.axis @ same.axis))
+            ends = sorted(start + sign * end for end in bore.span_mm)
+            yield replace(
+                bore,
+                point_mm=same.point_mm,
+                axis=same.axis,
+                radius_mm=same.radius_mm,
+                span_mm=(ends[0], ends[1]),
+            )

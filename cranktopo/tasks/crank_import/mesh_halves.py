@@ -1,0 +1,197 @@
+"""The crank of a body of triangles: found on fitted faces, cut into its half throws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
+from cranktopo.numerics.surfaces.files import write_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.tasks.crank_import.choices import EndJournals, Unit
+from cranktopo.tasks.crank_import.crank_finder import find_crank
+from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, span_along
+from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
+from cranktopo.tasks.crank_import.half_body import (
+    FACETED,
+    FoundBody,
+    HalfBody,
+    HalfGroup,
+    alike_halves,
+    bulk_of,
+    frame_of,
+)
+from cranktopo.tasks.crank_import.mesh_faces import mesh_faces, turned_faces
+from cranktopo.tasks.crank_import.meshes import mesh_solids
+from cranktopo.tasks.crank_import.solids import FoundSolid, chosen, parallel_axes
+from cranktopo.tasks.importing.imported_body import surface_properties
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_NEAR, _NEAR_MM = 2e-5, (1e-3, 0.05)
+"""Distance of corners from a face that they belong to: over the size of the body, and its limits."""
+_COARSER = (1.0, 5.0, 25.0)
+"""Multiples of that distance, tried until a crank is found."""
+_TOLD_MM = 2e-3
+"""Scatter of corners about whole cylinders that is told."""
+_STRAIGHT = 3e-4
+"""Part of a direction that rounding of corners explains."""
+_TOUCH_MM = 0.02
+"""Distance of faces that touch."""
+_FACING, _LEAN_DEG = 0.9, 0.05
+"""Part along the crank of the normal of a web's face, and its angle that is told."""
+_CRUMB = 1e-6
+_LARGE = 0.02
+"""Volume of a solid that may be a crank, over the largest one's."""
+_ORIGIN, _ALONG = np.zeros(3), np.array([0.0, 0.0, 1.0])
+
+
+def crank_of_mesh(
+    path: Path, solid: str | None, ends: EndJournals, unit: Unit | None, folder: Path
+) -> FoundBody:
+    """Return the crank of a file of triangles, its distinct half throws written as `half-N.stl`.
+
+    Raises:
+        CranktopoError: no closed body, none that is a crank, or a unit that must be told.
+    """
+    meshes, assumed = mesh_solids(path, unit)
+    solids = _solids(meshes)
+    taken = chosen(solids, path, solid)
+    mesh = meshes[taken.name]
+    body = solid_of(mesh, f"'{path}'")
+    faces, crank = _found(mesh, path, ends)
+    note(f"{path}: {crank.words}")
+    cuts = [_cut(body, crank, half) for half in crank.halves]
+    bulks = [bulk_of(*_mass(cut)) for cut in cuts]
+    groups = alike_halves(crank.halves, bulks, FACETED)
+    halves = tuple(
+        _written(
+            cuts[crank.halves.index(group.halves[0])], faces, crank, group, folder / f"half-{number}.stl"
+        )
+        for number, group in enumerate(groups, 1)
+    )
+    return FoundBody(solids, taken, crank, halves, tuple(assumed))
+
+
+def _solids(meshes: Mapping[str, SurfaceMesh]) -> tuple[FoundSolid, ...]:
+    largest = max(mesh.volume_mm3 for mesh in meshes.values())
+    found = []
+    for name, mesh in meshes.items():
+        x, y, z = (float(size) for size in np.ptp(mesh.vertices_mm, axis=0))
+        large = len(meshes) > 1 and mesh.volume_mm3 > _LARGE * largest
+        likely = len(meshes) == 1 or (large and parallel_axes(mesh_faces(mesh, _near_mm(mesh))[0]) >= 2)
+        found.append(FoundSolid(0, name, (x, y, z), mesh.volume_mm3, likely))
+    return tuple(found)
+
+
+def _near_mm(mesh: SurfaceMesh) -> float:
+    return float(np.clip(_NEAR * mesh.extent_mm, *_NEAR_MM))
+
+
+def _found(mesh: SurfaceMesh, path: Path, ends: EndJournals) -> tuple[Faces, FoundCrank]:
+    """Return faces and crank; a body whose corners scatter is looked at more coarsely, which is told."""
+    first: CranktopoError | None = None
+    for coarser in _COARSER:
+        faces, off = mesh_faces(mesh, coarser * _near_mm(mesh))
+        try:
+            crank = find_crank(faces, f"'{path}'", ends)
+        except CranktopoError as error:
+            first = first or error
+            continue
+        told = [*crank.unread, *_leaning(faces, crank.axis)]
+        if off > _TOLD_MM:
+            told.append(
+                f"corners of triangles scatter by {off:.2g} mm about the journals: no dimension is better"
+            )
+        return faces, replace(crank, unread=tuple(told))
+    assert first is not None
+    raise first
+
+
+def _leaning(faces: Faces, axis: Array) -> list[str]:
+    """Tell how far faces across the crank lean, which those of a sheared body do."""
+    across = [plane for plane in faces.planes if abs(plane.normal @ axis) > _FACING]
+    normal = max(across, key=lambda plane: plane.area_mm2).normal
+    lean = float(np.degrees(np.arcsin(min(1.0, float(np.linalg.norm(np.cross(normal, axis)))))))
+    told = f"faces of the webs lean by {lean:.3g} deg: the body is sheared, or has draft"
+    return [told] if lean > _LEAN_DEG else []
+
+
+def _cut(body: Manifold, crank: FoundCrank, half: FoundHalf) -> Manifold:
+    matrix, shift = frame_of(crank, half)
+    turned = body.transform(np.column_stack([matrix, shift]))
+    end = abs(half.pin_plane_mm - half.main_plane_mm)
+    cut = turned.trim_by_plane((0.0, 0.0, 1.0), 0.0).trim_by_plane((0.0, 0.0, -1.0), -end)
+    parts = [part for part in cut.decompose() if part.volume() > _CRUMB * cut.volume()]
+    if len(parts) != 1:
+        raise CranktopoError(
+            f"throw {half.throw}: {len(parts)} bodies between the middles of its journals, not one.",
+            hint="Join loose parts in CAD, or leave them out.",
+        )
+    return parts[0]
+
+
+def _mass(cut: Manifold) -> tuple[float, Array, Array]:
+    body = mesh_of(cut).as_trimesh()
+    return float(body.volume), np.asarray(body.center_mass), np.asarray(body.moment_inertia)
+
+
+def _written(cut: Manifold, faces: Faces, crank: FoundCrank, group: HalfGroup, file: Path) -> HalfBody:
+    half, surface = group.halves[0], mesh_of(cut)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    write_stl(file, surface)
+    own = straight(turned_faces(faces, *frame_of(crank, half)), abs(half.pin_plane_mm - half.main_plane_mm))
+    return HalfBody(
+        half, file.name, own, surface, surface_properties(surface), group.halves, group.mirrored, FACETED
+    )
+
+
+def straight(faces: Faces, end_mm: float) -> Faces:
+    """Return the faces of one half throw, in its frame, from those of a crank: straight and tangent.
+
+    Fits leave a hair between what is one line or one plane in the body.
+    """
+    planes = tuple(
+        _straight_plane(plane)
+        for plane in faces.planes
+        if -_TOUCH_MM < plane.point_mm[2] < end_mm + _TOUCH_MM
+    )
+    sides = Faces((), planes, (), ()).sides
+    cylinders = (_straight_cylinder(face, sides, end_mm) for face in faces.cylinders)
+    tori = tuple(replace(t, axis=_ALONG) for t in faces.tori if 0 < t.centre_mm[2] < end_mm)
+    return Faces(tuple(face for face in cylinders if face is not None), planes, tori, faces.others)
+
+
+def _straight_plane(plane: PlaneFace) -> PlaneFace:
+    normal = np.where(np.abs(plane.normal) < _STRAIGHT, 0.0, plane.normal)
+    normal = normal / np.linalg.norm(normal)
+    off = float(normal @ plane.point_mm)
+    return replace(
+        plane, normal=normal, point_mm=plane.point_mm - (off if abs(off) < _TOUCH_MM else 0.0) * normal
+    )
+
+
+def _straight_cylinder(face: CylinderFace, sides: Sequence[PlaneFace], end_mm: float) -> CylinderFace | None:
+    main = int(np.abs(face.axis).argmax())
+    if abs(face.axis[main]) > 1 - _STRAIGHT**2:
+        face = replace(face, axis=np.sign(face.axis[main]) * np.eye(3)[main])
+    if not face.upright:
+        return face if 0 < face.middle_mm[2] < end_mm else None
+    low, high = np.clip(span_along(face, _ORIGIN, _ALONG), 0.0, end_mm)
+    if high - low < _TOUCH_MM:
+        return None
+    point = np.array([*face.point_mm[:2], 0.0])
+    middle = np.array([*face.middle_mm[:2], (low + high) / 2])
+    radius = face.radius_mm
+    if not face.full:
+        apart = [float(side.normal @ (side.point_mm - point)) for side in sides]
+        radius = next((d for d in apart if abs(d - radius) < _TOUCH_MM), radius)
+    span = (float(low), float(high))
+    return replace(face, point_mm=point, axis=_ALONG, span_mm=span, middle_mm=middle, radius_mm=radius)

@@ -1,0 +1,74 @@
+"""Triangles of a body with normals, neighbours and folds, and the regions that folds part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, connected
+
+_SMALLEST = 2e-6
+"""Area of a region that is looked at, over the body's."""
+
+Chosen = NDArray[np.bool_]
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Triangles of a body; corners nearer than `near_mm` to a face count as on it."""
+
+    mesh: SurfaceMesh
+    near_mm: float
+
+    @cached_property
+    def normals(self) -> Array:
+        """Unit normals (m, 3); zero for a triangle without area."""
+        a, b, c = np.moveaxis(self.mesh.corners_mm, 1, 0)
+        cross = np.cross(b - a, c - a)
+        return np.asarray(cross / np.maximum(np.linalg.norm(cross, axis=1), 1e-300)[:, None])
+
+    @cached_property
+    def areas(self) -> Array:
+        """Areas (m,)."""
+        return self.mesh.areas_mm2
+
+    @cached_property
+    def pairs(self) -> Numbers:
+        """Numbers (k, 2) of neighbours."""
+        return np.asarray(self.mesh.as_trimesh().face_adjacency, np.int64)
+
+    @cached_property
+    def folds(self) -> Array:
+        """Angles (k,) between neighbours."""
+        one, other = (self.normals[side] for side in self.pairs.T)
+        return np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), (one * other).sum(axis=1))
+
+    def regions(self, chosen: Chosen, fold_rad: float) -> Iterator[Numbers]:
+        """Yield numbers of chosen triangles, those together between which no sharper fold lies."""
+        one, other = self.pairs.T
+        within = chosen[one] & chosen[other] & (self.folds < fold_rad)
+        yield from self._large(chosen, self.pairs[within])
+
+    def _large(self, chosen: Chosen, links: Numbers) -> Iterator[Numbers]:
+        numbers = np.flatnonzero(chosen)
+        labels = connected(len(chosen), links)[numbers]
+        order = np.argsort(labels, kind="stable")
+        for region in np.split(numbers[order], np.flatnonzero(np.diff(labels[order])) + 1):
+            if self.areas[region].sum() > _SMALLEST * self.areas.sum():
+                yield region
+
+    def corners(self, region: Numbers) -> Array:
+        """Return the corners (n, 3) of triangles, each once."""
+        return self.mesh.vertices_mm[np.unique(self.mesh.faces[region])]
+
+    def turned(self, matrix: Array) -> Skin:
+        """Return the body turned, p -> matrix p."""
+        skin = Skin(SurfaceMesh(self.mesh.vertices_mm @ matrix.T, self.mesh.faces), self.near_mm)
+        vars(skin).update(pairs=self.pairs, folds=self.folds, areas=self.areas)
+        return skin

@@ -1,0 +1,208 @@
+"""Walls of a body of triangles that stand along its crank axis: planes and cylinders, found seen along it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.tasks.crank_import.faces import CylinderFace, PlaneFace
+from cranktopo.tasks.crank_import.fits import circle, covered_rad, trimmed_circle
+from cranktopo.tasks.crank_import.mesh_skin import Chosen, Numbers, Skin
+
+FULL_RAD = 2 * np.pi - 0.65
+"""Angle that the corners of a whole cylinder cover at least: a few facets may lie between."""
+_WHOLE = 0.9
+"""Share of a region's area that lies on one cylinder, which is then all of it."""
+_TRIES, _MOST = 40, 40
+"""Places at which a circle and a line are tried for each wall of a region, and its walls."""
+_LEAST = 0.004
+"""Area of a wall over its region's."""
+_FACING = 0.92
+"""Least cosine between the normals of a triangle and of the wall that it is on."""
+_CLOSE = 0.05
+"""Distance of corners that tell a dimension, over that of corners that belong to a face."""
+_LARGEST = 20.0
+"""Radius of a wall over the size of its region; what is flatter is a plane."""
+_PLAINER = 0.98
+"""Area of a plane over that of the best cylinder where the plane is taken."""
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall: points (n, 3) of its corners, its area, and the line or circle that it is seen along z.
+
+    Attributes:
+        centre: of the circle; of a plane, a point on it.
+        radius: 0 for a plane.
+        normal: outward, of its middle.
+    """
+
+    points: Array
+    area: float
+    centre: Array
+    radius: float
+    normal: Array
+
+    @cached_property
+    def turn(self) -> tuple[float, float]:
+        """Angle about its axis that it covers, and where the middle of that lies."""
+        return covered_rad(self.points[:, :2], self.centre)
+
+    @property
+    def full(self) -> bool:
+        """True for a whole cylinder."""
+        return self.radius > 0 and self.turn[0] > FULL_RAD
+
+    @property
+    def outward(self) -> bool:
+        """True if the body lies inside the circle."""
+        return bool(self.normal[0] > 0)
+
+    @property
+    def off_mm(self) -> float:
+        """Distance of its corners from the circle, root of the mean of squares."""
+        return float(np.sqrt((self.off(self.points) ** 2).mean()))
+
+    def off(self, points: Array) -> Array:
+        """Return the distance of points (..., 3) from the circle, outside positive."""
+        return np.asarray(np.linalg.norm(points[..., :2] - self.centre, axis=-1) - self.radius)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Heights at which it begins and ends."""
+        return float(self.points[:, 2].min()), float(self.points[:, 2].max())
+
+    def about(self, centre: Array) -> Wall:
+        """Return the wall as a cylinder about another axis."""
+        radius = float(np.linalg.norm(self.points[:, :2] - centre, axis=1).mean())
+        return Wall(self.points, self.area, centre, radius, self.normal)
+
+    def cylinder(self) -> CylinderFace:
+        """Return the wall as the face of a cylinder."""
+        turn, middle = self.turn
+        along = np.array([0.0, 0.0, 1.0])
+        on = self.centre + self.radius * np.array([np.cos(middle), np.sin(middle)])
+        return CylinderFace(
+            np.array([*self.centre, 0.0]),
+            along,
+            self.radius,
+            self.span,
+            2 * np.pi if self.full else turn,
+            self.outward,
+            np.array([*on, sum(self.span) / 2]),
+        )
+
+    def plane(self) -> PlaneFace:
+        """Return the wall as a plane face."""
+        return PlaneFace(
+            np.array([*self.normal, 0.0]), np.array([*self.centre, sum(self.span) / 2]), self.area
+        )
+
+
+def walls(skin: Skin, region: Numbers) -> Iterator[Wall]:
+    """Yield the walls of a region of upright triangles, the largest first."""
+    whole = _trimmed(skin, region)
+    on = (np.abs(whole.off(skin.mesh.corners_mm[region])) < skin.near_mm).all(axis=1)
+    if whole.full and skin.areas[region][on].sum() > _WHOLE * skin.areas[region].sum():
+        yield whole
+        return
+    area, left = float(skin.areas[region].sum()), region
+    draw = np.random.default_rng(0)
+    for _ in range(_MOST):
+        if len(left) < 2 or skin.areas[left].sum() < _LEAST * area:
+            return
+        wall, on_it = _largest(skin, left, draw)
+        if wall is None:
+            return
+        if wall.area > _LEAST * area:
+            yield wall
+        left = left[~on_it]
+
+
+def _trimmed(skin: Skin, region: Numbers) -> Wall:
+    """Return the cylinder of most area in a region, of the corners that lie on it closely."""
+    corners, areas = skin.mesh.corners_mm[region], skin.areas[region]
+    found, on = trimmed_circle(corners[:, :, :2].reshape(-1, 2), areas.repeat(3), _CLOSE * skin.near_mm)
+    own = on.reshape(-1, 3).all(axis=1)
+    out = (corners.mean(axis=1)[:, :2] - found.centre) * skin.normals[region, :2]
+    sign = np.sign(float(out.sum(axis=1) @ areas))
+    points = skin.corners(region[own] if own.any() else region)
+    return Wall(points, float(areas.sum()), found.centre, found.radius, np.array([sign, 0.0]))
+
+
+def _largest(skin: Skin, left: Numbers, draw: np.random.Generator) -> tuple[Wall | None, Chosen]:
+    """Return the wall with most area among circles and lines through corners drawn, and its triangles."""
+    corners = skin.mesh.corners_mm[left][:, :, :2]
+    normals, areas = skin.normals[left, :2], skin.areas[left]
+    best, best_area = np.zeros(len(left), bool), 0.0
+    is_plane = False
+    for plane, on in _tried(skin, left, corners, normals, areas, draw):
+        area = float(areas[on].sum())
+        if area > best_area * (
+            _PLAINER if plane and not is_plane else 1 / _PLAINER if is_plane and not plane else 1
+        ):
+            best, best_area, is_plane = on, area, plane
+    if best_area == 0:
+        return None, best
+    own = left[best]
+    points = skin.corners(own)
+    if is_plane:
+        mean = (normals[best] * areas[best, None]).sum(axis=0)
+        middle = points[:, :2].mean(axis=0)
+        normal = np.linalg.svd(points[:, :2] - middle, full_matrices=False)[2][-1]
+        return Wall(points, best_area, middle, 0.0, normal * np.sign(normal @ mean)), best
+    return _trimmed(skin, own), best
+
+
+def _tried(
+    skin: Skin, left: Numbers, corners: Array, normals: Array, areas: Array, draw: np.random.Generator
+) -> Iterator[tuple[bool, Chosen]]:
+    """Yield triangles (m,) on lines through two and on circles through three neighbouring triangles."""
+    from scipy.spatial import cKDTree
+
+    middles = corners.mean(axis=1)
+    size = float(np.ptp(middles, axis=0).max())
+    tree = cKDTree(middles)
+    seen = np.zeros(len(left), bool)
+    for start in draw.choice(len(left), _TRIES, p=areas / areas.sum()):
+        if seen[start]:
+            continue
+        line = _on_line(corners, normals, start, skin.near_mm)
+        yield True, line
+        reach = size * 10 ** draw.uniform(-2, -0.3)
+        near = np.array(tree.query_ball_point(middles[start], reach))
+        near = near[(normals[near] @ normals[start]) > 0]
+        if len(near) > 300:
+            near = draw.choice(near, 300, replace=False)
+        found = circle(corners[near].reshape(-1, 2))
+        on = line
+        for _ in range(3):
+            if not found.radius < _LARGEST * size:
+                break
+            on = _on_circle(corners, normals, found.centre, found.radius, skin.near_mm)
+            yield False, on
+            if on.sum() < 2:
+                break
+            found = circle(corners[on].reshape(-1, 2))
+        seen |= line if line.sum() > on.sum() else on
+
+
+def _on_line(corners: Array, normals: Array, start: int, near: float) -> Chosen:
+    normal = normals[start] / max(float(np.linalg.norm(normals[start])), 1e-12)
+    off = np.abs((corners - corners[start, 0]) @ normal).max(axis=1)
+    return np.asarray((off < near) & (normals @ normal > _FACING))
+
+
+def _on_circle(corners: Array, normals: Array, centre: Array, radius: float, near: float) -> Chosen:
+    out = corners - centre
+    away = np.linalg.norm(out, axis=2)
+    off = np.abs(away - radius).max(axis=1)
+    facing = (out.mean(axis=1) * normals).sum(axis=1) / np.maximum(away.mean(axis=1), 1e-12)
+    side = facing[off < near]
+    if not len(side):
+        return np.zeros(len(off), bool)
+    return np.asarray((off < near) & (facing * np.sign(side.sum()) > _FACING))

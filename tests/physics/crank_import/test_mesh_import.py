@@ -1,0 +1,124 @@
+"""A crank as triangles, in a random attitude: dimensions come back within 0.02 mm and 0.05 deg."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo import load_scene
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.solid import step
+from cranktopo.bodies.solid.files import kernel_surface_of, surface_of
+from cranktopo.design.loading import builtin_designs, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.files import write_stl, write_surface
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.crank_import.meshes import mesh_solids
+from cranktopo.tasks.crank_import.result import CrankImport
+from cranktopo.tasks.crank_import.stage import import_crank
+from tests.random_engines import random_engine
+
+LENGTH_MM, ANGLE_DEG = 0.02, 0.05
+
+
+def turned(mesh: SurfaceMesh, seed: int) -> SurfaceMesh:
+    from scipy.spatial.transform import Rotation
+
+    place = 100 * np.random.default_rng(seed).normal(size=3)
+    matrix = Rotation.random(random_state=seed).as_matrix()
+    return SurfaceMesh(mesh.vertices_mm @ matrix.T + place, mesh.faces)
+
+
+def coarse(scene: Scene, part: Any, monkeypatch: pytest.MonkeyPatch) -> SurfaceMesh:
+    """Triangles that end up to 0.02 mm beside the body."""
+    for key, value in (("StlLinearDeflection", 0.02), ("StlAngularDeflection", 0.5)):
+        monkeypatch.setitem(step._TRIANGULATION, key, value)
+    return kernel_surface_of(scene, part)
+
+
+def imported(mesh: SurfaceMesh, name: str, folder: Path, seed: int = 3) -> CrankImport:
+    write_stl(folder / "body.stl", turned(mesh, seed))
+    return import_crank(folder / "body.stl", name, folder / "out", unit="mm")
+
+
+def numbers(data: Any, key: str = "") -> dict[str, float]:
+    if isinstance(data, dict):
+        return {k: v for name, one in data.items() for k, v in numbers(one, f"{key}.{name}").items()}
+    if isinstance(data, list):
+        return {k: v for index, one in enumerate(data) for k, v in numbers(one, f"{key}[{index}]").items()}
+    return {key: data} if isinstance(data, float) else {}
+
+
+def check_near(scene: Scene, result: CrankImport) -> None:
+    found, wanted = (
+        numbers(one.model_dump(mode="json", include={"throw", "web"}, exclude_none=True))
+        for one in (load_scene(result.halves[0].design), scene)
+    )
+    assert found.keys() == wanted.keys()
+    for key, value in wanted.items():
+        assert found[key] == pytest.approx(value, abs=ANGLE_DEG if key.endswith("_deg") else LENGTH_MM), key
+    assert len(result.halves) == 1
+
+
+def test_a_half_throw_with_a_counterweight(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load_scene("car-diesel")
+    result = imported(coarse(scene, "half", monkeypatch), "car", tmp_path)
+    check_near(scene, result)
+    assert Path(result.halves[0].body).suffix == ".stl"
+    assert load_scene(result.halves[0].design).original is not None
+
+
+def test_the_unit_is_asked_where_none_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = coarse(load_scene("mikron-iiic-plain"), "half", monkeypatch)
+    metres = SurfaceMesh(mesh.vertices_mm / 1000, mesh.faces)
+    write_stl(tmp_path / "metres.stl", metres)
+    with pytest.raises(CranktopoError, match=r"tells no unit.*metres would give 98.* Give --unit m,"):
+        mesh_solids(tmp_path / "metres.stl", None)
+    write_stl(tmp_path / "inches.stl", SurfaceMesh(mesh.vertices_mm / 25.4, mesh.faces))
+    with pytest.raises(CranktopoError, match=r"inches would give 98.* Give --unit in,"):
+        mesh_solids(tmp_path / "inches.stl", None)
+    found, assumed = mesh_solids(tmp_path / "metres.stl", "m")
+    assert next(iter(found.values())).volume_mm3 == pytest.approx(mesh.volume_mm3, rel=1e-5)
+    assert not assumed
+    write_stl(tmp_path / "mm.stl", mesh)
+    assert "unit = mm" in mesh_solids(tmp_path / "mm.stl", None)[1][0]
+
+
+def test_3mf_and_obj(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = coarse(load_scene("mikron-iiic-plain"), "half", monkeypatch)
+    write_surface(tmp_path / "body.3mf", mesh, "3mf")
+    mesh.as_trimesh().export(tmp_path / "body.obj")
+    for name, told in (("body.3mf", 0), ("body.obj", 1)):
+        found, assumed = mesh_solids(tmp_path / name, None)
+        (own,) = found.values()
+        assert own.volume_mm3 == pytest.approx(mesh.volume_mm3, rel=1e-6)
+        assert len(assumed) == told
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
+def test_built_in_cranks(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load_scene(name)
+    result = imported(coarse(scene, "crankshaft", monkeypatch), name, tmp_path)
+    throw = load_scene(result.halves[0].design).throw
+    assert throw.radius_mm == pytest.approx(scene.throw.radius_mm, abs=LENGTH_MM)
+    for key in ("main_journal", "crankpin"):
+        found, wanted = (getattr(one, key).model_dump() for one in (throw, scene.throw))
+        assert found == pytest.approx(wanted, abs=LENGTH_MM)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_random_engines(tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_from_dict(random_engine(seed), f"engine-{seed}")
+    check_near(scene, imported(coarse(scene, "crankshaft", monkeypatch), "engine", tmp_path, seed))
+
+
+@pytest.mark.slow
+def test_facets_of_one_size(tmp_path: Path) -> None:
+    """Triangles that do not follow the cylinders."""
+    scene = load_scene("car-diesel")
+    check_near(scene, imported(surface_of(scene, "throw"), "car", tmp_path))
