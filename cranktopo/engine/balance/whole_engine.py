@@ -77,11 +77,18 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
         fired = phase_shift(rod, angle, fires, engine.cycle_deg)
         _share(load, layout.bearing_z_mm, throw, z, directions[throw] * fired)
+    shape = layout.throw_z_mm.shape
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
-    couple = 0j if counterweighted else masses.couple_kg_mm2
+    spinning = np.broadcast_to(spinning, shape)
+    couple = np.broadcast_to(0j if counterweighted else masses.couple_kg_mm2, shape)
     for throw, z in enumerate(layout.throw_z_mm):
-        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * spinning * masses.w2 / MM_PER_M)
-        _pair(load, layout.bearing_z_mm, throw, directions[throw] * couple * masses.w2 / MM_PER_M)
+        turned = directions[throw] * spinning[throw] * masses.w2 / MM_PER_M
+        _share(load, layout.bearing_z_mm, throw, z, turned)
+        _pair(load, layout.bearing_z_mm, throw, directions[throw] * couple[throw] * masses.w2 / MM_PER_M)
+    for end, throw, z in zip(masses.ends, (0, shape[0] - 1), layout.bearing_z_mm[[0, -1]], strict=True):
+        turned = directions[0] * masses.w2 / MM_PER_M
+        _share(load, layout.bearing_z_mm, throw, z, turned * end.unbalance_kg_mm)
+        _pair(load, layout.bearing_z_mm, throw, turned * end.couple_kg_mm2)
     return _MainBearings(angle, load * unit_vectors(angle), gas)
 
 
