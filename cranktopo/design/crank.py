@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
 from cranktopo.throw.crank_end import CrankEnd
 from cranktopo.throw.journal import Journal
+
+EVERY = "every"
+"""Value of `crank.bearings` for a bearing on each main journal."""
 
 
 class CrankJournal(SceneTable):
@@ -23,14 +26,20 @@ class CrankJournal(SceneTable):
     """Outer diameter."""
     bore_diameter_mm: LengthOrZero | None = Field(default=None, examples=[24.0])
     """Diameter of the axial bore; 0 = solid."""
-    length_mm: Length | None = Field(default=None, examples=[44.0])
-    """Full length between the webs."""
+    length_mm: LengthOrZero | None = Field(default=None, examples=[44.0])
+    """Full length between the webs; 0 between two throws = none: their webs are one flying web."""
     fillet_mm: LengthOrZero | None = Field(default=None, examples=[2.5])
     """Radius of its fillets to the webs; 0 = sharp."""
 
     def applied_to(self, journal: Journal) -> Journal:
-        """Return the journal with the keys that are given here."""
-        return journal.model_copy(update=self.model_dump(exclude={"number"}, exclude_none=True))
+        """Return the journal with the keys that are given here; a flying web has neither bore nor fillet."""
+        none = {"bore_diameter_mm": 0.0, "fillet_mm": 0.0, "fillet_axial_mm": None}
+        given = self.model_dump(exclude={"number"}, exclude_none=True)
+        return journal.model_copy(update=given | (none if self.length_mm == 0 else {}))
+
+
+def _numbers(value: Any) -> Any:
+    return () if value == EVERY else value
 
 
 class Crank(SceneTable):
@@ -40,6 +49,11 @@ class Crank(SceneTable):
     """The throws from the free end: `throw` is that of this design; the name of another design is its
     crankpin, webs and drillings on the main journals of this one. Names are relative to this file. By default
     all are `throw`. Their angles are those of `[engine]`."""
+    bearings: Annotated[tuple[int, ...], BeforeValidator(_numbers)] = Field(
+        default=(), max_length=49, examples=[(0, 2, 4)]
+    )
+    """Numbers of the main journals that sit in a bearing, 0 before throw 1, the first and the last one among
+    them; without it, or as `every`, all do."""
     main_journal: tuple[CrankJournal, ...] = Field(default=(), max_length=49)
     end: tuple[CrankEnd, ...] = Field(default=(), max_length=2)
 

@@ -69,6 +69,21 @@ def _throw(scene: Scene, crank: Crank, index: int, name: str) -> Scene:
     return scene.model_copy(update={"throw": throw, "crank": None, "name": title, **webs})
 
 
+def carried(scene: Scene) -> tuple[int, ...]:
+    """Return the numbers of the main journals that sit in a bearing."""
+    given = scene.crank.bearings if scene.crank else ()
+    return given or tuple(range(throw_count(scene) + 1))
+
+
+def refuse_flying_web(scene: Scene) -> None:
+    """Refuse a throw without a main journal on one side, for what needs a rigid section there."""
+    if any(half.throw.main_journal.length_mm == 0 for half in halves(scene)):
+        raise CranktopoError(
+            f"{scene.name}: a web beside it is a flying one, which is not modelled by elements or cells.",
+            hint="Taken by loads, balance and export; vibration needs shaft.throw_stiffness_Nm_per_rad.",
+        )
+
+
 def _journal(scene: Scene, crank: Crank, number: int, side: int) -> Journal:
     """The main journal of a number, as the half throw on that side of a throw has it."""
     journal = halves(scene)[side].throw.main_journal

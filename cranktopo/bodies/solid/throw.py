@@ -204,7 +204,7 @@ def _add_half(occ: Any, scene: Scene) -> DimTags:
     expected = half_throw_volume_mm3(scene)
     throw, (start, end) = scene.throw, scene.web_z_mm
     tools = add_drillings(occ, scene)
-    main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1)
+    main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1) if start else []
     pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
     body, _ = occ.fuse(add_web(occ, scene), main + pin)
     body = cut(occ, body, tools)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.checks.scene import check_proportion, check_scene
 from cranktopo.design.crank import Crank
-from cranktopo.design.crank_throws import throw_count, throw_scenes
+from cranktopo.design.crank_throws import carried, throw_count, throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.throw.crank_end import BodyStep, CrankEnd
 
@@ -17,6 +17,7 @@ def check_crank(scene: Scene) -> None:
         return
     _check_counts(scene, crank)
     _check_pitch(scene, crank)
+    _check_bearings(scene, crank)
     for place, end in enumerate(crank.end):
         if any(other.side == end.side for other in crank.end[:place]):
             raise scene.invalid(f"crank.end[{place}].side", "that end is given twice", "Join their steps.")
@@ -39,6 +40,23 @@ def _check_counts(scene: Scene, crank: Crank) -> None:
             raise scene.invalid(key, f"must be >= 0 and <= {count}: the crank has {count} throws")
         if any(other.number == journal.number for other in crank.main_journal[:place]):
             raise scene.invalid(key, "is there twice", "Keep one of them.")
+
+
+def _check_bearings(scene: Scene, crank: Crank) -> None:
+    count, given = throw_count(scene), crank.bearings
+    if given and (sorted(set(given)) != list(given) or given[0] != 0 or given[-1] != count or count == 0):
+        raise scene.invalid(
+            "crank.bearings",
+            f"must be numbers of main journals, rising from 0 to {count}",
+            "The outer ones sit in bearings.",
+        )
+    for place, journal in enumerate(crank.main_journal):
+        if journal.length_mm == 0 and journal.number in carried(scene):
+            raise scene.invalid(
+                f"crank.main_journal[{place}].length_mm",
+                "a journal in a bearing has a length",
+                f"For a flying web leave {journal.number} out of crank.bearings.",
+            )
 
 
 def _check_pitch(scene: Scene, crank: Crank) -> None:

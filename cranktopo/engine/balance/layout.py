@@ -13,7 +13,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.crank_ends import main_journal_places_mm
-from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.crank_throws import carried, throw_scenes
 from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
@@ -31,7 +31,8 @@ class EngineLayout:
         axis_deg: direction of each cylinder's axis, from the crank axis to the piston.
         web_places_mm: middle of either web of a throw from the plane of its cylinder; one for each throw
             where these differ.
-        bearing_z_mm: each main bearing, one more than throws, where neighbouring throws meet.
+        bearing_z_mm: each main bearing, where neighbouring throws meet; by default one more than throws.
+        bay_of: index of the bearing before each throw.
     """
 
     throw_of: tuple[int, ...]
@@ -43,6 +44,7 @@ class EngineLayout:
     cylinder_z_mm: Array
     web_places_mm: tuple[float | Array, float | Array]
     bearing_z_mm: Array
+    bay_of: tuple[int, ...]
 
     @property
     def web_z_mm(self) -> Array:
@@ -59,7 +61,8 @@ def engine_layout(scene: Scene) -> EngineLayout:
     """Return the layout of a scene's engine; raises CranktopoError where there is none."""
     engine = engine_of(scene)
     throws, numbers = engine.throws, range(1, engine.cylinders + 1)
-    bearing_z, throw_z, web_places, rod_offset = _along_shaft(scene, engine)
+    journal_z, throw_z, web_places, rod_offset = _along_shaft(scene, engine)
+    bearings = list(carried(scene))
     throw_of = tuple(engine.throw_of(number) for number in numbers)
     axis = np.array([engine.axis_deg(number) for number in numbers]) - engine.bank_angle_deg / 2
     side = np.array([1.0 if number > throws else -1.0 for number in numbers])
@@ -73,7 +76,8 @@ def engine_layout(scene: Scene) -> EngineLayout:
         firing_deg=np.array(engine.firing_angles_deg),
         cylinder_z_mm=throw_z[list(throw_of)] + side * rod_offset[list(throw_of)] / 2,
         web_places_mm=web_places,
-        bearing_z_mm=bearing_z,
+        bearing_z_mm=journal_z[bearings],
+        bay_of=tuple(sum(number <= throw for number in bearings) - 1 for throw in range(throws)),
     )
 
 
@@ -81,7 +85,7 @@ _Places = tuple[float | Array, float | Array]
 
 
 def _along_shaft(scene: Scene, engine: Engine) -> tuple[Array, Array, _Places, Array]:
-    """Places of bearings and throws, of the webs from their throw, and the distance of two rods, mm."""
+    """Places of main journals and throws, of the webs from their throw, and the distance of two rods, mm."""
     throws, every = engine.throws, throw_scenes(scene)
     offset = np.array([throw.rod_offset_mm for throw in every])
     if all(throw is every[0] for throw in every):
@@ -90,13 +94,13 @@ def _along_shaft(scene: Scene, engine: Engine) -> tuple[Array, Array, _Places, A
         aside_mm = (both[0].pitch_mm - both[1].pitch_mm) / 4  # of the cylinder, from the middle of the throw
         throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch + aside_mm
         near, far = (_web_place_mm(half) for half in both)
-        bearing_z = (np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch
-        return bearing_z, throw_z, (-near, far), offset
+        journal_z = (np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch
+        return journal_z, throw_z, (-near, far), offset
     places = np.array(main_journal_places_mm(scene))
-    bearing_z = places - places[-1] / 2
-    throw_z = bearing_z[:-1] + [halves(throw)[0].pitch_mm / 2 for throw in every]
+    journal_z = places - places[-1] / 2
+    throw_z = journal_z[:-1] + [halves(throw)[0].pitch_mm / 2 for throw in every]
     nears, fars = np.array([[_web_place_mm(half) for half in halves(throw)] for throw in every]).T
-    return bearing_z, throw_z, (-nears, fars), offset
+    return journal_z, throw_z, (-nears, fars), offset
 
 
 def _web_place_mm(half: Scene) -> float:

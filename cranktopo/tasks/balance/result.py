@@ -150,7 +150,9 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
         ),
         balancer_shafts=balance.shafts,
         gas_in_bearing_loads=balance.bearings[AS_IT_IS].gas,
-        main_bearings=tuple(_bearing(balance, index) for index in range(engine.throws + 1)),
+        main_bearings=tuple(
+            _bearing(balance, index) for index in range(len(balance.masses.layout.bearing_z_mm))
+        ),
         assumed=assumptions(scene, (THROW, LOADS)),
     )
 

@@ -47,7 +47,7 @@ def command(
     from cranktopo.tasks.shaft.assembly import Bearings
     from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables
 
-    resolved = resolve_target(target, design, align=align, whole=True)
+    resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     print_assumed([resolved], shaft_tables(resolved.scene, support))
     note(f"{resolved.name}: condensing one throw")
@@ -73,7 +73,7 @@ def _text(shaft: ShaftEvaluation) -> str:
     error = shaft.error_percent
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     rows = (
-        ("mass of the throws", f"{shaft.mass_kg:.3f} kg"),
+        (shaft.weighed, f"{shaft.mass_kg:.3f} kg"),
         (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
         ("natural frequencies", f"{frequencies} Hz (shaft and moving masses alone, free ends)"),
     )
