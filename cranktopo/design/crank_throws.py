@@ -22,7 +22,9 @@ _OTHERS_KEYS = ("crankpin", "second_crankpin_length_mm", "drilling")
 
 
 def throw_scenes(scene: Scene) -> tuple[Scene, ...]:
-    """Return the scene of every throw of the crank, cylinder 1 first; the design itself where all are alike.
+    """Return the scene of every throw of the crank, cylinder 1 first; throws that are alike are one object.
+
+    It is the design itself where all are alike, else it has the number of the first such throw in its name.
 
     Raises:
         CranktopoError: a file of `crank.throws` that cannot be read.
@@ -50,11 +52,18 @@ def _stamp(name: str) -> tuple[str, int]:
 def _different(scene: Scene, count: int, files: tuple[tuple[str, int], ...]) -> tuple[Scene, ...]:
     crank = scene.crank or Crank()
     names = crank.throws or (OWN_THROW,) * count
-    return tuple(_throw(scene, crank, index, name) for index, name in enumerate(names))
+    different: list[Scene] = []
+    every = []
+    for index, name in enumerate(names):
+        throw = _throw(scene, crank, index, name)
+        alike = (one for one in different if throw.model_copy(update={"name": one.name}) == one)
+        every.append(next(alike, throw))
+        different += [throw] if every[-1] is throw else []
+    return tuple(every)
 
 
 def _throw(scene: Scene, crank: Crank, index: int, name: str) -> Scene:
-    """The scene of one throw; its own main journals replace those of another design's throw."""
+    """The scene of one throw; the crank's main journals replace those of another design's throw."""
     near, far = (_journal(scene, crank, index + side, side) for side in (0, 1))
     update: dict[str, Any] = {"main_journal": near, "second_main_journal_length_mm": None}
     update["second_main_journal"] = None if far == near else far

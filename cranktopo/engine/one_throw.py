@@ -59,7 +59,8 @@ def one_throw(scene: Scene, number: int | None = None) -> Scene:
             f"({stresses[number - 1]:.0f} MPa nominal); --throw N takes another"
         )
     ends = Crank(end=crank.end) if crank.end else None
-    return throws[number - 1].model_copy(update={"crank": ends})
+    name = f"{scene.name}-throw-{number}"
+    return throws[number - 1].model_copy(update={"crank": ends, "name": name})
 
 
 def nominal_stresses_MPa(scene: Scene) -> Array:

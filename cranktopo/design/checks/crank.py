@@ -83,12 +83,10 @@ def _check_steps(scene: Scene, key: str, end: CrankEnd) -> None:
 
 
 def _check_throws(scene: Scene) -> None:
-    checked: list[Scene] = []
-    for number, throw in enumerate(throw_scenes(scene), start=1):
-        same = throw.model_copy(update={"name": scene.name})
-        if same in checked:
+    throws = throw_scenes(scene)
+    for number, throw in enumerate(throws, start=1):
+        if any(throw is before for before in throws[: number - 1]):
             continue
-        checked.append(same)
         try:
             check_scene(throw)
         except CranktopoError as error:
