@@ -43,6 +43,7 @@ _RULES = {
     "--cell-mm": Acts(MIKRON, "--cell-mm 2"),
 }
 _WEB = {"--web": Refused(f"{MIKRON} --web first", "both halves of the throw are alike")}
+_THROW = {"--throw": Refused(f"{MIKRON} --throw 2", "all throws of the crank are alike")}
 _BODY = {
     "--design": Refused(f"{MIKRON} --design {MIKRON}", "--design is for bodies from CAD"),
     "--align": Refused(f"{MIKRON} --align", "--align is for bodies from CAD"),
@@ -58,6 +59,7 @@ _COMPARE = f"opposed-piston --baseline {MIKRON}"
 TABLE: dict[str, dict[str, Case]] = {
     "optimise": {
         **_WEB,
+        **_THROW,
         **_GOAL,
         **_OUT,
         "--volume-fraction": Acts(MIKRON, "--volume-fraction 0.25"),
@@ -73,8 +75,9 @@ TABLE: dict[str, dict[str, Case]] = {
         "--max-iterations": Acts(MIKRON, "--max-iterations 4"),
         "--json": Shown("cli/test_accuracy.py::test_an_accuracy_chooses_the_cells_of_a_run"),
     },
-    "plan": {**_GOAL, "--json": Acts("", "--json")},
+    "plan": {**_THROW, **_GOAL, "--json": Acts("", "--json")},
     "loads": {
+        **_THROW,
         "--speed": Acts("", "--speed 1000"),
         "--csv": Acts("", "--csv c.csv"),
         "--plot": Acts("", "--plot p.png"),
@@ -99,6 +102,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "evaluate": {
         **_BODY,
+        **_THROW,
         **_MESH,
         "--sensitivities": Refused(f"{MIKRON} --sensitivities", "its web is not parametric"),
         "--web": Refused(f"{MIKRON} --web first", "--web names the web of --sensitivities"),
@@ -131,6 +135,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "fatigue": {
         **_BODY,
+        **_THROW,
         "--method": Acts(MIKRON, "--method fkm"),
         "--loads": Acts(MIKRON, "--loads cycle"),
         "--baseline": Acts(MIKRON, "--baseline opposed-piston"),
@@ -171,6 +176,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "shape": {
         **_WEB,
+        **_THROW,
         **_GOAL,
         **_RULES,
         **_OUT,
@@ -180,6 +186,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "bound": {
         **_WEB,
+        **_THROW,
         **_GOAL,
         "--minimise": Acts(MIKRON, "--minimise inertia"),
         "--resolution-mm": Acts(MIKRON, "--resolution-mm 4"),
@@ -187,6 +194,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "iterate": {
         **_WEB,
+        **_THROW,
         **_RULES,
         **_OUT,
         "--steps": Acts(MIKRON, "--steps 3"),
@@ -201,6 +209,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "sweep": {},
     "export": {
+        "--throw": Refused(f"{MIKRON} throw.step --throw 2", "all throws of the crank are alike"),
         "--part": Refused(f"{MIKRON} web.pdf --part crankshaft", "--part crankshaft: a workshop drawing"),
         "--facet-mm": Refused(f"{MIKRON} web.step --facet-mm 2", "--facet-mm is the size of STL facets"),
         "--force": Acts(f"{MIKRON} taken.svg", "--force"),

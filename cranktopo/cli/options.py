@@ -147,6 +147,13 @@ web_option = click.option(
     help="Of a throw with two different webs, which one to take; needed there.",
 )
 
+throw_option = click.option(
+    "--throw",
+    type=click.IntRange(1, 48),
+    metavar="N",
+    help="Of a crank with different throws, which one to take, from the free end.  [default: worst loaded]",
+)
+
 bound_option = click.option(
     "--no-bound", is_flag=True, help="Do not prove how far the result is from the best possible web."
 )

@@ -25,6 +25,8 @@ def difference(scene: Scene) -> str:
     throw = scene.throw
     if scene.second_web is not None and scene.second_web != scene.web:
         return "second_web"
+    if throw.second_main_journal not in (None, throw.main_journal):
+        return "throw.second_main_journal"
     for key, name in _LENGTHS.items():
         if getattr(throw, key) not in (None, getattr(throw, name).length_mm):
             return f"throw.{key}"
@@ -74,6 +76,8 @@ def of_second(error: CranktopoError, scene: Scene) -> CranktopoError:
     def named(text: str) -> str:
         if scene.second_web is not None:
             text = re.sub(r"(?<![\w.])web(?=\.[a-z])", "second_web", text)
+        if scene.throw.second_main_journal is not None:
+            text = text.replace("throw.main_journal", "throw.second_main_journal")
         return re.sub(r"(?<=throw\.drilling\[)\d+", lambda found: own[int(found[0])], text)
 
     message = f"{named(error.message).removesuffix('.')} (in the half beyond the crankpin)."
@@ -82,11 +86,13 @@ def of_second(error: CranktopoError, scene: Scene) -> CranktopoError:
 
 def _half(scene: Scene, side: str) -> Scene:
     throw = scene.throw
-    update: dict[str, Any] = dict.fromkeys(_LENGTHS)
+    update: dict[str, Any] = dict.fromkeys((*_LENGTHS, "second_main_journal"))
     update["drilling"] = tuple(drilling for drilling in throw.drilling if drilling.web in ("both", side))
     second = side == "second"
     for key, name in _LENGTHS.items() if second else ():
         journal, length = getattr(throw, name), getattr(throw, key)
+        if name == "main_journal":
+            journal = throw.second_main_journal or journal
         update[name] = journal if length is None else journal.model_copy(update={"length_mm": length})
     web = scene.second_web if second and scene.second_web is not None else scene.web
     return scene.model_copy(update={"throw": throw.model_copy(update=update), "web": web, "second_web": None})

@@ -5,18 +5,20 @@ from __future__ import annotations
 import os
 import re
 import shlex
-import tomllib
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, invalid, quoted, suggest
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
+from cranktopo.design.checks.crank import check_crank
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import difference, halves, of_second, require_equal_halves, usual_scale
 from cranktopo.design.messages import explain, explain_unknown
+from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Scene
+from cranktopo.design.toml_text import parse_toml
 from cranktopo.runs.directories import RUNS, runs_named
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
 
@@ -123,18 +125,10 @@ def one_web(scene: Scene, web: WebName | None) -> Scene:
     return half
 
 
-# Keys of the scene that name a file, relative to the design.
-FILE_KEYS = (("engine", "gas", "indicator_csv"), ("envelope", "file"), ("original", "file"))
 _GEOMETRY = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP", ".iges": "an IGES", ".igs": "an IGES"}
 _BODIES = ("an STL", "a STEP")
 """Kinds of files that a command takes as a target."""
 _HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
-_TOML_HINT = "Fix that line; `cranktopo designs new FILE` writes a design to start from."
-_MOST_PARTS = 30
-_DEEP_KEY = re.compile(
-    rf"""(?<![\w"'-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{_MOST_PARTS}}}"""
-)
-_TOML_PLACE = re.compile(r"at line (\d+), column")
 _SHAPED = "web.toml"
 """Name of the design in a run of `shape`."""
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -211,58 +205,6 @@ def parse_scene(
     return scene_from_dict(data, source, whole=whole)
 
 
-def parse_toml(text: str, source: str) -> dict[str, Any]:
-    """The tables of a TOML document as they are written; raises CranktopoError where it is malformed."""
-    deep = _DEEP_KEY.search(text)
-    if deep:  # the parser takes memory by the square of its length
-        line = text.count("\n", 0, deep.start()) + 1
-        reason = f"line {line} has a key of more than {_MOST_PARTS} parts: {quoted(deep[0], 60)}"
-        raise CranktopoError(f"{source}: not valid TOML: {reason}.", hint=_TOML_HINT)
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # ValueError: also an integer of thousands of digits
-        reason = _toml_reason(error, text)
-        raise CranktopoError(f"{source}: not valid TOML: {reason}.", hint=_TOML_HINT) from None
-
-
-def _toml_reason(error: Exception, text: str) -> str:
-    if isinstance(error, tomllib.TOMLDecodeError):
-        reason, place = quoted(str(error))[1:-1], _TOML_PLACE.search(str(error))
-        lines = text.splitlines()[int(place[1]) - 1 :] if place else []
-        if not lines:
-            return reason
-        comma = decimal_comma(lines[0].partition("=")[2]).rstrip(".").lower()
-        return f"{comma or reason}: {quoted(lines[0].strip())}"
-    return "its arrays are too deep" if isinstance(error, RecursionError) else "a number has too many digits"
-
-
-def with_resolved_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The tables of a scene with file names made absolute; data of a wrong type is left for validation."""
-    for keys in FILE_KEYS:
-        data = _resolved(data, keys, folder)
-    return data
-
-
-def _resolved(data: Any, keys: tuple[str, ...], folder: Path) -> Any:
-    if not keys:
-        return os.path.realpath(folder / data) if isinstance(data, str) and "\0" not in data else data
-    if not isinstance(data, dict) or keys[0] not in data:
-        return data
-    return {**data, keys[0]: _resolved(data[keys[0]], keys[1:], folder)}
-
-
-def input_files(scene: Scene) -> dict[str, Path]:
-    """Files that a scene refers to, by dotted key."""
-    found: dict[str, Path] = {}
-    for keys in FILE_KEYS:
-        value: Any = scene
-        for key in keys:
-            value = getattr(value, key, None)
-        if value is not None:
-            found[".".join(keys)] = Path(value)
-    return found
-
-
 def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool = False) -> Scene:
     """Return a validated scene from plain data with absolute file names; the source is named in messages.
 
@@ -278,6 +220,7 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
         raise explain(error, source) from None
     scene = _with_usual_cells(scene)
     check_scene(scene)
+    check_crank(scene)
     if not whole:
         require_equal_halves(scene)
     return scene

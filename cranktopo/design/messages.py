@@ -127,7 +127,8 @@ def _instead(loc: tuple[int | str, ...]) -> str:
     near = _nearest(loc)
     if near is not None:
         return f"Did you mean '{near}'?"
-    homes = [table for table, name in _all_keys(_ROOT[0]) if name == key]
+    found = [(table, needed) for table, name, needed in _all_keys(_ROOT[0]) if name == key]
+    homes = [table for table, needed in found if needed] or [table for table, _ in found]
     if homes:
         tables = [f"[{home}]" if home else "the top of the file" for home in sorted(set(homes))[:3]]
         return f"It belongs to {' or '.join(tables)}."
@@ -138,7 +139,7 @@ def _nearest(loc: tuple[int | str, ...]) -> str | None:
     key, valid = str(loc[-1])[:100], _valid_keys(loc[:-1])
     if _MEANT.get(key) in valid:
         return _MEANT[key]
-    if any(name == key for _, name in _all_keys(_ROOT[0])):
+    if any(name == key for _, name, _ in _all_keys(_ROOT[0])):
         return None  # the right key in the wrong table
     near = get_close_matches(key, valid, n=1, cutoff=0.7)
     return near[0] if near else None
@@ -196,11 +197,13 @@ def _valid_keys(loc: tuple[int | str, ...]) -> list[str]:
     return sorted({name for model in _models(_annotation(loc)) for name in _fields(model)})
 
 
-def _all_keys(table: Any, path: str = "") -> Iterator[tuple[str, str]]:
+def _all_keys(table: Any, path: str = "", needed: bool = True) -> Iterator[tuple[str, str, bool]]:
+    """Yield table and name of every key, and whether every scene has the table."""
     for model in _models(table):
         for name, field in _fields(model).items():
-            yield path, name
-            yield from _all_keys(field.annotation, f"{path}.{name}" if path else name)
+            yield path, name, needed
+            below = f"{path}.{name}" if path else name
+            yield from _all_keys(field.annotation, below, needed and field.is_required())
 
 
 def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -218,7 +221,7 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 def _tags(model: type[BaseModel]) -> set[str]:
     return {
         tag
-        for name in ("outline", "shape")
+        for name in ("outline", "shape", "kind")
         if name in model.model_fields
         for tag in typing.get_args(model.model_fields[name].annotation)
     }

@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import LIKE_WEB, SHOWN, Fraction, Length, SceneTable, Weight, WholeNumber
+from cranktopo.design.crank import Crank
 from cranktopo.design.engine import Engine
 from cranktopo.design.goal.limit import GoalTable
 from cranktopo.design.material import Fatigue, Material
@@ -33,6 +34,9 @@ class ThrowTable(SceneTable):
     """The main journal, centred on the crank axis."""
     crankpin: Journal
     """The crankpin, centred on the throw radius."""
+    second_main_journal: Journal | None = None
+    """The main journal beyond the second web where it differs from `main_journal`; half of it is this
+    throw's."""
     second_main_journal_length_mm: Length | None = Field(default=None, examples=[44.0])
     """Full length of the main journal beyond the second web, half of which is this throw's; by default that
     of `main_journal`."""
@@ -202,6 +206,7 @@ class Scene(SceneTable):
     supports: Supports = Supports()
     engine: Engine | None = None
     shaft: ShaftTable | None = None
+    crank: Crank | None = None
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
     original: Original | None = None
@@ -239,7 +244,8 @@ class Scene(SceneTable):
         """Distance between neighbouring mid-main-journal planes, mm."""
         throw, second = self.throw, self.second_web or self.web
         main, pin = throw.main_journal.length_mm, throw.crankpin.length_mm
-        journals = (main + (throw.second_main_journal_length_mm or main)) / 2
+        beyond = (throw.second_main_journal or throw.main_journal).length_mm
+        journals = (main + (throw.second_main_journal_length_mm or beyond)) / 2
         pins = (pin + (throw.second_crankpin_length_mm or pin)) / 2
         return journals + pins + (self.web.thickness_mm + second.thickness_mm)
 

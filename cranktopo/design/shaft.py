@@ -157,3 +157,8 @@ class ShaftTable(SceneTable):
     driven: Rotor | None = None
     """Driven machine behind coupling or flywheel; it takes up the engine's mean torque."""
     propeller: Propeller | None = None
+
+    @property
+    def has_takeoff(self) -> bool:
+        """Tell whether anything is joined to the takeoff."""
+        return any((self.flywheel, self.coupling, self.driven, self.propeller))

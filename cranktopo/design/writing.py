@@ -12,15 +12,14 @@ from cranktopo.base.files import write_text
 from cranktopo.design.assumed import Assumption, assumed_json
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import (
-    FILE_KEYS,
     design_text,
-    input_files,
     load_scene,
     parse_scene,
     resolve_design,
     scene_from_dict,
 )
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.scene_files import input_files, name_from
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.throw.journal import Journal
@@ -34,9 +33,7 @@ def copy_of(design: str, file: Path) -> str:
     document = tomlkit.parse(design_text(design))
     document["name"] = design_name(file)
     document.pop("published", None)
-    source, target = resolve_design(design).resolve().parent, file.resolve().parent
-    for keys in FILE_KEYS:
-        _find_from(document, keys, source, target)
+    name_from(document, resolve_design(design).resolve().parent, file.resolve().parent)
     return tomlkit.dumps(document).rstrip() + "\n"
 
 
@@ -50,14 +47,6 @@ def design_name(file: Path) -> str:
             code=ExitCode.USAGE,
         )
     return name
-
-
-def _find_from(document: Any, keys: tuple[str, ...], source: Path, target: Path) -> None:
-    *tables, key = keys
-    for name in tables:
-        document = document.get(name, {})
-    if key in document and (source / document[key]).resolve() != (target / document[key]).resolve():
-        document[key] = str((source / document[key]).resolve())
 
 
 def design_from_run(run: RunStore) -> Scene:

@@ -125,7 +125,7 @@ class Journal(SceneTable):
                 f"must be >= {low:.4g} and <= {high:.4g} mm, {ASPECT[0]:g} to {ASPECT[1]:g} times "
                 f"fillet_mm = {fillet.radial_mm:g} mm",
             )
-        if fillet.axial_mm >= self.length_mm / 2:
+        if fillet.axial_mm >= self.length_mm / 2 and fillet.radial_mm:
             raise invalid(
                 key,
                 fillet.axial_mm,

@@ -13,7 +13,8 @@ from cranktopo.base.progress import Work
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
-from cranktopo.design.loading import input_files, scene_from_dict
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.tasks.density.stage import baseline_notice

@@ -12,7 +12,8 @@ import trimesh
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import design_text, designs_folder, input_files, load_scene
+from cranktopo.design.loading import design_text, designs_folder, load_scene
+from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, toml_text
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh

@@ -33,7 +33,7 @@ def main(*engines: str) -> None:
         model = assemble(mesh.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
         throw = loaded_throw(loaded_blocks(model, scene, mesh.mesh.mirrored, whole=mesh.whole), scene)
         for spring in (None, *SPRINGS_N_PER_MM):
-            found = continuous_shaft(throw, scene, "rigid" if spring is None else "spring", spring or 0.0)
+            found = continuous_shaft([(throw, scene)] * len(scene.shaft_angles_deg), scene, spring)
             web, bearing = found.worst_web, found.worst_bearing
             shares = [one.share for one in found.webs]
             alone = max(one.halves_N for one in found.main_bearings)

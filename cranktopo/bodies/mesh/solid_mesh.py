@@ -18,6 +18,7 @@ from cranktopo.bodies.solid.throw import (
     solid_properties,
 )
 from cranktopo.bodies.volume import web_volume_mm3
+from cranktopo.design.crank_throws import refuse_flying_web
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
@@ -82,6 +83,7 @@ def mesh_throw(
         full: mesh the whole throw although its halves are alike (to check the condensation).
         fillet_fraction: element size on a fillet over its least radius; by default what stiffness needs.
     """
+    refuse_flying_web(scene)
     whole = full or bool(difference(scene))
     smooth = fillet_fraction is not None
 

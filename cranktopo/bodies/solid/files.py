@@ -15,11 +15,11 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
+from cranktopo.bodies.solid.crankshaft import add_crankshaft
 from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
     DimTags,
-    add_crankshaft,
     add_drillings,
     add_full_throw,
     add_half_throw,

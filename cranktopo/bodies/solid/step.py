@@ -186,6 +186,13 @@ def step_solid(gmsh: Any, path: Path, name: str) -> tuple[int, int]:
     return solids[0]
 
 
+def import_solid(occ: Any, file: str) -> tuple[int, int]:
+    """Add the one solid of a STEP file that was read before in a child process; return its pair."""
+    with quiet_stdout():
+        found = occ.importShapes(file)
+    return next((dim, tag) for dim, tag in found if dim == 3)
+
+
 def step_solids(gmsh: Any, path: Path, name: str) -> list[tuple[int, int]]:
     """Return the solids of a STEP file in the open session; in a child process, as `step_solid`."""
     occ = gmsh.model.occ

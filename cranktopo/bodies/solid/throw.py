@@ -1,4 +1,4 @@
-"""OCC solids of half throw, full throw and crankshaft, each checked, and of the primitives they are made of.
+"""OCC solids of half throw and full throw, each checked, and of the primitives they are made of.
 
 `occ` is `gmsh.model.occ` of the open session. The rounding of an outlet is the kernel's own fillet, made on a
 plain piece of the cylinder: what that piece loses is the tool, whatever else the throw has there.
@@ -16,7 +16,6 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, solver_error
-from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import drilled_alike, halves, mirror_image, require_equal_halves
@@ -226,7 +225,7 @@ def _add_half(occ: Any, scene: Scene) -> DimTags:
     expected = half_throw_volume_mm3(scene)
     throw, (start, end) = scene.throw, scene.web_z_mm
     tools = add_drillings(occ, scene)
-    main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1)
+    main = _add_journal(occ, scene, throw.main_journal, 0.0, (0.0, start), 1) if start else []
     pin = _add_journal(occ, scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), -1)
     body, _ = occ.fuse(add_web(occ, scene), main + pin)
     body = cut(occ, body, tools)
@@ -249,23 +248,6 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     body = cut(occ, body, [*tools, *more])
     check_body(occ, body, throw_volume_mm3(scene), "full throw")
     return list(body)
-
-
-def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
-    """Return all throws of the shaft, cylinder 1 at z = 0, turned by firing order, as one checked body."""
-    angles = scene.shaft_angles_deg
-    throw = add_full_throw(occ, scene)
-    bodies: DimTags = []
-    for index, angle in enumerate(angles):
-        copy = occ.copy(throw)
-        occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle)))
-        occ.translate(copy, 0, 0, index * scene.pitch_mm)
-        bodies += copy
-    occ.remove(throw, recursive=True)
-    if len(bodies) > 1:
-        bodies, _ = occ.fuse(bodies[:1], bodies[1:])
-    check_body(occ, bodies, len(angles) * throw_volume_mm3(scene), "crankshaft")
-    return bodies
 
 
 def check_body(occ: Any, body: DimTags, expected_mm3: float, name: str) -> None:

@@ -124,6 +124,11 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
         yield from feature.dimensions_mm(key)
 
 
+def check_proportion(scene: Scene, key: str, value: float) -> None:
+    """Refuse a dimension of the crank that is out of proportion to its throw; 0 stands for none."""
+    _check(scene, key, value, SMALLEST)
+
+
 def _check(scene: Scene, key: str, value: float, smallest: float) -> None:
     size = _throw_size_mm(scene)
     if value and not smallest * size <= value <= _LARGEST * size:
@@ -185,6 +190,13 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
 
 def check_scene(scene: Scene) -> None:
     """Check that the parts of a scene fit together, in each half of its throw."""
+    throw = scene.throw
+    if throw.second_main_journal is not None and throw.second_main_journal_length_mm is not None:
+        raise scene.invalid(
+            "throw.second_main_journal_length_mm",
+            "[throw.second_main_journal] has a length of its own",
+            "Keep one of them.",
+        )
     first, second = halves(scene)
     _check_half(first)
     if second is not first:

@@ -7,16 +7,19 @@ Masses are those of a rigid engine at constant speed; a rod counts as two masses
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
+from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.crank import EndMass, end_mass
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
 from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
@@ -105,6 +108,8 @@ class NeededCounterweight:
 class TurningMasses:
     """Masses that turn with the shaft and that move with the pistons.
 
+    What is of a throw is one value where all throws are alike, else one for each.
+
     Attributes:
         throw_kg_mm: rotating unbalance of each throw with its rods, real along the throw.
         couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
@@ -114,19 +119,32 @@ class TurningMasses:
         counterweight_kg_mm: what both counterweights of a throw balance, real along the throw.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
         w2: angular speed squared, 1/s2.
+        ends: of the crank, free end first; counterweights leave them as they are.
     """
 
     layout: EngineLayout
-    throw_kg_mm: complex
-    couple_kg_mm2: complex
-    web_kg_mm: tuple[float, float]
-    own_kg_mm: tuple[float, float]
+    throw_kg_mm: complex | Complex
+    couple_kg_mm2: complex | Complex
+    web_kg_mm: tuple[float | Array, float | Array]
+    own_kg_mm: tuple[float | Array, float | Array]
     piston_kg_mm: float
-    counterweight_kg_mm: complex
+    counterweight_kg_mm: complex | Complex
     harmonics: Array
     w2: float
+    ends: tuple[EndMass, EndMass]
 
-    def on_webs(self, force: complex, couple: complex) -> tuple[complex, complex]:
+    @property
+    def ends_kg_mm(self) -> tuple[complex, complex]:
+        """Unbalance of both ends together, and its moment about the middle of the shaft, kg mm2.
+
+        Fixed in the shaft, real along throw 1.
+        """
+        bearing = self.layout.bearing_z_mm
+        pairs = list(zip(self.ends, (float(bearing[0]), float(bearing[-1])), strict=True))
+        moment = sum(end.couple_kg_mm2 + z * end.unbalance_kg_mm for end, z in pairs)
+        return sum(end.unbalance_kg_mm for end, _ in pairs), moment
+
+    def on_webs(self, force: Any, couple: Any) -> tuple[Any, Any]:
         """What both webs of a throw carry of a force in the plane of its cylinder and a couple about it."""
         near, far = self.layout.web_places_mm
         apart = far - near
@@ -135,17 +153,34 @@ class TurningMasses:
 
 def turning_masses(scene: Scene) -> TurningMasses:
     """Return the masses of a scene's engine at its speed; raises CranktopoError where there is no engine."""
-    engine, balance, radius = engine_of(scene), throw_balance(scene), scene.throw.radius_mm
+    engine, radius, throws = engine_of(scene), scene.throw.radius_mm, throw_scenes(scene)
+    alike = all(throw is throws[0] for throw in throws)
+    different = throws[:1] if alike else throws
+    balances = [throw_balance(throw) for throw in different]
+
+    def of_throws(values: Iterable[Any]) -> Any:
+        found = list(values)
+        return found[0] if alike else np.array(found)
+
+    def of_webs(name: str) -> tuple[Any, Any]:
+        near, far = (of_throws(getattr(balance, name)[web] for balance in balances) for web in (0, 1))
+        return near, far
+
     return TurningMasses(
         layout=engine_layout(scene),
-        throw_kg_mm=complex(balance.rotating_unbalance_kg_mm, balance.lateral_unbalance_kg_mm),
-        couple_kg_mm2=product_of_inertia_kg_mm2(scene),
-        web_kg_mm=balance.web_kg_mm,
-        own_kg_mm=balance.own_counterweights_kg_mm,
+        throw_kg_mm=of_throws(
+            complex(b.rotating_unbalance_kg_mm, b.lateral_unbalance_kg_mm) for b in balances
+        ),
+        couple_kg_mm2=of_throws(map(product_of_inertia_kg_mm2, different)),
+        web_kg_mm=of_webs("web_kg_mm"),
+        own_kg_mm=of_webs("own_counterweights_kg_mm"),
         piston_kg_mm=engine.reciprocating_kg * radius,
-        counterweight_kg_mm=complex(balance.counterweight_kg_mm, balance.lateral_unbalance_kg_mm),
+        counterweight_kg_mm=of_throws(
+            complex(b.counterweight_kg_mm, b.lateral_unbalance_kg_mm) for b in balances
+        ),
         harmonics=acceleration_harmonics(radius, engine.rod_length_mm, ORDERS),
         w2=angular_speed_rad_s(engine.speed_rpm) ** 2,
+        ends=(end_mass(scene, "free"), end_mass(scene, "output")),
     )
 
 
@@ -153,8 +188,15 @@ def rotating_force(masses: TurningMasses, counterweighted: bool = False) -> Free
     """Free force and moment of all that turns with the shaft, with its counterweights or as it is."""
     throw = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     parts = unit_vectors(masses.layout.throw_deg) * throw * masses.w2 / MM_PER_M
-    found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm)
+    found = _free_force(1, parts, np.zeros_like(parts), masses.layout.throw_z_mm) + _force_of_ends(masses)
     return found if counterweighted else found + _couple_of_product(masses)
+
+
+def _force_of_ends(masses: TurningMasses) -> FreeForce:
+    """Return what the ends of the crank leave free; counterweights of throws do not take it."""
+    turned = complex(unit_vectors(masses.layout.throw_deg[:1])[0]) * masses.w2 / MM_PER_M
+    force, moment = masses.ends_kg_mm
+    return FreeForce(1, ForceEllipse(turned * force), ForceEllipse(turned * moment / MM_PER_M))
 
 
 def _couple_of_product(masses: TurningMasses) -> FreeForce:
@@ -191,17 +233,24 @@ def counterweights(masses: TurningMasses) -> tuple[NeededCounterweight, ...]:
     """
     layout, along = masses.layout, unit_vectors(masses.layout.throw_angle_deg)
     throw, couple = -masses.counterweight_kg_mm * along, -masses.couple_kg_mm2 * along
-    own = np.outer(along, masses.on_webs(-masses.counterweight_kg_mm, -masses.couple_kg_mm2)).ravel()
+    on_webs = masses.on_webs(-masses.counterweight_kg_mm, -masses.couple_kg_mm2)
+    own = (along[:, None] * np.stack(on_webs, axis=-1)).ravel()
     middle = _sum(layout.web_z_mm.astype(np.complex128)).real / len(own)
     z = layout.web_z_mm - middle
+    ends, of_ends = masses.ends_kg_mm
     moment = _sum(np.array([_sum(throw * (layout.throw_z_mm - middle)), _sum(couple)]))
-    shaft = _sum(throw) / len(z) + moment / (z**2).sum() * z
+    moment -= of_ends - middle * ends
+    shaft = (_sum(throw) - ends) / len(z) + moment / (z**2).sum() * z
+    web_kg_mm, own_kg_mm = (
+        np.broadcast_to(np.stack(of_webs, axis=-1), (len(along), 2)).ravel()
+        for of_webs in (masses.web_kg_mm, masses.own_kg_mm)
+    )
     return tuple(
         NeededCounterweight(
             index + 1,
             index // 2 + 1,
-            masses.web_kg_mm[index % 2],
-            masses.own_kg_mm[index % 2],
+            float(web_kg_mm[index]),
+            float(own_kg_mm[index]),
             *_polar(own[index]),
             *_polar(shaft[index]),
         )
@@ -221,6 +270,8 @@ class InnerMoment:
 def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] = ()) -> InnerMoment:
     """Return the largest inner bending moment of the shaft as a beam on its two outer main bearings.
 
+    The ends of the crank beyond them are left out.
+
     Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Forces
     act in the planes of the cylinders and the middle of the webs, these with the couple of their throw, so
     that the moment is largest at one of them. `weights` come on top of the webs' own counterweights.
@@ -229,8 +280,9 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
     z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
     along = unit_vectors(layout.throw_angle_deg)
     taken = sum(own * place for own, place in zip(masses.own_kg_mm, layout.web_places_mm, strict=True))
-    own = np.array(masses.on_webs(0j, masses.couple_kg_mm2 + taken)) - np.array(masses.own_kg_mm)
-    webs = np.outer(along, own).ravel()
+    on_webs = masses.on_webs(0j, masses.couple_kg_mm2 + taken)
+    own = np.stack(on_webs, axis=-1) - np.stack(masses.own_kg_mm, axis=-1)
+    webs = (along[:, None] * own).ravel()
     for weight in weights:
         webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
     force = np.concatenate([(masses.throw_kg_mm + sum(masses.own_kg_mm)) * along, webs]) * per_kg_mm

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.bodies.crank_ends import main_journal_places_mm
+from cranktopo.design.crank_throws import carried, throw_scenes
+from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
@@ -26,8 +29,10 @@ class EngineLayout:
         throw_angle_deg: angle of each throw from the first one: fixed in the shaft.
         throw_z_mm: plane of each throw's cylinder, between its two rods where it has two.
         axis_deg: direction of each cylinder's axis, from the crank axis to the piston.
-        web_places_mm: middle of either web of a throw from the plane of its cylinder.
-        bearing_z_mm: each main bearing, one more than throws, where neighbouring throws meet.
+        web_places_mm: middle of either web of a throw from the plane of its cylinder; one for each throw
+            where these differ.
+        bearing_z_mm: each main bearing, where neighbouring throws meet; by default one more than throws.
+        bay_of: index of the bearing before each throw.
     """
 
     throw_of: tuple[int, ...]
@@ -37,13 +42,14 @@ class EngineLayout:
     axis_deg: Array
     firing_deg: Array
     cylinder_z_mm: Array
-    web_places_mm: tuple[float, float]
+    web_places_mm: tuple[float | Array, float | Array]
     bearing_z_mm: Array
+    bay_of: tuple[int, ...]
 
     @property
     def web_z_mm(self) -> Array:
         """Middle of each web, two per throw."""
-        return (self.throw_z_mm[:, None] + np.array(self.web_places_mm)).ravel()
+        return (self.throw_z_mm[:, None] + np.stack(self.web_places_mm, axis=-1)).ravel()
 
     @property
     def length_mm(self) -> float:
@@ -53,12 +59,10 @@ class EngineLayout:
 
 def engine_layout(scene: Scene) -> EngineLayout:
     """Return the layout of a scene's engine; raises CranktopoError where there is none."""
-    engine, both = engine_of(scene), halves(scene)
-    arranged, throws, numbers = engine.arranged, engine.throws, range(1, engine.cylinders + 1)
-    pitch = arranged.cylinder_pitch_mm or scene.pitch_mm
-    aside_mm = (both[0].pitch_mm - both[1].pitch_mm) / 4  # of the cylinder, from the middle of the throw
-    throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch + aside_mm
-    near_mm, far_mm = ((half.throw.crankpin.length_mm + half.web.thickness_mm) / 2 for half in both)
+    engine = engine_of(scene)
+    throws, numbers = engine.throws, range(1, engine.cylinders + 1)
+    journal_z, throw_z, web_places, rod_offset = _along_shaft(scene, engine)
+    bearings = list(carried(scene))
     throw_of = tuple(engine.throw_of(number) for number in numbers)
     axis = np.array([engine.axis_deg(number) for number in numbers]) - engine.bank_angle_deg / 2
     side = np.array([1.0 if number > throws else -1.0 for number in numbers])
@@ -70,10 +74,37 @@ def engine_layout(scene: Scene) -> EngineLayout:
         throw_z_mm=throw_z,
         axis_deg=axis,
         firing_deg=np.array(engine.firing_angles_deg),
-        cylinder_z_mm=throw_z[list(throw_of)] + side * scene.rod_offset_mm / 2,
-        web_places_mm=(-near_mm, far_mm),
-        bearing_z_mm=(np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch,
+        cylinder_z_mm=throw_z[list(throw_of)] + side * rod_offset[list(throw_of)] / 2,
+        web_places_mm=web_places,
+        bearing_z_mm=journal_z[bearings],
+        bay_of=tuple(sum(number <= throw for number in bearings) - 1 for throw in range(throws)),
     )
+
+
+_Places = tuple[float | Array, float | Array]
+
+
+def _along_shaft(scene: Scene, engine: Engine) -> tuple[Array, Array, _Places, Array]:
+    """Places of main journals and throws, of the webs from their throw, and the distance of two rods, mm."""
+    throws, every = engine.throws, throw_scenes(scene)
+    offset = np.array([throw.rod_offset_mm for throw in every])
+    if all(throw is every[0] for throw in every):
+        both = halves(every[0])
+        pitch = engine.arranged.cylinder_pitch_mm or every[0].pitch_mm
+        aside_mm = (both[0].pitch_mm - both[1].pitch_mm) / 4  # of the cylinder, from the middle of the throw
+        throw_z = (np.arange(throws, dtype=np.float64) - (throws - 1) / 2) * pitch + aside_mm
+        near, far = (_web_place_mm(half) for half in both)
+        journal_z = (np.arange(throws + 1, dtype=np.float64) - throws / 2) * pitch
+        return journal_z, throw_z, (-near, far), offset
+    places = np.array(main_journal_places_mm(scene))
+    journal_z = places - places[-1] / 2
+    throw_z = journal_z[:-1] + [halves(throw)[0].pitch_mm / 2 for throw in every]
+    nears, fars = np.array([[_web_place_mm(half) for half in halves(throw)] for throw in every]).T
+    return journal_z, throw_z, (-nears, fars), offset
+
+
+def _web_place_mm(half: Scene) -> float:
+    return (half.throw.crankpin.length_mm + half.web.thickness_mm) / 2
 
 
 def unit_vectors(angle_deg: Array) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:

@@ -76,12 +76,20 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     directions = unit_vectors(layout.throw_deg)
     for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
         fired = phase_shift(rod, angle, fires, engine.cycle_deg)
-        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * fired)
+        _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, directions[throw] * fired)
+    shape = layout.throw_z_mm.shape
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
-    couple = 0j if counterweighted else masses.couple_kg_mm2
+    spinning = np.broadcast_to(spinning, shape)
+    couple = np.broadcast_to(0j if counterweighted else masses.couple_kg_mm2, shape)
     for throw, z in enumerate(layout.throw_z_mm):
-        _share(load, layout.bearing_z_mm, throw, z, directions[throw] * spinning * masses.w2 / MM_PER_M)
-        _pair(load, layout.bearing_z_mm, throw, directions[throw] * couple * masses.w2 / MM_PER_M)
+        turned = directions[throw] * spinning[throw] * masses.w2 / MM_PER_M
+        _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, turned)
+        turned = directions[throw] * couple[throw] * masses.w2 / MM_PER_M
+        _pair(load, layout.bearing_z_mm, layout.bay_of[throw], turned)
+    for end, bay, z in zip(masses.ends, (0, layout.bay_of[-1]), layout.bearing_z_mm[[0, -1]], strict=True):
+        turned = directions[0] * masses.w2 / MM_PER_M
+        _share(load, layout.bearing_z_mm, bay, z, turned * end.unbalance_kg_mm)
+        _pair(load, layout.bearing_z_mm, bay, turned * end.couple_kg_mm2)
     return _MainBearings(angle, load * unit_vectors(angle), gas)
 
 
@@ -103,19 +111,19 @@ def _rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
     return known.angle_deg, -forces.radial_force_N + 1j * forces.tangential_force_N, curve is not None
 
 
-def _share(load: Complex, bearing_z_mm: Array, throw: int, z_mm: float, force: Complex | complex) -> None:
+def _share(load: Complex, bearing_z_mm: Array, bay: int, z_mm: float, force: Complex | complex) -> None:
     """Add a force on a throw to the bearings on both sides of it."""
-    before, behind = bearing_z_mm[throw], bearing_z_mm[throw + 1]
+    before, behind = bearing_z_mm[bay], bearing_z_mm[bay + 1]
     part = (z_mm - before) / (behind - before)
-    load[throw] += (1 - part) * force
-    load[throw + 1] += part * force
+    load[bay] += (1 - part) * force
+    load[bay + 1] += part * force
 
 
-def _pair(load: Complex, bearing_z_mm: Array, throw: int, couple_N_mm: complex) -> None:
+def _pair(load: Complex, bearing_z_mm: Array, bay: int, couple_N_mm: complex) -> None:
     """Add a couple of a throw, the sum of place times force, to the bearings on both sides of it."""
-    force = couple_N_mm / (bearing_z_mm[throw + 1] - bearing_z_mm[throw])
-    load[throw] -= force
-    load[throw + 1] += force
+    force = couple_N_mm / (bearing_z_mm[bay + 1] - bearing_z_mm[bay])
+    load[bay] -= force
+    load[bay + 1] += force
 
 
 AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS = "as it is", "with counterweights", "with balancer shafts"

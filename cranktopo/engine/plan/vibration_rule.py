@@ -95,7 +95,7 @@ def _absent(scene: Scene) -> str:
         return "the scene tells no torque over the cycle ([engine.gas])"
     if engine.max_torque_Nm is not None or engine.min_torque_Nm is not None:
         return "engine.max_torque_Nm or min_torque_Nm is taken as it is"
-    if not (shaft.flywheel or shaft.propeller or shaft.coupling or shaft.driven):
+    if not shaft.has_takeoff:
         return "nothing is joined to the takeoff in [shaft]"
     if not is_damped(shaft):
         return "nothing damps the shaft, so that a resonance has no limit"

@@ -6,7 +6,11 @@ import cmath
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from cranktopo.base.units import MM2_PER_M2, NMM_PER_NM
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Coupling, Damper, Propeller, Rotor, ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
@@ -15,6 +19,7 @@ from cranktopo.engine.throw_compliance import (
     journal_torsion_modulus_mm3,
     throw_stiffness_Nm_per_rad,
 )
+from cranktopo.engine.vibration.end_chain import EndChain, end_chain
 from cranktopo.numerics.disk_chain import DiskChain
 
 
@@ -121,49 +126,68 @@ def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
 
 def estimated_chain(scene: Scene) -> ShaftChain:
     """Return the chain with inertia and stiffness of the throws in closed form; the scene has an engine."""
-    throws = len(scene.shaft_angles_deg)
+    _ = scene.shaft_angles_deg  # refuses a scene without an engine
+    throws = throw_scenes(scene)
+    different = {throw.name: throw for throw in throws}
+    inertias = {name: throw_balance(throw).inertia_kg_mm2 for name, throw in different.items()}
+    stiffnesses = {name: throw_stiffness_Nm_per_rad(throw) for name, throw in different.items()}
     return shaft_chain(
-        scene, throw_balance(scene).inertia_kg_mm2, (throw_stiffness_Nm_per_rad(scene),) * throws
+        scene,
+        tuple(inertias[throw.name] for throw in throws),
+        tuple(stiffnesses[throw.name] for throw in throws),
     )
 
 
 def shaft_chain(
-    scene: Scene, throw_inertia_kg_mm2: float, throws_Nm_per_rad: tuple[float, ...]
+    scene: Scene, throw_inertia_kg_mm2: float | tuple[float, ...], throws_Nm_per_rad: tuple[float, ...]
 ) -> ShaftChain:
     """Return the chain of a scene's shaft: one disk per throw in the plane of its crankpin.
 
-    The halves of neighbouring throws are springs in series; a half throw joins the ends. Halves that differ
-    share the twist of their throw as their closed form has it. What is joined rigidly is one disk.
+    The halves of neighbouring throws are springs in series; a half throw joins the ends, with the end of the
+    crank where it has one. Halves that differ share the twist of their throw as their closed form has it.
+    What is joined rigidly is one disk.
     """
-    shaft = scene.shaft or ShaftTable()
-    inertia = (throw_inertia_kg_mm2 + moving_inertia_kg_mm2(scene)) / MM2_PER_M2
-    share, lossy = first_half_share(scene), 1 + 1j * shaft.throw_loss_factor
-    first_halves, second_halves = (
-        [k / part * lossy for k in throws_Nm_per_rad] for part in (share, 1 - share)
-    )
+    shaft, throws = scene.shaft or ShaftTable(), throw_scenes(scene)
+    inertias = np.broadcast_to(np.array(throw_inertia_kg_mm2), (len(throws_Nm_per_rad),)).tolist()
+    moving, lossy = moving_inertia_kg_mm2(scene), 1 + 1j * shaft.throw_loss_factor
+    shares = [first_half_share(throw) for throw in throws]
+    first_halves = [k / share * lossy for k, share in zip(throws_Nm_per_rad, shares, strict=True)]
+    second_halves = [k / (1 - share) * lossy for k, share in zip(throws_Nm_per_rad, shares, strict=True)]
+    free = end_chain(scene, "free", 1 / first_halves[0].real)
+    output = end_chain(scene, "output", 1 / second_halves[-1].real)
     row = _Row()
-    free_end = _add_free_end(row, shaft)
+    free_end = _add_free_end(row, shaft, free)
     first = len(row.names)
     for number, half in enumerate(first_halves, start=1):
         spring = _series(free_end if number == 1 else second_halves[number - 2], half)
         relative = shaft.throw_damping_Nms_per_rad if number > 1 else 0.0
+        inertia = (inertias[number - 1] + moving) / MM2_PER_M2
         row.add(f"throw {number}", inertia, spring, relative, shaft.cylinder_damping_Nms_per_rad)
-    _add_output_end(row, shaft, second_halves[-1])
-    modulus = min(journal_torsion_modulus_mm3(j) for j in (scene.throw.main_journal, scene.throw.crankpin))
+    row.inertia[first] += free.inner_kg_m2 if free else 0.0
+    row.inertia[-1] += output.inner_kg_m2 if output else 0.0
+    _add_output_end(row, shaft, second_halves[-1], output)
+    journals = (journal for throw in throws for half in halves(throw) for journal, _ in half.throw.journals)
+    modulus = min(journal_torsion_modulus_mm3(journal) for journal in journals if journal.length_mm)
     return ShaftChain(row.chain(), tuple(row.names), first, len(first_halves), modulus)
 
 
-def _add_free_end(row: _Row, shaft: ShaftTable) -> complex | None:
-    """Ring and hub; returns the stiffness between the hub and the first journal, None where it is rigid."""
+def _add_free_end(row: _Row, shaft: ShaftTable, end: EndChain | None) -> complex | None:
+    """Ring and hub; returns the stiffness between the hub and the first journal, None where it is rigid.
+
+    The stiffness that a pulley gives is that of the whole shaft between it and the journal.
+    """
     pulley, damper = shaft.pulley, shaft.damper
     inertia = (pulley.inertia_kg_m2 if pulley else 0.0) + (damper.hub_inertia_kg_m2 if damper else 0.0)
+    inertia += end.tip_kg_m2 if end else 0.0
     if damper is not None:
         row.add("damper ring", damper.ring_inertia_kg_m2, 0.0)
     if inertia:
-        name = " + ".join(part for part, has in (("hub", damper), ("pulley", pulley)) if has is not None)
+        parts = [part for part, has in (("hub", damper), ("pulley", pulley)) if has is not None]
         spring, relative = _damper(damper) if damper else (0j, 0.0)
-        row.add(name, inertia, spring, relative)
+        row.add(" + ".join(parts) or "free end", inertia, spring, relative)
     stiffness = pulley.stiffness_Nm_per_rad if pulley else None
+    if stiffness is None and end is not None:
+        stiffness = end.stiffness_Nm_per_rad
     return None if stiffness is None else stiffness * (1 + 1j * shaft.throw_loss_factor)
 
 
@@ -173,8 +197,11 @@ def _damper(damper: Damper) -> tuple[complex, float]:
     return stiffness * (1 + 1j * (damper.loss_factor or 0.0)), damper.damping_Nms_per_rad or 0.0
 
 
-def _add_output_end(row: _Row, shaft: ShaftTable, half: complex) -> None:
-    """What follows the last throw; a part without stiffness of its own turns with its neighbour."""
+def _add_output_end(row: _Row, shaft: ShaftTable, half: complex, end: EndChain | None) -> None:
+    """What follows the last throw; a part without stiffness of its own turns with its neighbour.
+
+    The end of the crank is the spring of the first part where it gives none itself.
+    """
     parts: tuple[tuple[str, Rotor | None], ...] = (
         ("flywheel", shaft.flywheel),
         ("coupling", shaft.coupling),
@@ -182,20 +209,24 @@ def _add_output_end(row: _Row, shaft: ShaftTable, half: complex) -> None:
         ("propeller", shaft.propeller),
     )
     joint: complex | None = half
+    of_end = None if end is None else end.stiffness_Nm_per_rad * (1 + 1j * shaft.throw_loss_factor)
+    tip = end.tip_kg_m2 if end else 0.0
     for name, part in parts:
         if part is None:
             continue
         loss = part.loss_factor if isinstance(part, Coupling) else shaft.throw_loss_factor
         absolute = part.damping_Nms_per_rad if isinstance(part, Propeller) else 0.0
         own = part.stiffness_Nm_per_rad
-        spring = None if own is None else own * (1 + 1j * loss)
+        spring = of_end if own is None else own * (1 + 1j * loss)
         if joint is None and spring is None:
             row.names[-1] += f" + {name}"
             row.inertia[-1] += part.inertia_kg_m2
             row.absolute[-1] += absolute
         else:
-            row.add(name, part.inertia_kg_m2, _series(joint, spring), absolute=absolute)
-        joint = None
+            row.add(name, part.inertia_kg_m2 + tip, _series(joint, spring), absolute=absolute)
+        joint, of_end, tip = None, None, 0.0
+    if end is not None and tip:
+        row.add("output end", tip, _series(half, of_end))
 
 
 def _series(one: complex | None, other: complex | None) -> complex:

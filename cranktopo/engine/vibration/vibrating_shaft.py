@@ -94,6 +94,6 @@ def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:
     shaft, harmonics = estimated_chain(scene), torque_harmonics(scene, enabled)
     if harmonics is None:
         raise invalid("engine.gas", None, "must be given for the torque of a vibrating shaft")
-    if len(shaft.names) == shaft.first + shaft.throws:
+    if scene.shaft is None or not scene.shaft.has_takeoff:
         raise invalid("shaft.flywheel", None, "must be given, or another part at the takeoff")
     return vibrating_shaft(scene, shaft, harmonics)

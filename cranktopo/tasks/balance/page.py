@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cranktopo.base.units import number_text
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
@@ -25,6 +27,7 @@ from cranktopo.tasks.balance.text import (
     shaft_table,
     shafts_caption,
 )
+from cranktopo.tasks.loads.text import crank_words
 
 
 def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounterweight | None = None) -> Page:
@@ -53,7 +56,7 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
                 "Counterweights",
                 "Beyond what the webs have: for each throw on its own, or the least that leaves the whole "
                 f"shaft without free force and moment but lets it bend. {balance_factor_words(data)} "
-                f"{proposal_words(data)}".rstrip(),
+                f"{proposal_words(data)} {crank_words(data.crank)}".rstrip(),
                 (
                     (counterweights_caption(data), counterweight_table(data)),
                     ("Largest bending moment inside the shaft", inner_moment_table(data)),
@@ -99,7 +102,7 @@ def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
         ),
         Fact(
             "Counterweights of a throw",
-            f"{number_text(abs(balance.masses.counterweight_kg_mm))} kg mm",
+            f"{number_text(float(np.abs(balance.masses.counterweight_kg_mm).max()))} kg mm",
             f"{100 * share:g} % of the oscillating masses with them",
             "neutral",
         ),

@@ -8,8 +8,11 @@ import numpy as np
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import LOADS, THROW, Assumption, assumptions
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
+from cranktopo.engine.balance.crank import CrankMass, crank_mass
 from cranktopo.engine.balance.free_forces import ORDERS, FreeForce, NeededCounterweight
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
@@ -98,6 +101,8 @@ class Balance(Result):
     arrangement: ArrangementSummary
     orders: tuple[MassForces, ...]
     free: tuple[StateForces, ...]
+    crank: CrankMass | None = UNLESS_NONE
+    """Mass properties of the whole crank, where the design has `[crank]`."""
     balance_factor_percent: float | None
     """Percent of the oscillating mass that each throw balances as it is; null where nothing oscillates."""
     counterweights: tuple[NeededCounterweight, ...]
@@ -122,7 +127,7 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
             cylinders=engine.cylinders,
             throws=engine.throws,
             bank_angle_deg=engine.bank_angle_deg,
-            cylinder_pitch_mm=engine.arranged.cylinder_pitch_mm or scene.pitch_mm,
+            cylinder_pitch_mm=_pitch_mm(balance),
             throw_angles_deg=tuple(engine.throw_angles_deg),
             firing_angles_deg=tuple(engine.firing_angles_deg),
             balanced_oscillating_share=engine.arranged.balanced_oscillating_share,
@@ -135,7 +140,8 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
             for state, parts in balance.free.items()
             for part in parts
         ),
-        balance_factor_percent=throw_balance(scene).balance_factor_percent,
+        crank=crank_mass(scene),
+        balance_factor_percent=_factor_percent(scene),
         counterweights=balance.counterweights,
         proposal=proposal,
         inner_moment=tuple(
@@ -144,9 +150,26 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
         ),
         balancer_shafts=balance.shafts,
         gas_in_bearing_loads=balance.bearings[AS_IT_IS].gas,
-        main_bearings=tuple(_bearing(balance, index) for index in range(engine.throws + 1)),
+        main_bearings=tuple(
+            _bearing(balance, index) for index in range(len(balance.masses.layout.bearing_z_mm))
+        ),
         assumed=assumptions(scene, (THROW, LOADS)),
     )
+
+
+def _pitch_mm(balance: EngineBalance) -> float:
+    """Distance of neighbouring throws; the mean where they differ."""
+    scene, layout = balance.scene, balance.masses.layout
+    if scene.crank is None or scene.crank.uniform:
+        return engine_of(scene).arranged.cylinder_pitch_mm or scene.pitch_mm
+    return layout.length_mm / len(layout.throw_z_mm)
+
+
+def _factor_percent(scene: Scene) -> float | None:
+    """Balance factor of the throws; the mean where they differ."""
+    found = [throw_balance(throw).balance_factor_percent for throw in dict.fromkeys(throw_scenes(scene))]
+    given = [factor for factor in found if factor is not None]
+    return sum(given) / len(given) if given else None
 
 
 def _forces(found: FreeForce) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from cranktopo.tasks.balance.result import (
     StateForces,
     StateMoment,
 )
+from cranktopo.tasks.loads.text import crank_words
 
 _VECTOR: tuple[Column[Any], ...] = (
     Column("force_N", 1, lambda e: e.force_N),
@@ -207,7 +208,11 @@ def balance_text(data: Balance) -> str:
     """Return what `cranktopo balance` prints."""
     parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
-    told = [words for words in (balance_factor_words(data), proposal_words(data)) if words]
+    told = [
+        words
+        for words in (crank_words(data.crank), balance_factor_words(data), proposal_words(data))
+        if words
+    ]
     return "\n\n".join([*parts, *told, "\n".join(_ANGLES)])
 
 

@@ -16,6 +16,7 @@ from cranktopo.cli.options import (
     DEFAULT_DESIGN,
     designs,
     goal_options,
+    throw_option,
     web_option,
     with_goal_options,
 )
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 @click.command("bound")
 @click.argument("design", required=False, shell_complete=designs)
 @web_option
+@throw_option
 @goal_options
 @click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 def command(
     design: str | None,
     web: WebName | None,
+    throw: int | None,
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
@@ -50,10 +53,11 @@ def command(
     Example: cranktopo bound mikron-iiic --maximise torsion --limit "mass <= 95 %"
     """
     from cranktopo.design.loading import load_scene, one_web
+    from cranktopo.engine.one_throw import one_throw
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.bound.text import bound_summary
 
-    scene = one_web(load_scene(design or DEFAULT_DESIGN, whole=True), web)
+    scene = one_web(one_throw(load_scene(design or DEFAULT_DESIGN, whole=True), throw), web)
     if scene.goal is None and minimise is None and maximise is None:
         minimise = "mass"
     scene = with_goal_options(scene, minimise, maximise, limits)

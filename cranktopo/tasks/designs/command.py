@@ -112,7 +112,7 @@ def pair_command(design: str, file: Path, first: str | None, second: str | None,
 def sketch_command(part: str, file: Path, force: bool) -> None:
     """Draw the dimensions of a part of the throw under the names of their keys (.svg, .pdf or .png).
 
-    PART is throw, web (all outlines), bevel, pocket, counterweight or drilling.
+    PART is throw, web (all outlines), bevel, pocket, counterweight, drilling or crank (its ends).
 
     Example: cranktopo designs sketch counterweight counterweight.svg
     """

@@ -17,6 +17,7 @@ from cranktopo.design.loading import WebName, builtin_designs, load_scene, one_w
 from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
+from cranktopo.engine.one_throw import one_throw
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
 from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
 
@@ -75,14 +76,14 @@ class WebTarget:
         return self.run if self.file is None else load_scene(str(self.file))
 
 
-def web_target(text: DesignLike, web: WebName | None = None) -> WebTarget:
+def web_target(text: DesignLike, web: WebName | None = None, throw: int | None = None) -> WebTarget:
     """Return a target: a design, one of its two webs, a scene, its file, a run, or the folder of a re-model.
 
     Raises:
         CranktopoError: none of these, a run that is not finished, or two webs and none of them named.
     """
     if isinstance(text, Scene):
-        return WebTarget(one_web(text, web))
+        return WebTarget(one_web(one_throw(text, throw), web))
     path, text = Path(text), str(text)
     if web and path.suffix != ".toml" and text not in builtin_designs():
         raise CranktopoError(
@@ -94,7 +95,7 @@ def web_target(text: DesignLike, web: WebName | None = None) -> WebTarget:
         return _of_remodel(path)
     named = not path.exists() and text not in builtin_designs() and bool(runs_named(text))
     if not (path.is_dir() or named):
-        return WebTarget(one_web(load_scene(text, whole=True), web))
+        return WebTarget(one_web(one_throw(load_scene(text, whole=True), throw), web))
     run = open_run(text)
     return WebTarget(design_from_run(run), _run_web(run), run)
 

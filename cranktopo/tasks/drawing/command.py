@@ -5,12 +5,14 @@ Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
 
 from cranktopo.base.formats import PARTS, PLOTS, SOLIDS, SolidPart
-from cranktopo.cli.options import Choice, Number, designs
+from cranktopo.base.notes import redirected
+from cranktopo.cli.options import Choice, Number, designs, throw_option
 
 
 @click.command()
@@ -22,8 +24,11 @@ from cranktopo.cli.options import Choice, Number, designs
     type=Number(0.01, 100),
     help="STL facets; by default 1 mm for journals of 42 to 84 mm, others in proportion.",
 )
+@throw_option
 @click.option("--force", is_flag=True, help="Replace an existing file.")
-def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, force: bool) -> None:
+def command(
+    design: str, file: Path, part: SolidPart, facet_mm: float | None, throw: int | None, force: bool
+) -> None:
     """Write the exact solid of DESIGN to FILE (.step or .stl), or its workshop drawing (.pdf, .svg or .png).
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
@@ -33,11 +38,16 @@ def command(design: str, file: Path, part: SolidPart, facet_mm: float | None, fo
     """
     from cranktopo.design.assumed import THROW, assumed_text, assumptions
     from cranktopo.design.loading import load_scene
+    from cranktopo.engine.one_throw import one_throw
     from cranktopo.runs.destination import check_file
 
     check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
     _check_options(file.suffix.lower(), part, facet_mm)
-    scene = load_scene(design, whole=True)
+    crank = load_scene(design, whole=True)
+    if part == "crankshaft" and throw is not None:
+        raise click.UsageError("--throw: --part crankshaft is all throws: leave it out")
+    with redirected(partial(click.echo, err=True)):
+        scene = crank if part == "crankshaft" else one_throw(crank, throw)
     assumed = assumptions(scene, (THROW,))
     if assumed:
         click.echo(assumed_text(assumed), err=True)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from math import cos, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +11,21 @@ from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, dimension
+from cranktopo.report.drafting import INK, THIN
 from cranktopo.report.plot import save_figure
+from cranktopo.tasks.drawing.crank_sketch import CRANK_PANELS
+from cranktopo.tasks.drawing.sketch_marks import (
+    Panel,
+    mark_angle,
+    mark_leader,
+    mark_radius,
+    mark_size,
+    mark_word,
+)
 from cranktopo.tasks.drawing.views import Sheet, cross_body, front_body, lengthwise_body
 
-_Flat = tuple[float, float]
-_GAP, _OFF = 10.0, 3.5
-"""From the body to a dimension line, and from that to its name, mm."""
+_GAP = 10.0
+"""From the body to a dimension line, mm."""
 _MARGIN = (30.0, 26.0)
 """Room for names beside and above what is drawn, mm."""
 _JOURNALS = {"outer_diameter_mm": 40.0, "bore_diameter_mm": 14.0, "length_mm": 36.0, "fillet_mm": 4.0}
@@ -28,16 +34,6 @@ _RADIUS, _END = 62.0, 58.0
 """Throw radius and half the pitch of the throw that is drawn, mm."""
 _START, _STOP = 18.0, 40.0
 """Faces of its web."""
-
-
-@dataclass(frozen=True)
-class _Panel:
-    """One view of one throw: what is drawn of the body, and the names on it."""
-
-    title: str
-    tables: Mapping[str, Any]
-    body: Callable[[Any, Scene], None]
-    names: Callable[[Any], None]
 
 
 def _scene(tables: Mapping[str, Any]) -> Scene:
@@ -65,160 +61,111 @@ def _sheet(scene: Scene) -> Sheet:
     return Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))
 
 
-def _size(axes: Any, start: _Flat, end: _Flat, shift: _Flat, key: str) -> None:
-    """Draw a dimension with its name beyond the line, away from the body: most are shorter than the name."""
-    dimension(axes, start, end, shift, "")
-    upright = abs(start[0] - end[0]) < abs(start[1] - end[1])
-    out = _OFF if shift[0] + shift[1] >= 0 else -_OFF
-    x, y = ((a + b) / 2 + by for a, b, by in zip(start, end, shift, strict=True))
-    at = (x + out, y) if upright else (x, y + out)
-    _word(axes, at, key, 90 if upright else 0)
-
-
-def _leader(axes: Any, point: _Flat, text_at: _Flat, key: str) -> None:
-    axes.annotate(
-        key,
-        point,
-        text_at,
-        fontsize=TEXT_SIZE + 0.5,
-        ha="center",
-        va="center",
-        arrowprops={"arrowstyle": "->", "lw": 0.7, "color": INK, "shrinkA": 0, "shrinkB": 0},
-        bbox={"fc": "white", "ec": "none", "pad": 0.8},
-    )
-
-
-def _radius(axes: Any, centre: _Flat, length: float, deg: float, key: str) -> None:
-    """Draw a radius from its centre to the circle, its name in the middle."""
-    tip = (centre[0] + length * cos(radians(deg)), centre[1] + length * sin(radians(deg)))
-    arrow = {"arrowstyle": "-|>", "lw": 0.7, "color": INK, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", tip, centre, arrowprops=arrow)
-    _word(axes, ((centre[0] + tip[0]) / 2, (centre[1] + tip[1]) / 2), key)
-
-
-def _word(axes: Any, at: _Flat, key: str, turned_deg: float = 0.0) -> None:
-    box = {"fc": "white", "ec": "none", "pad": 0.4}
-    size = TEXT_SIZE + 0.5
-    axes.text(*at, key, fontsize=size, ha="center", va="center", rotation=turned_deg, bbox=box)
-
-
-def _angle(axes: Any, radius: float, start: float, end: float, key: str) -> None:
-    """Draw an angle about the crank axis, counted from the throw direction toward +x."""
-    from matplotlib.patches import Arc
-
-    axes.add_patch(Arc((0, 0), 2 * radius, 2 * radius, theta1=90 - end, theta2=90 - start, color=INK, lw=0.7))
-    for deg in (start, end):
-        x, y = sin(radians(deg)), cos(radians(deg))
-        axes.plot([0, 1.1 * radius * x], [0, 1.1 * radius * y], color=THIN, lw=0.5, ls="-.")
-    middle = radians((start + end) / 2)
-    _word(axes, (radius * sin(middle), radius * cos(middle)), key)
-
-
 def _throw_names(axes: Any) -> None:
-    _size(axes, (0, 0), (0, _RADIUS), (-3 * _GAP, 0), "radius_mm")
+    mark_size(axes, (0, 0), (0, _RADIUS), (-3 * _GAP, 0), "radius_mm")
     for y, name, z, side in ((0.0, "main_journal", 0.0, -1), (_RADIUS, "crankpin", _END, 1)):
         outer, inner = (20.0, 7.0) if side < 0 else (18.0, 7.0)
-        _size(axes, (z, y - outer), (z, y + outer), (side * 2 * _GAP, 0), f"{name}.outer_diameter_mm")
-        _size(axes, (z, y - inner), (z, y + inner), (side * _GAP, 0), "bore_diameter_mm")
+        mark_size(axes, (z, y - outer), (z, y + outer), (side * 2 * _GAP, 0), f"{name}.outer_diameter_mm")
+        mark_size(axes, (z, y - inner), (z, y + inner), (side * _GAP, 0), "bore_diameter_mm")
     low, high = -32.0, _RADIUS + 32.0
-    _size(axes, (0, low), (_START, low), (0, -_GAP), "length_mm / 2")
-    _size(axes, (_START, low), (_STOP, low), (0, -2 * _GAP), "web.thickness_mm")
-    _size(axes, (_STOP, high), (_END, high), (0, _GAP), "length_mm / 2")
-    _leader(axes, (_START - 1.2, 21.2), (6, 34), "fillet_mm")
-    _leader(
+    mark_size(axes, (0, low), (_START, low), (0, -_GAP), "length_mm / 2")
+    mark_size(axes, (_START, low), (_STOP, low), (0, -2 * _GAP), "web.thickness_mm")
+    mark_size(axes, (_STOP, high), (_END, high), (0, _GAP), "length_mm / 2")
+    mark_leader(axes, (_START - 1.2, 21.2), (6, 34), "fillet_mm")
+    mark_leader(
         axes, (_STOP + 1.2, _RADIUS - 19.2), (_END + 16, _RADIUS - 34), "fillet_mm, fillet_axial_mm along z"
     )
 
 
 def _obround_names(axes: Any) -> None:
-    _size(axes, (-32, _RADIUS / 2), (32, _RADIUS / 2), (0, 0), "width_mm")
+    mark_size(axes, (-32, _RADIUS / 2), (32, _RADIUS / 2), (0, 0), "width_mm")
 
 
 def _rectangle_names(axes: Any) -> None:
-    _size(axes, (-32, -30), (32, -30), (0, -_GAP), "width_mm")
-    _size(axes, (32, -30), (32, 0), (_GAP, 0), "overhang_mm")
-    _size(axes, (32, _RADIUS), (32, _RADIUS + 30), (_GAP, 0), "overhang_mm")
-    _leader(axes, (-28.5, _RADIUS + 26.5), (-10, _RADIUS + 38), "corner_radius_mm")
+    mark_size(axes, (-32, -30), (32, -30), (0, -_GAP), "width_mm")
+    mark_size(axes, (32, -30), (32, 0), (_GAP, 0), "overhang_mm")
+    mark_size(axes, (32, _RADIUS), (32, _RADIUS + 30), (_GAP, 0), "overhang_mm")
+    mark_leader(axes, (-28.5, _RADIUS + 26.5), (-10, _RADIUS + 38), "corner_radius_mm")
 
 
 def _ellipse_names(axes: Any) -> None:
     middle = _RADIUS / 2
-    _size(axes, (0, middle), (0, middle + 64), (-40 - _GAP, 0), "semi_axis_throw_mm")
-    _size(axes, (0, middle), (40, middle), (0, 0), "semi_axis_lateral_mm")
+    mark_size(axes, (0, middle), (0, middle + 64), (-40 - _GAP, 0), "semi_axis_throw_mm")
+    mark_size(axes, (0, middle), (40, middle), (0, 0), "semi_axis_lateral_mm")
 
 
 def _tapered_names(axes: Any) -> None:
-    _radius(axes, (0, 0), 36.0, -60, "main_radius_mm")
-    _radius(axes, (0, _RADIUS), 28.0, 60, "pin_radius_mm")
+    mark_radius(axes, (0, 0), 36.0, -60, "main_radius_mm")
+    mark_radius(axes, (0, _RADIUS), 28.0, 60, "pin_radius_mm")
 
 
 def _profile_names(axes: Any) -> None:
     axes.plot(_HALF_WIDTHS, _STATIONS, "o", ms=3, color=INK)
-    _size(axes, (0, _STATIONS[4]), (_HALF_WIDTHS[4], _STATIONS[4]), (0, 0), "half_widths_mm[4]")
-    _size(axes, (40, 0), (40, _STATIONS[4]), (_GAP, 0), "stations_mm[4]")
+    mark_size(axes, (0, _STATIONS[4]), (_HALF_WIDTHS[4], _STATIONS[4]), (0, 0), "half_widths_mm[4]")
+    mark_size(axes, (40, 0), (40, _STATIONS[4]), (_GAP, 0), "stations_mm[4]")
 
 
 def _bevel_names(axes: Any) -> None:
     top = _RADIUS + 32
-    _size(axes, (_START, 0), (_START, 72), (-_START - _GAP, 0), "y_mm")
-    _size(axes, (_START, top), (_START + 10, top), (0, _GAP), "depth_mm")
-    _leader(axes, (_START + 6.4, 83), (-20, 88), "crown_mm off the chord")
-    _word(axes, (_START - 12, -24), 'face = "journal"')
+    mark_size(axes, (_START, 0), (_START, 72), (-_START - _GAP, 0), "y_mm")
+    mark_size(axes, (_START, top), (_START + 10, top), (0, _GAP), "depth_mm")
+    mark_leader(axes, (_START + 6.4, 83), (-20, 88), "crown_mm off the chord")
+    mark_word(axes, (_START - 12, -24), 'face = "journal"')
 
 
 def _cylinder_names(axes: Any) -> None:
-    _size(axes, (0, _MIDDLE), (14, _MIDDLE), (0, -12), "x_mm")
-    _size(axes, (14, 0), (14, _MIDDLE), (32, 0), "y_mm")
-    _leader(axes, (9, _MIDDLE + 3), (-18, _MIDDLE + 24), "diameter_mm")
+    mark_size(axes, (0, _MIDDLE), (14, _MIDDLE), (0, -12), "x_mm")
+    mark_size(axes, (14, 0), (14, _MIDDLE), (32, 0), "y_mm")
+    mark_leader(axes, (9, _MIDDLE + 3), (-18, _MIDDLE + 24), "diameter_mm")
 
 
 def _box_names(axes: Any) -> None:
-    _size(axes, (0, _MIDDLE), (14, _MIDDLE), (0, -12), "x_mm")
-    _size(axes, (14, 0), (14, _MIDDLE), (32, 0), "y_mm")
-    _size(axes, (6, _MIDDLE), (22, _MIDDLE), (0, 13), "size_x_mm")
-    _size(axes, (6, _MIDDLE - 8), (6, _MIDDLE + 8), (-10, 0), "size_y_mm")
-    _leader(axes, (20.8, _MIDDLE - 6.8), (14, _MIDDLE - 34), "corner_radius_mm")
+    mark_size(axes, (0, _MIDDLE), (14, _MIDDLE), (0, -12), "x_mm")
+    mark_size(axes, (14, 0), (14, _MIDDLE), (32, 0), "y_mm")
+    mark_size(axes, (6, _MIDDLE), (22, _MIDDLE), (0, 13), "size_x_mm")
+    mark_size(axes, (6, _MIDDLE - 8), (6, _MIDDLE + 8), (-10, 0), "size_y_mm")
+    mark_leader(axes, (20.8, _MIDDLE - 6.8), (14, _MIDDLE - 34), "corner_radius_mm")
 
 
 def _depth_names(axes: Any) -> None:
-    _size(axes, (_STOP - 9, 24), (_STOP, 24), (0, -56 - _GAP), "depth_mm")
-    _word(axes, (_END + 8, _MIDDLE), 'face = "pin"')
-    _leader(axes, (_STOP - 8.1, _MIDDLE + 6.1), (_START - 16, _MIDDLE + 22), "floor_radius_mm")
+    mark_size(axes, (_STOP - 9, 24), (_STOP, 24), (0, -56 - _GAP), "depth_mm")
+    mark_word(axes, (_END + 8, _MIDDLE), 'face = "pin"')
+    mark_leader(axes, (_STOP - 8.1, _MIDDLE + 6.1), (_START - 16, _MIDDLE + 22), "floor_radius_mm")
 
 
 def _side_front_names(axes: Any) -> None:
-    _size(axes, (20, _MIDDLE - 12), (20, _MIDDLE + 12), (-10, 0), "length_mm")
-    _size(axes, (20, _MIDDLE), (32, _MIDDLE), (0, 26), "depth_mm")
-    _size(axes, (-32, 0), (-32, _MIDDLE), (-_GAP, 0), "y_mm")
+    mark_size(axes, (20, _MIDDLE - 12), (20, _MIDDLE + 12), (-10, 0), "length_mm")
+    mark_size(axes, (20, _MIDDLE), (32, _MIDDLE), (0, 26), "depth_mm")
+    mark_size(axes, (-32, 0), (-32, _MIDDLE), (-_GAP, 0), "y_mm")
 
 
 def _side_across_names(axes: Any) -> None:
     middle = (_START + _STOP) / 2
-    _size(axes, (20, middle - 2), (20, middle + 6), (-10, 0), "height_mm")
-    _size(axes, (20, middle), (20, middle + 2), (32, 0), "offset_mm")
-    _leader(axes, (27, middle - 3.2), (24, _START - 12), "draft_deg")
+    mark_size(axes, (20, middle - 2), (20, middle + 6), (-10, 0), "height_mm")
+    mark_size(axes, (20, middle), (20, middle + 2), (32, 0), "offset_mm")
+    mark_leader(axes, (27, middle - 3.2), (24, _START - 12), "draft_deg")
 
 
 def _counterweight_names(axes: Any) -> None:
-    _radius(axes, (0, 0), 62.0, 240, "outer_radius_mm")
-    _angle(axes, 40.0, 120.0, 180.0, "half_angle_deg")
-    _leader(axes, (34, -14), (48, 8), "fillet_mm")
+    mark_radius(axes, (0, 0), 62.0, 240, "outer_radius_mm")
+    mark_angle(axes, 40.0, 120.0, 180.0, "half_angle_deg")
+    mark_leader(axes, (34, -14), (48, 8), "fillet_mm")
 
 
 def _counterweight_section_names(axes: Any) -> None:
-    _size(axes, (_START, -62), (_START + 14, -62), (0, -_GAP), "thickness_mm")
-    _word(axes, (_START - 6, -46), 'face = "journal"')
+    mark_size(axes, (_START, -62), (_START + 14, -62), (0, -_GAP), "thickness_mm")
+    mark_word(axes, (_START - 6, -46), 'face = "journal"')
 
 
 def _drilling_names(axes: Any) -> None:
-    _size(axes, (0, -20), (7, -20), (0, -2 * _GAP), "from: place_mm")
-    _size(axes, (_END - 5, _RADIUS + 18), (_END, _RADIUS + 18), (0, 2 * _GAP), "to: place_mm")
-    _leader(axes, (30, 22), (-4, 44), "diameter_mm")
-    _leader(axes, (_END - 2.2, _RADIUS + 17.6), (_END + 16, _RADIUS + 30), "outlet_radius_mm")
+    mark_size(axes, (0, -20), (7, -20), (0, -2 * _GAP), "from: place_mm")
+    mark_size(axes, (_END - 5, _RADIUS + 18), (_END, _RADIUS + 18), (0, 2 * _GAP), "to: place_mm")
+    mark_leader(axes, (30, 22), (-4, 44), "diameter_mm")
+    mark_leader(axes, (_END - 2.2, _RADIUS + 17.6), (_END + 16, _RADIUS + 30), "outlet_radius_mm")
 
 
 def _drilling_front_names(axes: Any) -> None:
-    _angle(axes, 26.0, 0.0, 150.0, "from: angle_deg")
+    mark_angle(axes, 26.0, 0.0, 150.0, "from: angle_deg")
 
 
 _MIDDLE = 31.0
@@ -243,29 +190,29 @@ _TO = {"on": "crankpin", "angle_deg": 0.0, "place_mm": 5.0}
 _OIL = {"diameter_mm": 5.0, "outlet_radius_mm": 1.5, "from": _FROM, "to": _TO}
 
 
-def _outline(name: str, names: Callable[[Any], None], **keys: Any) -> _Panel:
-    return _Panel(
+def _outline(name: str, names: Callable[[Any], None], **keys: Any) -> Panel:
+    return Panel(
         f'outline = "{name}"', {"outline": {"thickness_mm": 22.0, "outline": name, **keys}}, _front, names
     )
 
 
 def _pocket(
     title: str, body: Callable[[Any, Scene], None], names: Callable[[Any], None], **keys: Any
-) -> _Panel:
-    return _Panel(title, {"web": {"pocket": [keys]}}, body, names)
+) -> Panel:
+    return Panel(title, {"web": {"pocket": [keys]}}, body, names)
 
 
 def _drilled(
     title: str, body: Callable[[Any, Scene], None], names: Callable[[Any], None], deg: float
-) -> _Panel:
+) -> Panel:
     solid = {**_JOURNALS, **_SOLID}
     journals = {"main_journal": solid, "crankpin": {**solid, "outer_diameter_mm": 36.0}}
     drilling = {**_OIL, "from": {**_FROM, "angle_deg": deg}}
-    return _Panel(title, {"throw": {**journals, "drilling": [drilling]}}, body, names)
+    return Panel(title, {"throw": {**journals, "drilling": [drilling]}}, body, names)
 
 
-PARTS: Mapping[str, Sequence[_Panel]] = {
-    "throw": (_Panel("[throw], section x = 0", {}, _lengthwise, _throw_names),),
+PARTS: Mapping[str, Sequence[Panel]] = {
+    "throw": (Panel("[throw], section x = 0", {}, _lengthwise, _throw_names),),
     "web": (
         _outline("obround", _obround_names, width_mm=64.0),
         _outline("rectangle", _rectangle_names, width_mm=64.0, overhang_mm=30.0, corner_radius_mm=12.0),
@@ -274,7 +221,7 @@ PARTS: Mapping[str, Sequence[_Panel]] = {
         _outline("profile", _profile_names, stations_mm=list(_STATIONS), half_widths_mm=list(_HALF_WIDTHS)),
     ),
     "bevel": (
-        _Panel(
+        Panel(
             "[[web.bevel]], section x = 0",
             {"web": {"bevel": [{"face": "journal", "y_mm": 72.0, "depth_mm": 10.0, "crown_mm": 1.5}]}},
             _lengthwise,
@@ -296,15 +243,14 @@ PARTS: Mapping[str, Sequence[_Panel]] = {
         _pocket("its height, section", _across, _side_across_names, **_SIDE, offset_mm=2.0, draft_deg=10.0),
     ),
     "counterweight": (
-        _Panel("[web.counterweight]", {"web": {"counterweight": _HEAVY}}, _front, _counterweight_names),
-        _Panel(
-            "section x = 0", {"web": {"counterweight": _HEAVY}}, _lengthwise, _counterweight_section_names
-        ),
+        Panel("[web.counterweight]", {"web": {"counterweight": _HEAVY}}, _front, _counterweight_names),
+        Panel("section x = 0", {"web": {"counterweight": _HEAVY}}, _lengthwise, _counterweight_section_names),
     ),
     "drilling": (
         _drilled("[[throw.drilling]], section x = 0", _lengthwise, _drilling_names, 180.0),
         _drilled("seen along the crank", _front, _drilling_front_names, 150.0),
     ),
+    "crank": CRANK_PANELS,
 }
 """Panels of each part, by the name of its sketch."""
 
@@ -320,7 +266,7 @@ def write_sketch(part: str, path: Path) -> None:
         save_figure(_figure(PARTS[part]), temporary, bbox_inches="tight", metadata=metadata)
 
 
-def _figure(panels: Sequence[_Panel]) -> Any:
+def _figure(panels: Sequence[Panel]) -> Any:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -13,7 +13,7 @@ import click
 
 from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import detail
-from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, web_option
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, throw_option, web_option
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     help="Also print what a millimetre of each dimension of a parametric web is worth, and what holds it.",
 )
 @web_option
+@throw_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -40,6 +41,7 @@ def command(
     align: bool,
     sensitivities: bool,
     web: WebName | None,
+    throw: int | None,
     as_json: bool,
 ) -> None:
     """Evaluate each TARGET with quadratic finite elements on its exact solid.
@@ -61,8 +63,10 @@ def command(
     if sensitivities:  # only these need the search of dimensions
         from cranktopo.tasks.evaluate.sensitivities import evaluate_sensitivities
 
-        worth = [evaluate_sensitivities(text, element_size_mm, web) for text in texts]
-    resolved = resolve_targets([w.file for w in worth] or texts, design, align=align, whole=True)
+        worth = [evaluate_sensitivities(text, element_size_mm, web, throw) for text in texts]
+    resolved = resolve_targets(
+        [w.file for w in worth] or texts, design, align=align, whole=True, throw=None if worth else throw
+    )
     found = evaluate_targets(resolved, wanted)
     for evaluation in found.evaluations:
         fine = evaluation.fine

@@ -63,17 +63,21 @@ class Sensitivities:
 
 
 def evaluate_sensitivities(
-    target: DesignLike, element_size_mm: float | None = None, web: WebName | None = None
+    target: DesignLike,
+    element_size_mm: float | None = None,
+    web: WebName | None = None,
+    throw: int | None = None,
 ) -> Sensitivities:
     """Return what a millimetre of each dimension of a parametric web is worth, by exact gradients.
 
     Args:
         web: of a design with two different webs the one that is meant, whose throw has it twice.
+        throw: of a crank with different throws, by default the worst loaded.
 
     Raises:
         CranktopoError: no such target, no parametric web, no valid mesh, or a failed solve.
     """
-    found = web_target(target, web)
+    found = web_target(target, web, throw)
     name = target.name if isinstance(target, Scene) else str(target)
     scene = parametric_scene(name, found)
     limits = _limits(found, scene)

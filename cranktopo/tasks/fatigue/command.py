@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.notes import note
-from cranktopo.cli.options import DEFAULT_DESIGN, Choice, Number, body_options, designs
+from cranktopo.cli.options import DEFAULT_DESIGN, Choice, Number, body_options, designs, throw_option
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import METHODS
 
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     help="Element size in a fillet over its radius; by default 0.17: no edge above a quarter.",
 )
 @body_options
+@throw_option
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -65,6 +66,7 @@ def command(
     fillet_fraction: float | None,
     design: str | None,
     align: bool,
+    throw: int | None,
     out: Path | None,
     report: Path | None,
     as_json: bool,
@@ -93,7 +95,7 @@ def command(
     if report is not None:
         check_dossier(method, len(names), report)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
-    found = assess_fatigue(names, method, loads, index, fraction, out, design, align)
+    found = assess_fatigue(names, method, loads, index, fraction, out, design, align, throw)
     if report is not None:
         write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
         note(str(report))

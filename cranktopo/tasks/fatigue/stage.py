@@ -112,6 +112,7 @@ def assess_fatigue(
     out: Path | None = None,
     design: str | None = None,
     align: bool = False,
+    throw: int | None = None,
 ) -> FatigueAssessment:
     """Fatigue safety of targets whose fillets have a radius.
 
@@ -123,13 +124,14 @@ def assess_fatigue(
         out: folder for fatigue.json, and VTU and picture of each target.
         design: design for the journals, loads and material of STEP targets.
         align: move STEP bodies that lie elsewhere to where the journals are.
+        throw: of cranks with different throws, by default the worst loaded.
 
     Raises:
         CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
     """
     if out is not None:
         _check_files(method, out)
-    resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True)
+    resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True, throw=throw)
     (found,) = assess_by_methods(resolved, (method,), loads, baseline, fillet_fraction)
     if out is not None:
         for field in found.fields:

@@ -22,6 +22,7 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import builtin_designs, load_scene, shaped_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
+from cranktopo.engine.one_throw import one_throw
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.directories import RunStore, open_run, runs_named
@@ -69,9 +70,12 @@ def resolve_targets(
     align: bool = False,
     *,
     whole: bool = False,
+    throw: int | None = None,
+    crank: bool = False,
 ) -> list[Target]:
     """Return targets from what the user typed, each with a name of its own; errors as of `resolve_target`."""
-    found = [_resolved(text, design, fillets, align, whole) for text in texts]
+    kept = _Kept(fillets, whole, throw, crank)
+    found = [_resolved(text, design, align, kept) for text in texts]
     if not any(target.file and not target.run for target in found):
         _refuse_for_bodies(design, align)
     for name in (lambda text: Path(text).stem, str):
@@ -99,6 +103,7 @@ def resolve_target(
     align: bool = False,
     *,
     whole: bool = False,
+    crank: bool = False,
 ) -> Target:
     """Return a target from what the user typed, or from a scene; a target is returned as it is.
 
@@ -107,12 +112,13 @@ def resolve_target(
             STEP path.
         align: moves a body from CAD that lies elsewhere to where the journals are.
         whole: the halves of a design's throw may differ.
+        crank: the throws of a design's crank may differ; else one of them is taken.
 
     Raises:
         CranktopoError: nothing of that name, no finished run of `optimise`, a geometry file without a
             design, or `design` or `align` without a geometry file.
     """
-    return resolve_targets([text], design, fillets, align, whole=whole)[0]
+    return resolve_targets([text], design, fillets, align, whole=whole, crank=crank)[0]
 
 
 def _refuse_for_bodies(design: str | None, align: bool) -> None:
@@ -125,11 +131,21 @@ def _refuse_for_bodies(design: str | None, align: bool) -> None:
             )
 
 
-def _resolved(text: TargetLike, design: str | None, fillets: bool, align: bool, whole: bool) -> Target:
+@dataclass(frozen=True)
+class _Kept:
+    """What a design keeps as a target: fillets that its plan leaves out, different halves, all its throws."""
+
+    fillets: bool
+    whole: bool
+    throw: int | None
+    crank: bool
+
+
+def _resolved(text: TargetLike, design: str | None, align: bool, kept: _Kept) -> Target:
     if isinstance(text, Target):
         return text
     if isinstance(text, Scene):
-        return _of_scene(text, fillets, whole)
+        return _of_scene(text, kept)
     path, text = Path(text), str(text)
     named = not path.exists() and text not in builtin_designs() and runs_named(text)
     if path.is_dir() or named:
@@ -138,7 +154,7 @@ def _resolved(text: TargetLike, design: str | None, fillets: bool, align: bool, 
             return _run(open_run(text))
         path, text = shaped, str(shaped)
     if path.suffix.lower() not in _GEOMETRY:
-        return _of_scene(load_scene(text, whole=whole), fillets, whole)
+        return _of_scene(load_scene(text, whole=kept.whole), kept)
     if not path.is_file():
         raise CranktopoError(f"target '{text}': no such file.", hint="Give the path of an STL or STEP file.")
     if design is None:
@@ -152,10 +168,11 @@ def _resolved(text: TargetLike, design: str | None, fillets: bool, align: bool, 
     return Target(path.name, body, path, align=align, assumed=assumptions(scene, USED))
 
 
-def _of_scene(scene: Scene, fillets: bool, whole: bool) -> Target:
-    if not whole:
-        require_equal_halves(scene)
-    return Target(scene.name, simulated(scene, fillets), assumed=assumptions(scene, USED))
+def _of_scene(scene: Scene, kept: _Kept) -> Target:
+    taken = scene if kept.crank else one_throw(scene, kept.throw)
+    if not kept.whole:
+        require_equal_halves(taken)
+    return Target(taken.name, simulated(taken, kept.fillets), assumed=assumptions(scene, USED))
 
 
 def _run(run: RunStore) -> Target:

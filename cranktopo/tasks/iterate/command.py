@@ -22,6 +22,7 @@ from cranktopo.cli.options import (
     designs,
     limit_options,
     refuse_beside_resume,
+    throw_option,
     web_option,
     with_bound_option,
 )
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 @click.command("iterate")
 @click.argument("design", required=False, shell_complete=designs)
 @web_option
+@throw_option
 @click.option("--steps", type=click.IntRange(1, 50), default=6, show_default=True, help="Number of removals.")
 @click.option(
     "--volume-fraction",
@@ -62,6 +64,7 @@ if TYPE_CHECKING:
 def command(
     design: str | None,
     web: WebName | None,
+    throw: int | None,
     steps: int,
     volume_fraction: float | None,
     resolution_mm: float | None,
@@ -97,9 +100,10 @@ def command(
         done = continue_loop(resume)
     else:
         from cranktopo.design.loading import design_text, load_scene, one_web
+        from cranktopo.engine.one_throw import one_throw
 
         name = design or DEFAULT_DESIGN
-        scene = one_web(load_scene(name, whole=True), web)
+        scene = one_web(one_throw(load_scene(name, whole=True), throw), web)
         scene = loop_scene(scene) if process is None else scene.with_optimise(process=process)
         scene = scene.with_optimise(volume_fraction=volume_fraction, resolution_mm=resolution_mm)
         scene = with_bound_option(scene, no_bound)

@@ -6,21 +6,29 @@ Forces over the working cycle, their extremes, and the load cases.
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import click
 
-from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs
+from cranktopo.base.notes import redirected
+from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
 
 
 @click.command(name="loads")
 @click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option("--speed", "speeds", type=Speeds(), help="Speed or sweep of speeds instead of the scene's.")
+@throw_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write all curves.")
 @click.option("--plot", "plot_path", type=click.Path(dir_okay=False, path_type=Path), help="Write a plot.")
 def command(
-    design: str, speeds: list[float] | None, as_json: bool, csv_path: Path | None, plot_path: Path | None
+    design: str,
+    speeds: list[float] | None,
+    throw: int | None,
+    as_json: bool,
+    csv_path: Path | None,
+    plot_path: Path | None,
 ) -> None:
     """Forces of one throw over the working cycle, their extremes and the load cases; mean pressure and power.
 
@@ -30,10 +38,16 @@ def command(
     Example: cranktopo loads mikron-iiic --speed 1000:2800:200 --plot loads.png
     """
     from cranktopo.design.loading import load_scene
+    from cranktopo.engine.balance.crank import crank_mass
+    from cranktopo.engine.one_throw import one_throw
     from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
 
-    scene = load_scene(design, whole=True)
+    crank = load_scene(design, whole=True)
+    with redirected(partial(click.echo, err=True)):
+        scene = one_throw(crank, throw)
     results = loads_at_speeds(scene, speeds)
+    if crank is not scene:
+        results = tuple(one.model_copy(update={"crank": crank_mass(crank)}) for one in results)
     if plot_path is not None:
         plot_load_curves(scene, plot_path, None if speeds is None else speeds[-1])
     if csv_path is not None:

@@ -10,6 +10,7 @@ from cranktopo.base.units import MM_PER_M
 from cranktopo.design.assumed import Assumption
 from cranktopo.engine.analysis import Cycle, Extreme, LoadAnalysis
 from cranktopo.engine.analysis import extremes_of as extremes_of_curve
+from cranktopo.engine.balance.crank import CrankMass
 from cranktopo.engine.balance.throw import ThrowBalance
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.load_case import LoadCase, LoadKind
@@ -135,6 +136,8 @@ class LoadsAtSpeed(Result):
     piston: PistonExtremes | None
     series_difference_percent: SeriesDifference | None
     balance: ThrowMassProperties
+    crank: CrankMass | None = UNLESS_NONE
+    """Mass properties of the whole crank, where the design has `[crank]`."""
     clearance: WebClearance
     load_cases: tuple[LoadCase, ...]
     extreme_states: tuple[LoadState, ...]

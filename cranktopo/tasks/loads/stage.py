@@ -14,6 +14,7 @@ from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
+from cranktopo.engine.balance.crank import crank_mass
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.performance import implausible, mean_pressure_MPa, power_kW
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -65,6 +66,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         piston=piston_of(analysis) if analysis else None,
         series_difference_percent=SeriesDifference(**cycle.series_difference_percent) if cycle else None,
         balance=balance_of(throw_balance(scene)),
+        crank=crank_mass(scene),
         clearance=WebClearance(room_mm=clearances_mm(scene), told=clearance_text(scene)),
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from cranktopo.engine.balance.crank import CrankMass
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
@@ -16,7 +17,8 @@ def loads_text(loads: Loads) -> str:
         parts += [_extremes(loads.extremes), _two_rods(loads.rods_per_pin), _torque(loads)]
     parts += [_piston(loads.piston)]
     clearance = loads.clearance.told
-    parts += [_balance(loads.balance), clearance and f"room of web and counterweight: {clearance}"]
+    parts += [_balance(loads.balance), crank_words(loads.crank)]
+    parts += [clearance and f"room of web and counterweight: {clearance}"]
     parts += [_cases(loads.load_cases), _redundant(loads.extreme_states)]
     return "\n\n".join(part for part in parts if part)
 
@@ -110,6 +112,18 @@ def _balance(balance: ThrowMassProperties) -> str:
         f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, "
         f"inertia {balance.inertia_kg_mm2:.0f} kg mm2, mass "
         f"{balance.throw_mass_kg:.3f} kg{own if one or other else ''}"
+    )
+
+
+def crank_words(crank: CrankMass | None) -> str:
+    """Return the mass properties of the whole crank in a sentence; empty for a design without one."""
+    if crank is None:
+        return ""
+    ends = f"{crank.free_end_kg:.3f} kg at the free end, {crank.output_end_kg:.3f} kg at the output"
+    return (
+        f"whole crank: mass {crank.mass_kg:.3f} kg ({ends}), inertia {crank.inertia_kg_mm2:.0f} kg mm2,\n"
+        f"unbalance {crank.unbalance_kg_mm:.3f} kg mm at {crank.unbalance_deg:.1f} deg from throw 1, couple "
+        f"{crank.couple_kg_mm2:.1f} kg mm2 at {crank.couple_deg:.1f} deg"
     )
 
 

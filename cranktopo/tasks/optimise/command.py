@@ -29,6 +29,7 @@ from cranktopo.cli.options import (
     refuse_beside_resume,
     run_options,
     seconds,
+    throw_option,
     web_option,
     with_bound_option,
     with_goal_options,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 @click.command("optimise")
 @click.argument("design", required=False, shell_complete=designs)
 @web_option
+@throw_option
 @goal_options
 @click.option(
     "--volume-fraction",
@@ -118,6 +120,7 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
 def _scene(
     name: str,
     web: WebName | None,
+    throw: int | None,
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
@@ -133,10 +136,11 @@ def _scene(
             "--resolution-mm excludes --accuracy and --budget: give the size, or what it should do"
         )
     from cranktopo.design.loading import load_scene, one_web
+    from cranktopo.engine.one_throw import one_throw
     from cranktopo.tasks.optimise.stage import with_cells_for
 
     evaluated = False if no_evaluation else None
-    scene = one_web(load_scene(name, whole=True), web)
+    scene = one_web(one_throw(load_scene(name, whole=True), throw), web)
     scene = scene.with_optimise(**settings, limits_by_evaluation=evaluated)
     if settings["draft_deg"] is not None and scene.optimise.process in ("free", "milled"):
         raise click.UsageError(f"--draft-deg: process '{scene.optimise.process}' has no draft: leave it out")

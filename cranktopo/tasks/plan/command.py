@@ -6,18 +6,26 @@ Which effects a design calls for, why, and what each would cost.
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import click
 
-from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, with_goal_options
+from cranktopo.base.notes import redirected
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, throw_option, with_goal_options
 
 
 @click.command(name="plan")
 @click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@throw_option
 @goal_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(
-    design: str, minimise: str | None, maximise: str | None, limits: tuple[str, ...], as_json: bool
+    design: str,
+    throw: int | None,
+    minimise: str | None,
+    maximise: str | None,
+    limits: tuple[str, ...],
+    as_json: bool,
 ) -> None:
     """The effects of a design: state, reason, what leaving each out changes, and what it costs.
 
@@ -41,12 +49,15 @@ def command(
     from cranktopo.design.goal.outcome import stated_goal
     from cranktopo.design.goal.wanted import wanted
     from cranktopo.design.loading import load_scene
+    from cranktopo.engine.one_throw import one_throw
     from cranktopo.engine.plan.cost import effort
     from cranktopo.engine.plan.planning import plan
     from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
     from cranktopo.tasks.plan.text import plan_text
 
-    scene = with_goal_options(load_scene(design, whole=True), minimise, maximise, limits)
+    with redirected(partial(click.echo, err=True)):
+        taken = one_throw(load_scene(design, whole=True), throw)
+    scene = with_goal_options(taken, minimise, maximise, limits)
     goal = wanted(scene)
     effects = plan(scene, goal=goal)
     todo = effort(scene)

@@ -81,26 +81,37 @@ def throw_matrix(blocks: Sequence[tuple[Span, Superelement]], forms: Sequence[Ar
     return total
 
 
-def shaft_matrix(throw: Array, angles_deg: Sequence[float]) -> Array:
-    """Stiffness of a shaft of equal throws turned about z, right-handed, shape (6 (n + 1), 6 (n + 1))."""
+def shaft_matrix(throws: Array, angles_deg: Sequence[float]) -> Array:
+    """Stiffness of a shaft of throws turned about z, right-handed, shape (6 (n + 1), 6 (n + 1)).
+
+    Args:
+        throws: matrices of the throws, (n, 12, 12), or one of all of them, (12, 12).
+    """
     shaft = np.zeros((6 * (len(angles_deg) + 1),) * 2)
+    every = np.broadcast_to(throws, (len(angles_deg), 12, 12))
     for index, angle in enumerate(angles_deg):
         turn = turned(angle)
         motions = slice(6 * index, 6 * index + 12)
-        shaft[motions, motions] += turn @ throw @ turn.T
+        shaft[motions, motions] += turn @ every[index] @ turn.T
     return shaft
 
 
-def shaft_stiffness(shaft: Array, bearings: Bearings, spring_N_per_mm: float = 0.0) -> ShaftStiffness:
-    """Torsional stiffness of a shaft whose every section sits in a bearing.
+def shaft_stiffness(
+    shaft: Array,
+    bearings: Bearings,
+    spring_N_per_mm: float = 0.0,
+    carried: Sequence[int] | None = None,
+) -> ShaftStiffness:
+    """Torsional stiffness of a shaft on bearings.
 
     Args:
         bearings: "rigid" fixes each section's centre radially, "spring" supports it, "free" does not; every
             bearing lets the section tilt, turn and move axially.
+        carried: sections that sit in a bearing; all by default.
     """
     sections = shaft.shape[0] // 6
     stiffness = shaft.copy()
-    radial = [6 * s + m for s in range(sections) for m in (UX, UY)]
+    radial = [6 * s + m for s in (range(sections) if carried is None else carried) for m in (UX, UY)]
     if bearings == "spring":
         stiffness[radial, radial] += spring_N_per_mm
     held = set(radial) if bearings == "rigid" else set()

@@ -78,7 +78,7 @@ def command(
     from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, stands_on_bearings
     from cranktopo.tasks.shaft.text import shaft_text
 
-    resolved = resolve_target(target, design, align=align, whole=True)
+    resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     loaded = stands_on_bearings(resolved.scene, support)
     if speeds_rpm and not loaded:

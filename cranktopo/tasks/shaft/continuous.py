@@ -17,6 +17,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
+from cranktopo.design.crank_throws import carried
 from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
@@ -26,7 +27,7 @@ from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.kinematics import phase_shift
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
-from cranktopo.tasks.shaft.assembly import Bearings, shaft_matrix, turned
+from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
 
@@ -109,35 +110,43 @@ def _by_cylinder(engine: Engine, angle_deg: Array, force: Array) -> Array:
 
 
 def shaft_cycle(
-    throw: LoadedThrow, angles_deg: Sequence[float], forces: CycleForces, spring_N_per_mm: float | None
+    throws: Sequence[LoadedThrow],
+    angles_deg: Sequence[float],
+    forces: CycleForces,
+    spring_N_per_mm: float | None,
+    borne_by: Sequence[int] | None = None,
 ) -> ShaftCycle:
     """Solve the shaft for all states of a cycle.
 
     Args:
         angles_deg: of the throws, in the sense of rotation.
         spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
+        borne_by: sections that sit in a bearing; all by default.
     """
     about_z = [about_z_deg(angle) for angle in angles_deg]
     sections, states = len(about_z) + 1, forces.angle_deg.size
-    own = np.stack([_pin_loads(throw, forces, index) for index in range(len(about_z))])
+    own = np.stack([_pin_loads(throw, forces, index) for index, throw in enumerate(throws)])
     load = np.zeros((6 * sections, states))
     for index, angle in enumerate(about_z):
         load[6 * index : 6 * index + 12] += turned(angle) @ own[index]
-    stiffness = shaft_matrix(throw.stiffness, about_z)
+    stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
     radial = np.array([6 * s + m for s in range(sections) for m in (UX, UY)])
+    borne = np.array(
+        [6 * s + m for s in (range(sections) if borne_by is None else borne_by) for m in (UX, UY)]
+    )
     held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ}
     sprung = stiffness.copy()
     if spring_N_per_mm is None:
-        held |= set(radial.tolist())
+        held |= set(borne.tolist())
     else:
-        sprung[radial, radial] += spring_N_per_mm
+        sprung[borne, borne] += spring_N_per_mm
     free = np.array([i for i in range(6 * sections) if i not in held])
     motion = np.zeros_like(load)
     motion[free] = np.linalg.solve(sprung[np.ix_(free, free)], load[free])
     bearing = (stiffness @ motion - load)[radial].reshape(sections, 2, states)
     ends = [
         throw.stiffness @ turned(angle).T @ motion[6 * index : 6 * index + 12] - own[index]
-        for index, angle in enumerate(about_z)
+        for index, (throw, angle) in enumerate(zip(throws, about_z, strict=True))
     ]
     return ShaftCycle(forces.angle_deg, motion, bearing, np.stack(ends))
 
@@ -154,48 +163,58 @@ def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
     return np.asarray(sum(np.outer(throw.loads[name], share) for name, share in shares.items()))
 
 
-def web_moments_Nmm(cycle: ShaftCycle, scene: Scene) -> Array:
+def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:
     """Return the moment about x in the middle of both webs of every throw, (throws, 2, states).
 
     Of the section forces alone: what is constant over the cycle between section and web, the web's own
     centrifugal force, is left out.
     """
-    near, far = (sum(half.web_z_mm) / 2 for half in halves(scene))
+    near, far = (
+        np.array([sum(halves(scene)[side].web_z_mm) / 2 for scene in scenes])[:, None] for side in (0, 1)
+    )
     first, last = cycle.throw_N[:, :6], cycle.throw_N[:, 6:]
     return np.stack([first[:, RX] + near * first[:, UY], -(last[:, RX] - far * last[:, UY])], axis=1)
 
 
 def continuous_shaft(
-    throw: LoadedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float
+    throws: Sequence[tuple[LoadedThrow, Scene]], scene: Scene, spring_N_per_mm: float | None
 ) -> ContinuousShaft:
     """Return what the webs and bearings of a shaft carry over a cycle, beside throws that stand alone.
 
+    Args:
+        throws: each with its own scene.
+        spring_N_per_mm: of each main bearing; None: rigid.
+
     Raises:
-        CranktopoError: no engine.
+        CranktopoError: no engine, or no pressures.
     """
-    forces = cycle_forces(scene)
-    spring = None if bearings == "rigid" else spring_N_per_mm
-    angles = scene.shaft_angles_deg
-    cycle = shaft_cycle(throw, angles, forces, spring)
-    single = [shaft_cycle(throw, (0.0,), _of_throw(forces, index), None) for index in range(len(angles))]
-    together = np.ptp(web_moments_Nmm(cycle, scene), axis=2) / NMM_PER_NM
-    alone = np.concatenate([np.ptp(web_moments_Nmm(one, scene), axis=2) for one in single]) / NMM_PER_NM
+    forces, angles, scenes = cycle_forces(scene), scene.shaft_angles_deg, [own for _, own in throws]
+    cycle = shaft_cycle([throw for throw, _ in throws], angles, forces, spring_N_per_mm, carried(scene))
+    single = [
+        shaft_cycle([throw], (0.0,), _of_throw(forces, index), None)
+        for index, (throw, _) in enumerate(throws)
+    ]
+    together = np.ptp(web_moments_Nmm(cycle, scenes), axis=2) / NMM_PER_NM
+    alone = [
+        np.ptp(web_moments_Nmm(one, [own]), axis=2)[0] / NMM_PER_NM
+        for one, own in zip(single, scenes, strict=True)
+    ]
     webs = tuple(
         WebMoment(
-            web=2 * throw_index + side + 1,
-            throw=throw_index + 1,
-            range_Nm=float(together[throw_index, side]),
-            alone_Nm=float(alone[throw_index, side]),
-            share=float(together[throw_index, side] / alone[throw_index, side]),
+            web=2 * index + side + 1,
+            throw=index + 1,
+            range_Nm=float(together[index, side]),
+            alone_Nm=float(alone[index][side]),
+            share=float(together[index, side] / alone[index][side]),
         )
-        for throw_index in range(len(angles))
+        for index in range(len(angles))
         for side in (0, 1)
     )
     return ContinuousShaft(
         speed_rpm=engine_of(scene).speed_rpm,
-        spring_N_per_mm=spring,
+        spring_N_per_mm=spring_N_per_mm,
         webs=webs,
-        main_bearings=_main_bearings(cycle, single, angles),
+        main_bearings=_main_bearings(cycle, single, angles, carried(scene)),
     )
 
 
@@ -212,7 +231,7 @@ def _of_throw(forces: CycleForces, index: int) -> CycleForces:
 
 
 def _main_bearings(
-    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float]
+    cycle: ShaftCycle, single: Sequence[ShaftCycle], angles_deg: Sequence[float], numbers: Sequence[int]
 ) -> tuple[ShaftBearing, ...]:
     sections = len(cycle.bearing_N)
     size = np.hypot(cycle.bearing_N[:, 0], cycle.bearing_N[:, 1])
@@ -234,5 +253,5 @@ def _main_bearings(
             tilt_mrad=float(tilt[number]),
             offset_um=float(offset[number]),
         )
-        for number in range(sections)
+        for number in numbers
     )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
+import numpy as np
 from pydantic import Field
 
 from cranktopo.base.arrays import Array
@@ -12,12 +14,15 @@ from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import note
 from cranktopo.base.result import Result
 from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
+from cranktopo.design.crank_throws import carried, throw_scenes
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed
+from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
@@ -41,7 +46,7 @@ from cranktopo.tasks.shaft.assembly import (
     throw_matrix,
 )
 from cranktopo.tasks.shaft.continuous import continuous_shaft
-from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, LoadedThrow, loaded_blocks, loaded_throw
+from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, loaded_blocks, loaded_throw
 from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft.torsional import disk_model
 
@@ -91,8 +96,11 @@ class ShaftEvaluation(Result):
     """What the shaft carries on all its bearings, by speed; empty without pressures or with free bearings."""
     assumed: tuple[Assumption, ...]
     """Keys that the design does not give and the shaft depends on."""
-    throw_inertia_kg_mm2: float = Field(exclude=True)
-    """Inertia of one throw alone about the crank axis, kg mm2."""
+    throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)
+    """Inertia of each throw alone about the crank axis, kg mm2."""
+
+    weighed: str = Field(exclude=True)
+    """What the mass is of."""
 
     @property
     def error_percent(self) -> float:
@@ -118,34 +126,41 @@ def evaluate_shaft(
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
     """
-    resolved = resolve_target(target, whole=True)
+    resolved = resolve_target(target, whole=True, crank=True)
     scene = resolved.scene
     angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
-    meshed = mesh_target(resolved, size)
+    throws = _throw_targets(resolved)
+    meshed = {throw.name: mesh_target(throw, size) for throw in throws}
     loaded = speeds_rpm is not None and stands_on_bearings(scene, bearings)
-    stiffness, error, throw = _on_mesh(meshed, scene, bearings, spring, loaded=loaded)
+    condensed = _condensed_throws(throws, meshed, loaded=loaded)
+    stiffness, error = _on_meshes(condensed, scene, bearings, spring)
     if resolved.triangles:
-        coarse, *_ = _on_mesh(mesh_target(resolved, size * RATIO), scene, bearings, spring)
+        coarser = {resolved.name: mesh_target(resolved, size * RATIO)}
+        coarse, _ = _on_meshes(_condensed_throws(throws, coarser), scene, bearings, spring)
         error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
-    inertia = throw_inertia_kg_mm2(meshed, scene)
-    disks = disk_model(scene, inertia, stiffness.throws_Nm_per_rad)
-    mass = len(angles) * meshed_throw_kg(meshed, scene)
+    inertias = tuple(throw_inertia_kg_mm2(meshed[throw.name], throw.scene) for throw in throws)
+    disks = disk_model(scene, inertias, stiffness.throws_Nm_per_rad)
+    count = Counter(throw.name for throw in throws)
+    first = {throw.name: throw for throw in reversed(throws)}
+    mass = sum(count[name] * meshed_throw_kg(meshed[name], first[name].scene) for name in count)
+    mass += sum(end_mass(scene, side).mass_kg for side in SIDES)
     assumed = filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded))
     return ShaftEvaluation(
         design=resolved.name,
         throw_angles_deg=angles,
         bearings=bearings,
         mass_kg=mass,
+        weighed="mass of the throws" if scene.crank is None else "mass of the crank",
         stiffness=stiffness,
         error_estimate_percent=TorsionError(torsion=error),
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
-        on_bearings=() if throw is None else _at_speeds(throw, scene, bearings, spring, speeds_rpm or ()),
+        on_bearings=_at_speeds(condensed, throws, scene, bearings, speeds_rpm or ()) if loaded else (),
         assumed=assumed,
-        throw_inertia_kg_mm2=inertia,
+        throw_inertias_kg_mm2=inertias,
     )
 
 
@@ -184,16 +199,55 @@ def stands_on_bearings(scene: Scene, bearings: Bearings) -> bool:
 
 
 def _at_speeds(
-    throw: LoadedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float, speeds_rpm: Sequence[float]
+    condensed: Sequence[_Condensed],
+    throws: Sequence[Target],
+    scene: Scene,
+    bearings: Bearings,
+    speeds_rpm: Sequence[float],
 ) -> tuple[ContinuousShaft, ...]:
+    spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else None
+    parts = [
+        (loaded_throw(throw.loaded, target.scene), target.scene)
+        for throw, target in zip(condensed, throws, strict=True)
+    ]
     scenes = [at_speed(scene, rpm) for rpm in speeds_rpm] or [scene]
-    return tuple(continuous_shaft(throw, at, bearings, spring_N_per_mm) for at in scenes)
+    return tuple(continuous_shaft(parts, at, spring) for at in scenes)
 
 
-def _on_mesh(
-    meshed: MeshedThrow, scene: Scene, bearings: Bearings, spring_N_per_mm: float, *, loaded: bool = False
-) -> tuple[ShaftStiffness, float, LoadedThrow | None]:
-    """Stiffnesses of the shaft, the bound of their error by what the mesh misses, %, and the loaded throw."""
+def _throw_targets(target: Target) -> tuple[Target, ...]:
+    """Each throw of the crank as a target of its own name; equal ones are the target itself, as a body is."""
+    throws = throw_scenes(target.scene)
+    if target.file is not None or all(throw is throws[0] for throw in throws):
+        return (target,) * len(throws)
+    return tuple(replace(target, name=throw.name, scene=throw) for throw in throws)
+
+
+@dataclass(frozen=True)
+class _Condensed:
+    """A throw over the motions of its sections, (12, 12), and what the mesh misses of its energy.
+
+    Attributes:
+        loaded: its symmetries with the unit loads, where they were asked for.
+    """
+
+    matrix: Array
+    surplus: Array
+    straight: Array
+    volume_error: float
+    loaded: tuple[LoadedBlock, ...]
+
+
+def _condensed_throws(
+    throws: Sequence[Target], meshed: Mapping[str, MeshedThrow], *, loaded: bool = False
+) -> list[_Condensed]:
+    """Condense the throws, equal ones once; `meshed` has the mesh of each by its name."""
+    found = {
+        throw.name: _condensed(meshed[throw.name], throw.scene, loaded) for throw in dict.fromkeys(throws)
+    }
+    return [found[throw.name] for throw in throws]
+
+
+def _condensed(meshed: MeshedThrow, scene: Scene, loaded: bool) -> _Condensed:
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
     parts: list[LoadedBlock] = []
     if loaded:
@@ -202,21 +256,34 @@ def _on_mesh(
     else:
         blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
     missed = discretisation_errors(model, meshed, [block for _, block in blocks], scene)
+    return _Condensed(
+        throw_matrix(blocks),
+        throw_matrix(blocks, [m.surplus for m in missed]),
+        throw_matrix(blocks, [m.straight for m in missed]),
+        missed[0].volume_error,
+        tuple(parts),
+    )
 
+
+def _on_meshes(
+    throws: Sequence[_Condensed], scene: Scene, bearings: Bearings, spring_N_per_mm: float
+) -> tuple[ShaftStiffness, float]:
+    """Stiffnesses of the shaft, and the bound of their relative error by what the meshes miss, %."""
     turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
 
-    def stiffness(throw: Array) -> ShaftStiffness:
-        return shaft_stiffness(shaft_matrix(throw, turned_deg), bearings, spring_N_per_mm)
+    def stiffness(matrices: Sequence[Array]) -> ShaftStiffness:
+        shaft = shaft_matrix(np.array(matrices), turned_deg)
+        return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene))
 
-    throw = throw_matrix(blocks)
-    found = stiffness(throw)
+    found = stiffness([throw.matrix for throw in throws])
     surplus, straight = (
-        _softer(found, stiffness(throw - throw_matrix(blocks, forms)))
-        for forms in ([m.surplus for m in missed], [m.straight for m in missed])
+        _softer(found, stiffness([throw.matrix - missed for throw, missed in zip(throws, kind, strict=True)]))
+        for kind in ([throw.surplus for throw in throws], [throw.straight for throw in throws])
     )
-    left = missed[0].volume_error
-    error = max(bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus)
-    return found, error, loaded_throw(parts, scene) if parts else None
+    left = max(throw.volume_error for throw in throws)
+    return found, max(
+        bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus
+    )
 
 
 def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:

@@ -36,7 +36,7 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     rows = (
-        ("mass of the throws", f"{shaft.mass_kg:.3f} kg"),
+        (shaft.weighed, f"{shaft.mass_kg:.3f} kg"),
         (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
         ("natural frequencies", f"{frequencies} Hz (shaft and moving masses alone, free ends)"),
     )

@@ -21,6 +21,7 @@ from cranktopo.cli.options import (
     limit_options,
     refuse_beside_resume,
     run_options,
+    throw_option,
     web_option,
     with_bound_option,
     with_goal_options,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 @click.command("shape")
 @click.argument("target", required=False, shell_complete=designs_and_runs)
 @web_option
+@throw_option
 @goal_options
 @limit_options
 @bound_option
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 def command(
     target: str | None,
     web: WebName | None,
+    throw: int | None,
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
@@ -77,7 +80,7 @@ def command(
         from cranktopo.tasks.designs.run_webs import web_target
 
         name = target or DEFAULT_DESIGN
-        found = web_target(name, web)
+        found = web_target(name, web, throw)
         scene, text = found.design, design_text(name) if found.run is None else None
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"

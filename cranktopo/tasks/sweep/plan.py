@@ -16,14 +16,14 @@ from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.loading import (
     check_keys,
     design_text,
-    parse_toml,
     resolve_design,
     scene_from_dict,
-    with_resolved_files,
     with_value,
 )
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Scene
+from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.fea.stage import MeshRequest
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.variation import (

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import input_files, scene_from_dict, with_value
+from cranktopo.design.loading import scene_from_dict, with_value
+from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.runs.manifest import file_hash, settings_hash
 from cranktopo.tasks.sweep.fineness import Fineness

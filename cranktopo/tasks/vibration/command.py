@@ -73,7 +73,7 @@ def command(
     from cranktopo.tasks.vibration.stage import shaft_vibration
     from cranktopo.tasks.vibration.text import vibration_text
 
-    resolved = resolve_target(target, design, align=align, whole=True)
+    resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     chosen = bearings if "--bearings" in typed() else None
     support: Bearings | None = next((name for name in get_args(Bearings) if name == chosen), None)
     study = shaft_vibration(resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, VIBRATION
+from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
 from cranktopo.engine.vibration.study import VibrationStudy, check_vibration, study_vibration
@@ -52,7 +54,7 @@ def shaft_vibration(
         check_report_path(report)
     if csv is not None:
         check_file(csv, "--csv")
-    resolved = resolve_target(target, design, align=align, whole=True)
+    resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     _check_solved(resolved, bearings, element_size_mm)
     check_vibration(resolved.scene, run_up_s)
@@ -91,14 +93,21 @@ def _studied(
 ) -> VibrationStudy:
     scene = target.scene
     if _given(target):
-        inertia = throw_balance(scene).inertia_kg_mm2
+        inertia = _mean(throw_balance(throw).inertia_kg_mm2 for throw in throw_scenes(scene))
         source = "shaft.throw_stiffness_Nm_per_rad"
         return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)
     note(f"{target.name}: condensing one throw")
     shaft = evaluate_shaft(target, bearings, size_mm)
-    stiffness, inertia = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertia_kg_mm2
+    stiffness, inertias = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertias_kg_mm2
     source = f"finite elements, {bearings} bearings, +-{shaft.error_percent:.2g} %"
-    return study_vibration(scene, shaft_chain(scene, inertia, stiffness), inertia, source, run_up_s)
+    chain = shaft_chain(scene, inertias, stiffness)
+    return study_vibration(scene, chain, _mean(inertias), source, run_up_s)
+
+
+def _mean(values: Iterable[float]) -> float:
+    """The mean; of equal values the value itself."""
+    found = list(values)
+    return found[0] if min(found) == max(found) else sum(found) / len(found)
 
 
 def _write_orders(study: VibrationStudy, path: Path) -> None:

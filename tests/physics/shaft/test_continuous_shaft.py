@@ -98,7 +98,7 @@ def test_condensed_throws_move_as_one_frame_of_beams(
     """Lopsided cranks with forces beside the middle of their pins, every section, all six motions."""
     throw = beam_throw(WITH_PIN_MM, 3)
     forces = random_forces(len(angles_deg))
-    found = shaft_cycle(throw, angles_deg, forces, spring)
+    found = shaft_cycle([throw] * len(angles_deg), angles_deg, forces, spring)
     motion, sections = in_one_piece(angles_deg, forces, spring)
     whole = np.concatenate([motion[6 * at : 6 * at + 6] for at in sections])
     assert np.abs(found.motion - whole).max() < 1e-8 * np.abs(whole).max()
@@ -113,7 +113,7 @@ def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int
     length = 80.0
     throw = beam_throw([(0.0, 0.0, 0.0), (0.0, 0.0, length / 2), (0.0, 0.0, length)], 1)
     forces = random_forces(spans)
-    found = shaft_cycle(throw, (0.0,) * spans, forces, None)
+    found = shaft_cycle([throw] * spans, (0.0,) * spans, forces, None)
     right = -3 / 8 * length * (forces.radial_N[:-1] + forces.radial_N[1:])
     inner = spans - 1
     matrix = 4 * np.eye(inner) + np.eye(inner, k=1) + np.eye(inner, k=-1)
@@ -162,7 +162,7 @@ def test_a_single_throw_carries_half_of_its_pin_force() -> None:
     scene = load_scene("car-diesel")
     _, throw = meshed(scene, 20.0)
     forces = random_forces(1)
-    moments = web_moments_Nmm(shaft_cycle(throw, (0.0,), forces, None), scene)
+    moments = web_moments_Nmm(shaft_cycle([throw], (0.0,), forces, None), [scene])
     arm = sum(scene.web_z_mm) / 2
     expected = forces.radial_N[0] / 2 * arm
     assert np.abs(moments[0, 0]) == pytest.approx(np.abs(expected), rel=1e-4)
@@ -178,6 +178,6 @@ def test_shafts_of_the_built_in_engines() -> None:
     ):
         scene = load_scene(name)
         _, throw = meshed(scene, 8.0)
-        found = continuous_shaft(throw, scene, "spring", spring)
+        found = continuous_shaft([(throw, scene)] * 4, scene, spring)
         assert found.webs[0].share == pytest.approx(outer, abs=0.02)
         assert min(web.share for web in found.webs) == pytest.approx(inner, abs=0.02)

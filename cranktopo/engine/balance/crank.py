@@ -1,0 +1,98 @@
+"""Mass, unbalance, inertia and couple of the whole crank in closed form, rods apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.units import density_kg_per_mm3
+from cranktopo.bodies.crank_ends import crank_end, main_journal_places_mm
+from cranktopo.design.crank import Side
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.halves import halves
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
+from cranktopo.throw.moments import Moments
+
+_NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class EndMass:
+    """Mass properties of one end of the crank; all 0 where it has none.
+
+    Attributes:
+        unbalance_kg_mm: real along throw 1, imaginary ahead of it in the sense of rotation.
+        couple_kg_mm2: the same times its place, from the middle of the outer main journal toward the output.
+    """
+
+    mass_kg: float
+    inertia_kg_mm2: float
+    unbalance_kg_mm: complex
+    couple_kg_mm2: complex
+
+
+def end_mass(scene: Scene, side: Side) -> EndMass:
+    """Return the mass properties of an end of the crank, the outer half of its main journal included."""
+    density = density_kg_per_mm3(scene.material.density_kg_m3)
+    pieces = crank_end(scene, side)
+    moments = sum((piece.moments for piece in pieces), _NOTHING).times(density)
+    first = complex(moments.first_y, moments.first_x)
+    at = pieces[0].z_mm[0] if pieces else 0.0
+    product = density * sum(piece.product for piece in pieces)
+    return EndMass(moments.volume, moments.polar, first, product - at * first)
+
+
+@dataclass(frozen=True)
+class CrankMass:
+    """Mass properties of the whole crank without rods, as drawn: throws, own main journals and ends.
+
+    Attributes:
+        unbalance_kg_mm, unbalance_deg: mass times radius of the centre of mass, and its direction from throw
+            1 in the sense of rotation.
+        couple_kg_mm2, couple_deg: sum of mass times place along the shaft times place across it, about the
+            middle between the outer main journals, toward the output.
+    """
+
+    mass_kg: float
+    free_end_kg: float
+    output_end_kg: float
+    inertia_kg_mm2: float
+    unbalance_kg_mm: float
+    unbalance_deg: float
+    couple_kg_mm2: float
+    couple_deg: float
+
+
+def crank_mass(scene: Scene) -> CrankMass | None:
+    """Return the mass properties of the whole crank; None without [crank] or an engine."""
+    if scene.crank is None or scene.engine is None:
+        return None
+    places, throws = np.array(main_journal_places_mm(scene)), throw_scenes(scene)
+    middle = places[-1] / 2
+    along = np.exp(1j * np.radians(scene.shaft_angles_deg))
+    balances = [throw_balance(throw) for throw in throws]
+    first = along * [complex(b.throw_unbalance_kg_mm, b.lateral_unbalance_kg_mm) for b in balances]
+    planes = places[:-1] + [halves(throw)[0].pitch_mm / 2 for throw in throws] - middle
+    product = (first * planes).sum() + (along * list(map(product_of_inertia_kg_mm2, throws))).sum()
+    free, output = end_mass(scene, "free"), end_mass(scene, "output")
+    product += free.couple_kg_mm2 + output.couple_kg_mm2
+    product += middle * (output.unbalance_kg_mm - free.unbalance_kg_mm)
+    total = first.sum() + free.unbalance_kg_mm + output.unbalance_kg_mm
+    scale = np.abs(first).sum() + abs(free.unbalance_kg_mm) + abs(output.unbalance_kg_mm)
+    return CrankMass(
+        mass_kg=sum(b.mass_kg for b in balances) + free.mass_kg + output.mass_kg,
+        free_end_kg=free.mass_kg,
+        output_end_kg=output.mass_kg,
+        inertia_kg_mm2=sum(b.inertia_kg_mm2 for b in balances) + free.inertia_kg_mm2 + output.inertia_kg_mm2,
+        **_polar("unbalance_kg_mm", "unbalance_deg", complex(total), scale),
+        **_polar("couple_kg_mm2", "couple_deg", complex(product), scale * places[-1]),
+    )
+
+
+def _polar(size: str, direction: str, value: complex, scale: float) -> dict[str, float]:
+    """Magnitude and direction by their names; 0 where only rounding is left of it."""
+    if abs(value) <= 1e-12 * scale:
+        return {size: 0.0, direction: 0.0}
+    return {size: abs(value), direction: float(round(np.degrees(np.angle(value)) % 360.0, 9) % 360.0)}

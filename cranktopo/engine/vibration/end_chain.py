@@ -1,0 +1,48 @@
+"""Ends of the crank in torsion: their spring to the tip, and their inertia between throw and tip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cranktopo.base.units import MM2_PER_M2, MPA_PER_GPA, NMM_PER_NM, density_kg_per_mm3
+from cranktopo.bodies.crank_ends import crank_end
+from cranktopo.design.crank import Side
+from cranktopo.design.schema import Scene
+
+
+@dataclass(frozen=True)
+class EndChain:
+    """An end of the crank as a spring with a part of its inertia at either side.
+
+    Attributes:
+        stiffness_Nm_per_rad: from the middle of the outer main journal to the outer face of the last step.
+        inner_kg_m2, tip_kg_m2: its inertia, split where a static twist would have it by the lever rule.
+    """
+
+    stiffness_Nm_per_rad: float
+    inner_kg_m2: float
+    tip_kg_m2: float
+
+
+def end_chain(scene: Scene, side: Side, before_rad_per_Nm: float) -> EndChain | None:
+    """Return an end of the crank in torsion; None where the crank has none.
+
+    Args:
+        before_rad_per_Nm: twist per torque between the disk that takes the inner part and the middle of the
+            outer main journal.
+    """
+    pieces = crank_end(scene, side)
+    if not pieces:
+        return None
+    material = scene.material
+    shear_MPa = material.E_GPa * MPA_PER_GPA / (2 * (1 + material.poisson))
+    soft = [piece.twist_per_mm3 / shear_MPa * NMM_PER_NM for piece in pieces]
+    whole = before_rad_per_Nm + sum(soft)
+    density = density_kg_per_mm3(material.density_kg_m3)
+    total = tip = 0.0
+    at = before_rad_per_Nm
+    for piece, own in zip(pieces, soft, strict=True):
+        inertia = density * piece.moments.polar / MM2_PER_M2
+        total, tip = total + inertia, tip + inertia * (at + own / 2) / whole
+        at += own
+    return EndChain(1 / sum(soft), total - tip, tip)
