@@ -17,7 +17,7 @@ from tests.browser.conftest import Visit
 
 pytest.importorskip("tornado")
 PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
-START_MS, SETTLE_MS = 60_000, 300_000
+START_MS = 120_000
 
 
 def started(folder: Path, *words: str) -> tuple[subprocess.Popen[str], str]:
@@ -50,7 +50,8 @@ def bench(tmp_path: Path, browser: Any) -> Iterator[Any]:
         found.page.on("console", lambda message: found.complaints.append(message.text))
         found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
         found.page.on("request", lambda request: found.requests.append(request.url))
-        found.page.goto(address)
+        found.page.set_default_timeout(START_MS)
+        found.page.goto(address, timeout=START_MS)
         return found
 
     yield opened

@@ -326,10 +326,13 @@
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(2, 8); // where both are the same, the body itself is seen
     gl.uniform1i(uniforms.ramped, 0);
     gl.uniform1f(uniforms.alpha, 0.3);
     drawHalves(ghost, 0, GHOST, GHOST);
     gl.depthMask(true);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.BLEND);
   }
 

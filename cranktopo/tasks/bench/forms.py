@@ -25,7 +25,7 @@ _OWN = {
     "peak_pressure_MPa": "engine.gas.peak_pressure_MPa",
 }
 _PEAKS_MPA = (1.5, 40.0)
-_HALVINGS = 20
+_HALVINGS = 14
 
 
 def form_reference() -> list[dict[str, Any]]:
@@ -45,8 +45,9 @@ def new_design(answers: Mapping[str, Any]) -> tuple[str, str, str]:
         raise invalid("layout", layout, f"must be one of {', '.join(get_args(LayoutName))}")
     numbers = {key: _number(answers, key) for key in ("bore_mm", "stroke_mm")}
     cylinders, name = int(_number(answers, "cylinders")), str(answers.get("name") or "my-engine")
-    name = design_name(Path(name).with_suffix(".toml"))
+    name = design_name(Path(f"{name.replace('/', '-')}.toml"))
     values = starting_values(layout, cylinders, numbers["bore_mm"], numbers["stroke_mm"])
+    values |= _design_space(values)
     values |= {key: _number(answers, short) for short, key in _OWN.items() if answers.get(short)}
     values |= {"material.name": str(answers["material"])} if answers.get("material") else {}
     if answers.get("power_kW"):
@@ -58,6 +59,18 @@ def new_design(answers: Mapping[str, Any]) -> tuple[str, str, str]:
     return text, name, shlex.join(["cranktopo", *words])
 
 
+def _design_space(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a box that leaves room around the proposed web: 1.6 of its width, a fifth beyond its ends."""
+    width, radius = values["web.width_mm"], values["throw.radius_mm"]
+    beyond = round(0.5 * width + 0.2 * radius, 1)
+    return {
+        "envelope.shape": "box",
+        "envelope.half_width_mm": round(0.8 * width, 1),
+        "envelope.y_min_mm": -beyond,
+        "envelope.y_max_mm": round(radius + beyond, 1),
+    }
+
+
 def _number(answers: Mapping[str, Any], key: str) -> float:
     value = answers.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -67,19 +80,22 @@ def _number(answers: Mapping[str, Any], key: str) -> float:
 
 def _peak_of_power(name: str, values: Mapping[str, Any], power: float) -> float:
     """Return the peak pressure that gives the power, MPa, by bisection."""
-    low, high = _PEAKS_MPA
+    scene, (low, high) = parse_scene(template(name, values), name), _PEAKS_MPA
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        scene = parse_scene(template(name, {**values, "engine.gas.peak_pressure_MPa": middle}), name)
-        low, high = (middle, high) if _power(scene) < power else (low, middle)
+        low, high = (middle, high) if _power(scene, middle) < power else (low, middle)
     if high > 0.99 * _PEAKS_MPA[1] or low < 1.01 * _PEAKS_MPA[0]:
         raise invalid("power_kW", power, "no peak pressure of an engine of this size and speed gives it")
     return round((low + high) / 2, 2)
 
 
-def _power(scene: Scene) -> float:
-    found = analyse(scene)
-    return power_kW(found.cycle.indicated_work_J, found.engine) if found.cycle else 0.0
+def _power(scene: Scene, peak_MPa: float) -> float:
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    gas = scene.engine.gas.model_copy(update={"peak_pressure_MPa": peak_MPa})
+    engine = scene.engine.model_copy(update={"gas": gas})
+    found = analyse(scene.model_copy(update={"engine": engine}))
+    return power_kW(found.cycle.indicated_work_J, engine) if found.cycle else 0.0
 
 
 def read_upload(path: Path) -> tuple[str | None, str]:

@@ -163,6 +163,7 @@ class Bench:
         original = project.text_of(project.original)
         self.answers.original(project.data(original), original, tell)
         self.answers.live(project.data(), None, tell, project.text)
+        self.answers.coarse(project.data(), None, tell)
         self.answers.settle(self._data, project.text, original)
 
     # What pages ask.

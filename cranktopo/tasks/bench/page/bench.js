@@ -45,9 +45,10 @@
     sweep: "Many values of one dimension: give it as KEY=A:B:N in the field Limit.",
   };
 
-  const state = { reference: null, project: null, jobs: [], live: {}, settled: {}, original: {}, bound: {}, rings: {},
-    turns: [0], front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [] };
+  const state = { reference: null, project: null, jobs: [], live: {}, settled: {}, original: {}, bound: {},
+    turns: [0], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [] };
   let socket = null, seq = 0, sent = 0, answered = 0, waiting = null, viewer = null;
+  const sentAt = new Map();
 
   // Talk with the server: one drag is on its way at a time, the newest follows.
   function connect() {
@@ -82,7 +83,7 @@
   function next() {
     if (!waiting) return;
     sent = ++seq;
-    window.benchSent = performance.now();
+    sentAt.set(seq, performance.now());
     say({ do: "drag", changes: waiting, seq });
     waiting = null;
   }
@@ -127,7 +128,8 @@
       $("write").elements.name.value = project.name;
       $("hint").hidden = localStorage.getItem("cranktopo-hint") === "seen";
     }
-    state.fresh = false;
+    if (!before || before.name !== project.name || before.at !== project.at || before.steps[before.at].file !== project.steps[project.at].file)
+      Object.assign(state, { fresh: false, settledPicture: null, dragging: false });
     showForms();
     showHistory();
     showVariants();
@@ -138,7 +140,6 @@
   function hearLive(message) {
     if (message.seq) {
       answered = Math.max(answered, message.seq);
-      window.benchAnswered = performance.now();
     }
     if (message.seq && !state.dragging && !waiting) return next();
     state.broken = message.broken || [];
@@ -146,13 +147,10 @@
     if (message.broken) return next();
     state.live = message.gauges;
     state.turns = message.turns_deg;
-    if (!message.seq) state.rings = {};
-    state.fresh = state.fresh && !message.seq;
-    for (const name of SOLVED) if (message.seq && state.rings[name] !== "coarse") state.rings[name] = "stale";
     state.notes = message.notes;
     state.front = message.front;
     state.picture = message.picture;
-    showPicture();
+    showPicture(message.seq);
     showFront();
     showGauges();
     next();
@@ -169,9 +167,8 @@
   }
 
   function hearCoarse(message) {
-    if (!state.dragging) return;
+    if (state.dragging ? !message.seq : message.seq && message.seq < seq) return;
     state.coarse = message.gauges;
-    for (const name of Object.keys(message.gauges)) state.rings[name] = "coarse";
     showGauges();
   }
 
@@ -184,10 +181,9 @@
       state.place = message.place;
       state.missing = message.missing;
       state.coarse = {};
-      for (const name of SOLVED) state.rings[name] = name in state.settled ? "settled" : "wait";
-      state.fresh = message.parts.includes("safety");
+      state.fresh = true;
       state.settledPicture = message.picture || null;
-      status(state.fresh ? `Settled` : "Stiffness settled; safety follows");
+      status(message.parts.includes("safety") ? "Settled" : "Stiffness settled; safety follows");
       if ($("safety").checked) showPicture();
     }
     showGauges();
@@ -434,11 +430,11 @@
   }
 
   // 3D view: the first picture starts it, later ones replace the body.
-  function showPicture() {
+  function showPicture(number) {
     const coloured = $("safety").checked && state.settledPicture && !state.dragging;
     const text = coloured ? state.settledPicture : state.picture;
     if (!text) return;
-    $("legend").textContent = coloured ? `Colour: share of the fatigue strength that is used; yellow is the least safety, ${number(state.settled.fatigue_safety, 3)}.`
+    $("legend").textContent = coloured ? `Colour: share of the fatigue strength that is used; yellow is the least safety, ${plain(state.settled.fatigue_safety, 3)}.`
       : $("safety").checked ? "The colours of the safety come when it has settled." : "Blue: web. Grey: journals, and the original where it stands out.";
     if (!viewer) return startViewer(text);
     viewer.show(text).then((drawn) => {
@@ -447,8 +443,8 @@
       if (state.refit) viewer.refit();
       state.refit = false;
       viewer.dataset.shown = String(seq);
-      window.benchPainted = performance.now();
-      if (window.benchSent && answered === seq && state.dragging) (window.benchDelays ??= []).push(window.benchPainted - window.benchSent);
+      if (sentAt.has(number)) (window.benchDelays ??= []).push(performance.now() - sentAt.get(number));
+      sentAt.delete(number);
     });
     viewer.turns($("crank").checked ? state.turns : null);
   }
@@ -565,14 +561,14 @@
   }
 
   // Gauges.
-  const number = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
+  const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
 
   function valueOf(name) {
     if (!SOLVED.has(name)) return [state.live[name], "live, exact"];
-    if (state.dragging && state.coarse?.[name] !== undefined) return [state.coarse[name], "coarse: 4 mm cells brought to the settled value"];
+    if ((state.dragging || !state.fresh) && state.coarse?.[name] !== undefined) return [state.coarse[name], "coarse: 4 mm cells brought to the settled value"];
     const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
     if (value === undefined) return [undefined, "waits"];
-    if (state.rings[name] === "stale" || state.dragging) return [value, "stale: of the last settled web"];
+    if (state.dragging || !state.fresh) return [value, "stale: of the last settled web"];
     return [value, name.includes("safety") ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
   }
 
@@ -610,14 +606,14 @@
 
   function gaugeRow(gauge, value, ring, percent, way, limit, holds, stale) {
     const [name, label, unit, digits, , size = 1] = gauge, original = state.original[name], bound = state.bound[name];
-    const text = value === undefined ? "…" : `${number(value / size, digits)} ${unit}`;
+    const text = value === undefined ? "…" : `${plain(value / size, digits)} ${unit}`;
     const change = percent === null ? "" : Math.abs(percent) < 0.05 ? "as original" : signed(percent);
     const item = make("li", { class: stale ? "stale" : "", "data-gauge": name, role: "group", "aria-label": `${label}: ${text}, ${change || "no original yet"}, ${ring}${limit ? `, limit ${limit.text} ${holds ? "holds" : "is not kept"}` : ""}` },
       make("span", {}, label), make("span", { class: "value" }, text), make("span", { class: `change ${way > 0 ? "better" : way < 0 ? "worse" : ""}` }, change));
     if (percent !== null && !["unbalance", "balance_factor"].includes(name)) item.append(trackOf(percent, limit, original, bound));
     const line = make("div", { class: "ring" }, make("span", {}, ring));
     if (limit) line.append(make("span", { class: `limit ${holds ? "holds" : ""}` }, `limit ${limit.text}${holds ? "" : ": not kept"}`));
-    if (bound !== undefined) line.append(make("span", {}, `no web beats ${number(bound / size, digits)} ${unit} (proof)`));
+    if (bound !== undefined) line.append(make("span", {}, `no web beats ${plain(bound / size, digits)} ${unit} (proof)`));
     item.append(line);
     return item;
   }
@@ -663,7 +659,7 @@
       make("th", { scope: "row", title: variant.what }, make("label", {}, make("input", { type: "checkbox", checked: variant.pinned, "aria-label": `compare ${variant.name}`, onchange: (event) => say({ do: "compare", id: variant.id, pinned: event.target.checked }) }), ` ${variant.name}`), make("br"), make("small", {}, variant.what)),
       ...gauges.map(([name, , , digits, , size = 1]) => {
         const value = variant.gauges[name], before = base?.[name];
-        return make("td", {}, value === undefined ? "" : number(value / size, digits), before && value !== undefined && !variant.pinned ? ` (${signed(100 * (value / before - 1))})` : "");
+        return make("td", {}, value === undefined ? "" : plain(value / size, digits), before && value !== undefined && !variant.pinned ? ` (${signed(100 * (value / before - 1))})` : "");
       }),
       make("td", {}, make("button", { type: "button", onclick: () => say({ do: "take", id: variant.id }) }, "Take"), make("button", { type: "button", "aria-label": `drop ${variant.name}`, onclick: () => say({ do: "drop", id: variant.id }) }, "Drop"))));
     table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
@@ -678,7 +674,7 @@
     const place = (v, all, from, to) => from + ((v - Math.min(...all)) / (Math.max(...all) - Math.min(...all) || 1)) * (to - from);
     svg.setAttribute("viewBox", "0 0 400 190");
     svg.replaceChildren(make("line", { x1: 50, y1: 160, x2: 390, y2: 160 }), make("line", { x1: 50, y1: 10, x2: 50, y2: 160 }),
-      make("text", { x: 220, y: 182 }, `mass ${number(Math.min(...xs), 4)} to ${number(Math.max(...xs), 4)} kg`), make("text", { x: 55, y: 12 }, `torsion ${number(Math.min(...ys), 4)} to ${number(Math.max(...ys), 4)} kN m/rad`),
+      make("text", { x: 220, y: 182 }, `mass ${plain(Math.min(...xs), 4)} to ${plain(Math.max(...xs), 4)} kg`), make("text", { x: 55, y: 12 }, `torsion ${plain(Math.min(...ys), 4)} to ${plain(Math.max(...ys), 4)} kN m/rad`),
       ...found.flatMap((one, i) => {
         const [x, y] = [place(xs[i], xs, 70, 330), place(ys[i], ys, 145, 30)];
         return [make("circle", { cx: x, cy: y, r: 5 }), make("text", { x: x + 8, y: y + 4 }, one.name)];
@@ -745,7 +741,7 @@
   });
   $("find").addEventListener("input", filterForms);
   $("ghost").addEventListener("change", () => (showGhost(), showFront()));
-  for (const id of ["safety", "crank"]) $(id).addEventListener("change", showPicture);
+  for (const id of ["safety", "crank"]) $(id).addEventListener("change", () => showPicture());
   new ResizeObserver(() => state.front && ((state.frontDrawn = false), delete $("front").dataset.held, showFront())).observe($("front"));
   beginForm();
   outForms();
