@@ -241,6 +241,10 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "doctor": {"--json": Acts("", "--json")},
     "completion": {},
+    "bench": {
+        "--port": Refused("--port 80", "80 is not in the range"),
+        "--no-browser": Shown("browser/test_bench.py::test_a_drag_moves_numbers_and_picture"),
+    },
 }
 _SWEEP = f"{MIKRON} --vary web.thickness_mm=18,20"
 _RANGE = f"{MIKRON} --vary web.thickness_mm=18:20"

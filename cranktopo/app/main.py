@@ -136,6 +136,7 @@ _SHOWN_FIRST = (
     "runs",
     "doctor",
     "completion",
+    "bench",
 )
 """Order of the commands in the help; one that is not named comes after these."""
 COMMANDS = found_commands(Path(__file__).parents[1] / "tasks", _SHOWN_FIRST)

@@ -13,7 +13,7 @@ import pytest
 from cranktopo.tasks.doctor import stage as checks
 
 PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
-LEFT_OUT = {"cryptography", "dask", "distributed", "h5py", "pandas", "pyarrow", "pylife"}
+LEFT_OUT = {"cryptography", "dask", "distributed", "h5py", "pandas", "pyarrow", "pylife", "tornado"}
 WITHOUT = f"""
 import sys
 
@@ -61,6 +61,13 @@ def test_a_missing_extra_ends_before_anything_is_done(
     assert not list(tmp_path.iterdir())
 
 
+def test_the_bench_without_its_package(tmp_path: Path) -> None:
+    done = without_extras(tmp_path, "bench", "mikron-iiic-plain", "--no-browser")
+    assert (done.returncode, done.stdout) == (7, "")
+    assert done.stderr.endswith("Install it: pip install 'cranktopo[bench]'\n")
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -85,11 +92,12 @@ def test_nothing_else_imports_packages_of_extras() -> None:
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             if {name.partition(".")[0] for name in names} & LEFT_OUT:
                 importing.add(file.relative_to(PACKAGE / "tasks").as_posix())
-    assert {name for name in importing if not name.startswith("sweep/")} == {"fatigue/fkm.py"}
+    assert {name for name in importing if not name.startswith(("bench/", "sweep/"))} == {"fatigue/fkm.py"}
 
 
 def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [(check.name, check.state) for check in checks.extras()] == [
+        ("extra bench", "ok"),
         ("extra sweep", "ok"),
         ("extra fatigue", "ok"),
     ]
@@ -101,7 +109,7 @@ def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:
         return version(name)
 
     monkeypatch.setattr(checks.metadata, "version", without_pylife)
-    sweep, fatigue = checks.extras()
+    _, sweep, fatigue = checks.extras()
     assert (sweep.state, sweep.value) == ("ok", "all 5 installed")
     assert (fatigue.state, fatigue.value) == ("absent", "missing: pylife")
     assert fatigue.remedy == "pip install 'cranktopo[fatigue]'"

@@ -10,7 +10,7 @@
 
   const VERTEX = `#version 300 es
     in vec3 position; in vec3 normal; in float share;
-    uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1;
+    uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1; uniform vec2 spin;
     uniform vec3 scale; uniform float nearer; uniform vec3 ramp[STOPS]; uniform bool ramped;
     out vec3 tint; out float light, height;
     const vec3 KEY = normalize(vec3(-0.45, 0.60, 0.65));
@@ -24,8 +24,9 @@
     }
     void main() {
       vec3 own = low + size * position;
-      vec3 p = turn * (own * flip + shift - target);
-      vec3 n = turn * (normal * flip);
+      mat3 about = mat3(spin.x, spin.y, 0.0, -spin.y, spin.x, 0.0, 0.0, 0.0, 1.0);
+      vec3 p = turn * (about * (own * flip + shift) - target);
+      vec3 n = turn * (about * (normal * flip));
       light = 0.42 + 0.42 * max(dot(n, KEY), 0.0) + 0.26 * max(dot(n, FRONT), 0.0)
         + 0.16 * max(dot(n, RIM), 0.0);
       tint = colour();
@@ -34,29 +35,24 @@
     }`;
   const FRAGMENT = `#version 300 es
     precision highp float;
-    uniform vec2 sides; uniform vec3 beyond;
+    uniform vec2 sides; uniform vec3 beyond; uniform float alpha;
     in vec3 tint; in float light, height; out vec4 pixel;
     void main() {
       vec3 colour = height < sides.x || height > sides.y ? beyond : tint;
-      pixel = vec4(min(colour * light, 1.0), 1.0);
+      pixel = vec4(min(colour * light, 1.0) * alpha, alpha);
     }`;
-  const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5];
+  const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5], GHOST = [0.62, 0.64, 0.68];
   const EVERYWHERE = [-1e9, 1e9], SHARP = Math.cos(35 * Math.PI / 180);
   const EDGE = [0.10, 0.16, 0.30], START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
   const { header, arrays } = await unpack(packed.textContent);
-  const stress = header.stress;
-  const program = link();
-  const at = (name) => gl.getUniformLocation(program, name);
-  const uniforms = Object.fromEntries(
-    ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "scale", "nearer", "ramp",
-      "ramped", "sides", "beyond"].map((n) => [n, at(n)]),
-  );
+  let stress, program, uniforms;
+  useRamp(header.stress);
   const bodies = allBuffers(header.bodies, arrays);
   const steps = header.steps;
   const state = { ...START, body: header.first, colour: -1,
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
-  let blocks = null, waiting = false, other = null, asked = 0;
+  let blocks = null, waiting = false, other = null, asked = 0, ghost = null, aimed = null, turns = null;
 
   gl.enable(gl.DEPTH_TEST);
   controls();
@@ -65,6 +61,20 @@
   redraw();
   box.show = show;
   box.picture = picture;
+  box.ghost = showGhost;
+  box.colour = (index) => {
+    colourBy(index);
+    redraw();
+  };
+  box.refit = () => {
+    aimed = other;
+    redraw();
+  };
+  // Shows all throws of the crank, each turned about z, deg; one alone without them.
+  box.turns = (angles) => {
+    turns = angles && angles.map((deg) => (deg * Math.PI) / 180);
+    redraw();
+  };
   box.dataset.ready = "yes";
   box.dispatchEvent(new Event("ready"));
 
@@ -77,6 +87,17 @@
     const kinds = { uint8: Uint8Array, int8: Int8Array, uint16: Uint16Array, uint32: Uint32Array };
     const views = found.arrays.map((a) => new kinds[a.type](block, 4 + length + a.offset, a.length));
     return { header: found, arrays: views };
+  }
+
+  // Takes the colours of a scale, if there is one; the shader holds as many as the scale has.
+  function useRamp(scale) {
+    if (program && !scale) return;
+    stress = scale;
+    program = link();
+    uniforms = Object.fromEntries(
+      ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "scale", "nearer", "ramp",
+        "ramped", "sides", "beyond", "spin", "alpha"].map((n) => [n, gl.getUniformLocation(program, n)]),
+    );
   }
 
   function link() {
@@ -120,7 +141,11 @@
   }
 
   function discardHalves(body) {
-    for (const half of new Set([body, body.beyond])) [half.web, half.edges].forEach(discard);
+    for (const half of new Set([body, body.beyond])) {
+      for (const shape of half.journals.made === half.web.made ? [half.web] : [half.web, half.journals])
+        discard(shape);
+      discard(half.edges);
+    }
   }
 
   const pitch = (body) => body.half_pitch_mm + body.beyond.half_pitch_mm;
@@ -142,6 +167,7 @@
     ];
     return {
       ...body,
+      shares: body.stress.map((number) => arrays[number]),
       web: buffers(attributes, faces.filter((v, i) => !isJournal(v, i))),
       journals: buffers(attributes, faces.filter(isJournal)),
       edges: buffers(attributes.slice(0, 1), sharpEdges(arrays[body.positions], faces, body.size_mm)),
@@ -213,7 +239,7 @@
       [[points, 3, gl.FLOAT, false]],
       sharpEdges(arrays[body.points], faces, body.size_mm.map((size) => size / body.steps)),
     );
-    return { ...body, web, edges: lines, journals: { ...web, count: 0 } };
+    return { ...body, shares: [], web, edges: lines, journals: { ...web, count: 0 } };
   }
 
   // Shows a packed body in place of the page's own, or that again; false where another was asked for since.
@@ -222,8 +248,18 @@
     if (mine !== asked) return false;
     if (other) discardHalves(other);
     [other] = found ? allBuffers(found.header.bodies, found.arrays) : [null];
+    if (found) useRamp(found.header.stress);
+    if (found) colourBy(state.colour);
     draw();
     return true;
+  }
+
+  // Draws a packed body over what is shown, as a ghost; none without it.
+  async function showGhost(text) {
+    const found = text && await unpack(text);
+    if (ghost) discardHalves(ghost);
+    [ghost] = found ? allBuffers(found.header.bodies, found.arrays) : [null];
+    redraw();
   }
 
   // A picture of a packed body as the address of an image; the view stays as it is.
@@ -241,16 +277,16 @@
   // Gives the surfaces the stresses of a load case, or takes them away.
   function colourBy(index) {
     state.colour = index;
-    for (const body of bodies)
+    for (const body of [...bodies, ...(other ? [other, other.beyond] : [])])
       for (const shape of [body.web, body.journals]) {
         gl.bindVertexArray(shape.vao);
-        if (index < 0) {
+        if (index < 0 || !body.shares[index]) {
           gl.disableVertexAttribArray(2);
           continue;
         }
         shape.share ??= gl.createBuffer();
         gl.bindBuffer(gl.ARRAY_BUFFER, shape.share);
-        gl.bufferData(gl.ARRAY_BUFFER, arrays[body.stress[index]], gl.STATIC_DRAW);
+        gl.bufferData(gl.ARRAY_BUFFER, body.shares[index], gl.STATIC_DRAW);
         gl.enableVertexAttribArray(2);
         gl.vertexAttribPointer(2, 1, gl.UNSIGNED_BYTE, true, 0, 0);
       }
@@ -315,21 +351,42 @@
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.useProgram(program);
-    const stressed = state.colour >= 0 && blocks === null;
+    const body = other ?? bodies[state.body];
+    const stressed = blocks === null && body.shares[state.colour] !== undefined;
     if (stress) gl.uniform3fv(uniforms.ramp, stress.ramp.flat());
     gl.uniform1i(uniforms.ramped, stressed ? 1 : 0);
-    const body = other ?? bodies[state.body];
-    aim(bodies[state.body], width / height);
+    gl.uniform1f(uniforms.alpha, 1);
+    aim(aimed ?? bodies[state.body], width / height);
     box.dataset.triangles = (body.journals.count + (blocks ?? body.web).count) / 3;
-    for (const mirrored of state.whole ? [false, true] : [false]) {
+    (turns ?? [0]).forEach((angle, number) => {
+      gl.uniform2f(uniforms.spin, Math.cos(angle), Math.sin(angle));
+      drawHalves(body, number * pitch(body), JOURNAL, WEB);
+    });
+    if (!ghost || turns) return;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(2, 8); // where both are the same, the body itself is seen
+    gl.uniform1i(uniforms.ramped, 0);
+    gl.uniform1f(uniforms.alpha, 0.3);
+    drawHalves(ghost, 0, GHOST, GHOST);
+    gl.depthMask(true);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    gl.disable(gl.BLEND);
+  }
+
+  function drawHalves(body, along, journal, web) {
+    for (const mirrored of state.whole || turns ? [false, true] : [false]) {
       const half = mirrored ? body.beyond : body;
       gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
-      gl.uniform3f(uniforms.shift, 0, 0, mirrored ? pitch(body) : 0);
+      gl.uniform3f(uniforms.shift, 0, 0, along + (mirrored ? pitch(body) : 0));
       place(half.low_mm, half.size_mm, half.sides_mm);
-      paint(half.journals, JOURNAL, JOURNAL);
+      gl.uniform3fv(uniforms.beyond, journal);
+      paint(half.journals, journal, journal);
       if (blocks === null) {
-        paint(half.web, WEB, WEB);
-        paint(half.edges, EDGE, EDGE, gl.LINES);
+        paint(half.web, web, web);
+        if (web === WEB) paint(half.edges, EDGE, EDGE, gl.LINES);
       } else {
         place(steps.origin_mm, steps.cell_mm);
         paint(blocks, THIN, WEB);
@@ -355,6 +412,11 @@
     if (state.whole) {
       [target[2], size[2]] = [pitch(body) / 2, pitch(body)];
       for (const i of [0, 1]) size[i] = Math.max(size[i], body.beyond.size_mm[i]);
+    }
+    if (turns) {
+      const reach = Math.max(...[0, 1].flatMap((i) => [-body.low_mm[i], body.low_mm[i] + body.size_mm[i]]));
+      size.splice(0, 3, 2 * reach, 2 * reach, turns.length * pitch(body));
+      target.splice(0, 3, 0, 0, size[2] / 2);
     }
     const radius = Math.hypot(...size) / 2;
     const scale = 1.06 * state.zoom * Math.min(aspect, 1) / radius; // parallel projection, as on a drawing

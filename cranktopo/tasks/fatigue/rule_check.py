@@ -183,8 +183,8 @@ def _check(
         scf_rule,
         scf_fem,
         nominal,
-        _checks(scene, size, scf_rule, nominal),
-        _checks(scene, size, scf_fem, nominal),
+        fillet_checks(scene, size, scf_rule, nominal),
+        fillet_checks(scene, size, scf_fem, nominal),
         model.quality,
         check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
         web,
@@ -254,7 +254,10 @@ def element_factors(model: StressModel) -> Factors:
     )
 
 
-def _checks(scene: Scene, size: Dimensions, factors: Factors, nominal: Nominal) -> dict[str, FilletCheck]:
+def fillet_checks(
+    scene: Scene, size: Dimensions, factors: Factors, nominal: Nominal
+) -> dict[str, FilletCheck]:
+    """Return both fillets against the rule with a set of factors; it needs a tensile strength."""
     settings, ultimate = scene.fatigue, scene.material.ultimate_MPa or 0.0
     process = settings.process_factor * settings.surface_treatment_factor
     added = settings.additional_stress_MPa

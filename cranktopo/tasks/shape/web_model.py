@@ -102,7 +102,7 @@ class WebModel:
         solid[:, :, layers] += design * fill
         left, by_bores = _left_by_bores(self.scene, self.domain, web.layout, values)
         stiff = 1 - (1 - CONTRAST) * (1 - left)
-        solved = _solved(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
+        solved = solved_design(self.model, moduli * stiff, solid * left, _TOLERANCE, guess)
         functions = tuple(response.value for response in self.known.values())
         found, by_moduli, by_solid = map(np.asarray, gradients(self.model, functions, solved, {}))
         by_fill = ((1 - CONTRAST) * stiff * by_moduli + left * by_solid)[..., layers] * design
@@ -148,14 +148,15 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     model = build_model(scene, domain, load_cases(scene, effects))
     known = quantities(model, scene.material.density_kg_m3, bolted_mass(scene), rods_kg_mm(scene))
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
-    solved = _solved(model, own, own, _TOLERANCE_ORIGINAL)
+    solved = solved_design(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}
     return WebModel(scene, limits, domain, model, known, original)
 
 
-def _solved(
+def solved_design(
     model: ThrowModel, moduli: Array, solid: Array, tolerance: float, guess: jax.Array | None = None
 ) -> Design:
+    """Return a throw solved with moduli and fills of its cells, to a relative residual."""
     relative = jnp.asarray(moduli)
     u = solve(model, relative, guess=guess, tolerance=tolerance).displacements
     works = compliances(model, u)

@@ -47,6 +47,7 @@ TASKS = (
     "run_list",
     "doctor",
     "completion",
+    "bench",
 )
 """Each task may import those before it, and itself."""
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")

@@ -1,0 +1,176 @@
+"""The half throw in the boolean engine, for a picture that follows a drag: in milliseconds, not for export.
+
+Curves are chains of chords; the CAD kernel, which is exact, takes a second and makes every file.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from manifold3d import CrossSection, FillRule, Manifold
+
+from cranktopo.base.arrays import Array
+from cranktopo.bodies.prisms import drillings
+from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import Body
+from cranktopo.throw.journal import Journal
+from cranktopo.throw.primitives import (
+    Arc,
+    Bezier,
+    Box,
+    Curve,
+    Cylinder,
+    EllipseCurve,
+    Extrusion,
+    Frustum,
+    LineSegment,
+    Rectangle,
+    Solid,
+)
+from cranktopo.throw.web import web_bodies
+
+_AROUND = 72
+"""Chords of a full circle: off by a thousandth of its radius."""
+_FILLET_STEPS = 8
+
+
+def shown_half(scene: Scene) -> Manifold:
+    """Return the half throw with fillets, bores and drillings, z from the mid-main-journal plane on."""
+    throw, (start, end) = scene.throw, scene.web_z_mm
+    bodies = web_bodies(scene)
+    web = _joined(bodies, adds=True) - _joined(bodies, adds=False)
+    main = _journal(scene, throw.main_journal, 0.0, (0.0, start), toward=1)
+    pin = _journal(scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), toward=-1)
+    whole = web + main + pin
+    return whole - drillings(scene) if throw.drilling else whole
+
+
+def _joined(bodies: Sequence[Body], *, adds: bool) -> Manifold:
+    solids = [_solid(solid) for body in bodies if body.adds == adds for solid in body.solids()]
+    return sum(solids, Manifold())
+
+
+def _solid(solid: Solid) -> Manifold:
+    match solid:
+        case Cylinder(start, axis, radius):
+            height = float(np.linalg.norm(axis))
+            upright = Manifold.cylinder(height, radius, radius, _AROUND)
+            return upright.transform(np.column_stack([_turned_to(np.array(axis) / height), start]))
+        case Box(low, size):
+            return Manifold.cube(size).translate(low)
+        case Frustum(floor, mouth, radii):
+            rings = [_ring(np.array(ring), r) for ring, r in zip((floor, mouth), radii, strict=True)]
+            return Manifold.hull_points(np.concatenate(rings))
+        case Extrusion(contour, path):
+            return _swept(np.concatenate([_points(curve) for curve in contour]), np.array(path))
+        case _:
+            return Manifold()  # roundings of outlets come with the drillings
+
+
+def _turned_to(axis: Array) -> Array:
+    """Return unit vectors as columns, the last of them the axis."""
+    aside = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    one = np.cross(aside, axis)
+    one /= np.linalg.norm(one)
+    return np.column_stack([one, np.cross(axis, one), axis])
+
+
+def _swept(contour: Array, path: Array) -> Manifold:
+    """Return the prism of a plane contour (n, 3) along a vector across its plane."""
+    height = float(np.linalg.norm(path))
+    frame = _turned_to(path / height)
+    flat = (contour - contour[0]) @ frame[:, :2]
+    prism = CrossSection([flat], FillRule.NonZero if _area(flat) > 0 else FillRule.Negative).extrude(height)
+    return prism.transform(np.column_stack([frame, contour[0]]))
+
+
+def _area(points: Array) -> float:
+    x, y = points.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def _points(curve: Curve) -> Array:
+    """Return the points of a curve, (n, 3), without its last one."""
+    match curve:
+        case LineSegment(start, _):
+            return np.array([start])
+        case Arc(start, centre, end):
+            return _arc(np.array(start), np.array(centre), np.array(end))
+        case Bezier(points):
+            t = np.linspace(0, 1, 33)[:-1, None]
+            order = len(points) - 1
+            weights = [math.comb(order, k) * t**k * (1 - t) ** (order - k) for k in range(order + 1)]
+            return np.asarray(sum(w * np.array(p) for w, p in zip(weights, points, strict=True)))
+        case EllipseCurve(centre, half_x, half_y):
+            turn = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
+            around = np.stack([half_x * np.cos(turn), half_y * np.sin(turn), 0 * turn], axis=1)
+            return around + np.array(centre)
+        case Rectangle(low, size_x, size_y, radius):
+            corners = np.array(low) + np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) * [
+                size_x,
+                size_y,
+                0,
+            ]
+            return _ring(corners, radius)
+
+
+def _arc(start: Array, centre: Array, end: Array) -> Array:
+    """Return points of the arc of less than half a turn, its end left out."""
+    one, other = start - centre, end - centre
+    angle = math.acos(float(np.clip(one @ other / np.linalg.norm(one) / np.linalg.norm(other), -1, 1)))
+    across = other - one * (one @ other) / (one @ one)
+    across *= np.linalg.norm(one) / max(float(np.linalg.norm(across)), 1e-12)
+    steps = max(2, math.ceil(_AROUND * angle / (2 * np.pi)))
+    turn = np.linspace(0, angle, steps + 1)[:-1, None]
+    return np.asarray(centre + np.cos(turn) * one + np.sin(turn) * across)
+
+
+def _ring(corners: Array, radius: float) -> Array:
+    """Return a quadrilateral (4, 3) with round corners as points."""
+    if not radius:
+        return corners
+    found = []
+    for here, before, after in zip(corners, np.roll(corners, 1, 0), np.roll(corners, -1, 0), strict=True):
+        start, end = (here + radius * (way - here) / np.linalg.norm(way - here) for way in (before, after))
+        found += [_arc(start, start + end - here, end), end[None]]
+    return np.concatenate(found)
+
+
+def _journal(scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int) -> Manifold:
+    """Return the journal at y with its fillet and bore, its web at the upper end if `toward` is +1."""
+    length, fillet, radius = z_mm[1] - z_mm[0], journal.fillet, journal.radius_mm
+    turn = np.linspace(0, np.pi / 2, _FILLET_STEPS)
+    arc = np.column_stack(
+        [
+            radius + fillet.radial_mm * (1 - np.cos(turn)),
+            length - fillet.axial_mm * (1 - np.sin(turn)),
+        ]
+    )
+    section = np.concatenate(
+        [[[0, 0], [radius, 0]], arc if journal.fillet_mm else [[radius, length]], [[0, length]]]
+    )
+    body = CrossSection([section]).revolve(_AROUND)
+    body = body if toward > 0 else body.mirror((0, 0, 1)).translate((0, 0, length))
+    tools = _over_pockets(scene, journal, y, z_mm, toward)
+    if journal.bore_radius_mm:
+        tools += Manifold.cylinder(length, journal.bore_radius_mm, -1.0, _AROUND).translate((0, y, z_mm[0]))
+    return body.translate((0, y, z_mm[0])) - tools
+
+
+def _over_pockets(
+    scene: Scene, journal: Journal, y: float, z_mm: tuple[float, float], toward: int
+) -> Manifold:
+    """Return the columns over pockets and bores that open under the fillet, outside the journal."""
+    face, reach = z_mm[toward > 0], journal.radius_mm + journal.fillet_mm
+    z = (face - journal.fillet.axial_mm, face) if toward > 0 else (face, face + journal.fillet.axial_mm)
+    cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
+    found = [
+        _solid(solid)
+        for body in (cuts if journal.fillet_mm else ())
+        if 0 < body.distance_mm(y, face) < reach
+        for solid in body.continued(z)
+    ]
+    core = Manifold.cylinder(z[1] - z[0], journal.radius_mm, -1.0, _AROUND).translate((0, y, z[0]))
+    return sum(found, Manifold()) - core if found else Manifold()

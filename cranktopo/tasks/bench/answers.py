@@ -1,0 +1,141 @@
+"""The three rings of answers of a bench: live and coarse while a dimension is dragged, settled after."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.tasks.bench.workers import Newest, Worker
+
+Tell = Callable[[dict[str, Any]], None]
+Data = dict[str, Any]
+
+
+class Answers:
+    """Questions to the processes that answer, and what was settled so far, by the text of the design."""
+
+    def __init__(self, tell_all: Tell) -> None:
+        self._tell_all = tell_all
+        self._workers = {
+            "live": Worker(),
+            "coarse": Worker(background=True),
+            "settled": Worker(background=True),
+        }
+        self._live, self._coarse = Newest(self._answer_live), Newest(self._answer_coarse)
+        self._settle, self._originals = Newest(self._answer_settled), Newest(self._answer_original)
+        self._settled: dict[str, dict[str, Any]] = {}
+        self._exact: dict[str, dict[str, float]] = {}
+        self._shares: dict[str, float] = {}
+        self._now = self._original = ""
+
+    def close(self) -> None:
+        """End the processes."""
+        for worker in self._workers.values():
+            worker.close()
+
+    def live(self, data: Data, seq: int | None, tell: Tell, text: str = "") -> None:
+        """Ask for exact numbers and the picture; `seq` is the drag's, None after a release."""
+        self._live.put((data, seq, tell, text))
+
+    def coarse(self, data: Data, seq: int | None, tell: Tell) -> None:
+        """Ask for the stiffness of a drag; nothing before the first stiffness has settled."""
+        if self._shares:
+            self._coarse.put((data, seq, tell))
+
+    def settle(self, data_of: Callable[[str], Data], now: str, original: str) -> None:
+        """Ask for the settled numbers of the design, then for those of the original."""
+        self._now, self._original = now, original
+        for text in (now, original):
+            self._tell_settled(text, self._tell_all)
+        self._settle.put((data_of, now, original))
+
+    def original(self, data: Data, text: str, tell: Tell) -> None:
+        """Ask for exact numbers and the picture of what gauges are compared with."""
+        self._originals.put((data, text, tell))
+
+    async def checked(self, data: Data) -> list[dict[str, str]]:
+        """Return the rules that a design breaks, each with its key; none where it is sound."""
+        from cranktopo.tasks.bench.live import broken_rules_of
+
+        found: list[dict[str, str]] = await self._workers["live"].ask(broken_rules_of, data)
+        return found
+
+    def known(self, text: str) -> dict[str, float]:
+        """Return all numbers that are known of a design."""
+        return {**self._exact.get(text, {}), **self._settled.get(text, {}).get("gauges", {})}
+
+    async def _answer_live(self, question: tuple[Data, int | None, Tell, str]) -> None:
+        data, seq, tell, text = question
+        tell({"type": "live", "seq": seq, **await self._live_answer(data, text)})
+
+    async def _answer_original(self, question: tuple[Data, str, Tell]) -> None:
+        data, text, tell = question
+        tell({"type": "original", **await self._live_answer(data, text)})
+
+    async def _live_answer(self, data: Data, text: str) -> dict[str, Any]:
+        from cranktopo.tasks.bench.live import live_answer
+
+        try:
+            found: dict[str, Any] = await self._workers["live"].ask(live_answer, data)
+        except CranktopoError as error:
+            return {"broken": [{"key": "", "message": str(error)}]}
+        if text and "gauges" in found:
+            self._exact[text] = found["gauges"]
+        return found
+
+    async def _answer_coarse(self, question: tuple[Data, int | None, Tell]) -> None:
+        data, seq, tell = question
+        try:
+            found = await self._coarse_values(data)
+        except CranktopoError:
+            return  # the live answer tells what is broken
+        gauges = {name: value * self._shares[name] for name, value in found.items() if name in self._shares}
+        if gauges:
+            tell({"type": "coarse", "seq": seq, "gauges": gauges})
+
+    async def _coarse_values(self, data: Data) -> dict[str, float]:
+        from cranktopo.tasks.bench.coarse import coarse_stiffness
+
+        found: dict[str, float] = await self._workers["coarse"].ask(coarse_stiffness, data)
+        return found
+
+    async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
+        from cranktopo.tasks.bench.settled import settled_safety, settled_stiffness
+
+        data_of, now, original = question
+        for text in dict.fromkeys((now, original)):
+            for part, function in (("stiffness", settled_stiffness), ("safety", settled_safety)):
+                if part in self._settled.get(text, {}).get("parts", ()):
+                    continue
+                try:
+                    found = await self._workers["settled"].ask(function, data_of(text))
+                except CranktopoError as error:
+                    found = {"gauges": {}, "missing": str(error)}
+                self._keep(text, part, found)
+                if part == "stiffness" and text == now:
+                    await self._calibrate(data_of(text), found["gauges"])
+                if self._now != now:
+                    return  # a newer design waits
+
+    async def _calibrate(self, data: Data, truth: dict[str, float]) -> None:
+        """Learn by how much the cells err at this design."""
+        try:
+            coarse = await self._coarse_values(data)
+        except CranktopoError:
+            return
+        self._shares = {
+            name: truth[name] / value for name, value in coarse.items() if name in truth and value
+        }
+
+    def _keep(self, text: str, part: str, found: dict[str, Any]) -> None:
+        before = self._settled.get(text, {"gauges": {}, "parts": ()})
+        gauges = {**before["gauges"], **found["gauges"]}
+        self._settled[text] = {**before, **found, "gauges": gauges, "parts": (*before["parts"], part)}
+        self._tell_settled(text, self._tell_all)
+
+    def _tell_settled(self, text: str, tell: Tell) -> None:
+        found = self._settled.get(text)
+        for which, wanted in (("now", self._now), ("original", self._original)):
+            if found is not None and text == wanted:
+                tell({"type": "settled", "which": which, **found})

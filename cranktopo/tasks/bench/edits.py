@@ -1,0 +1,110 @@
+"""Changes of a design by key path, in its text with the comments kept, and in its plain tables."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError, quoted
+from cranktopo.base.units import stem_and_unit
+from cranktopo.design.loading import FILE_KEYS, key_parts, parse_toml, value_at, with_resolved_files
+
+MOST_CHANGES = 200
+
+
+def changed_data(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a design with values at key paths; None takes a key, a table or an entry away.
+
+    An entry right behind the last one of an array is added.
+    """
+    found: dict[str, Any] = copy.deepcopy(dict(data))
+    for key, value in _checked(changes).items():
+        _put(found, key, value)
+    return found
+
+
+def changed_text(text: str, changes: Mapping[str, Any], source: str) -> str:
+    """Return the text of a design with the same changes; its comments stay."""
+    import tomlkit
+
+    document: Any = tomlkit.parse(text)
+    wanted = changed_data(parse_toml(text, source), changes)
+    try:
+        for key, value in changes.items():
+            _put(document, key, value)
+        new = tomlkit.dumps(document)
+        if parse_toml(new, source) == wanted:
+            return new
+    except (KeyError, ValueError, TypeError, AttributeError, tomlkit.exceptions.TOMLKitError):
+        pass  # a layout of tables that the comment-keeping writer cannot follow
+    return tomlkit.dumps(wanted)
+
+
+def check_files_inside(data: Mapping[str, Any], folder: Path, trusted: Mapping[str, Any]) -> None:
+    """Refuse a design that names a file outside the folder, unless the opened design names it as well."""
+    root = folder.resolve()
+    known = {str(value_at(trusted, ".".join(keys))) for keys in FILE_KEYS}
+    for keys in FILE_KEYS:
+        key = ".".join(keys)
+        name = value_at(with_resolved_files(dict(data), root), key)
+        if isinstance(name, str) and name not in known and not Path(name).is_relative_to(root):
+            raise CranktopoError(
+                f"{key} = {quoted(value_at(data, key))}: lies outside the folder of the bench.",
+                hint="Put the file into that folder.",
+            )
+
+
+def changed_files(text: str, folder: Path) -> str:
+    """Return the text of a design with absolute names of the files that it names."""
+    data = parse_toml(text, "design")
+    names = {".".join(keys): value_at(data, ".".join(keys)) for keys in FILE_KEYS}
+    absolute = {key: str((folder / name).resolve()) for key, name in names.items() if isinstance(name, str)}
+    return changed_text(text, absolute, "design") if absolute else text
+
+
+def _checked(changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    if len(changes) > MOST_CHANGES:
+        raise CranktopoError(f"{len(changes)} changes at once; at most {MOST_CHANGES}.")
+    return changes
+
+
+def _put(tables: Any, key: str, value: Any) -> None:
+    *path, last = key_parts(key)
+    for part, after in zip(path, [*path[1:], last] if path else [], strict=True):
+        if isinstance(part, str) and part not in tables:
+            if value is None:
+                return
+            tables[part] = [] if isinstance(after, int) else {}
+        try:
+            tables = tables[part]
+        except (IndexError, KeyError, TypeError):
+            raise CranktopoError(f"{key}: there is no such entry.", hint="Add it first.") from None
+    if value is None:
+        _remove(tables, last)
+    elif isinstance(last, int):
+        if not isinstance(tables, list) or last > len(tables):
+            raise CranktopoError(f"{key}: there is no such entry.", hint="Add it first.")
+        if last == len(tables):
+            tables.append(value)
+        else:
+            tables[last] = value
+    elif not isinstance(tables, Mapping):
+        raise CranktopoError(f"{key}: is asked of {quoted(tables)}, which is no table.")
+    else:
+        tables[last] = _as_written(last, value)  # type: ignore[index]
+
+
+def _remove(tables: Any, last: str | int) -> None:
+    if isinstance(last, int):
+        if isinstance(tables, list) and last < len(tables):
+            del tables[last]
+    elif isinstance(tables, Mapping) and last in tables:
+        del tables[last]  # type: ignore[attr-defined]
+
+
+def _as_written(name: str, value: Any) -> Any:
+    """Return a value with a unit as a number with a point: 20.0, as designs have it."""
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    return float(value) if whole and stem_and_unit(name)[1] else value

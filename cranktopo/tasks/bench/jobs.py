@@ -1,0 +1,227 @@
+"""Long work of a session: the commands of the command line as processes, with their notes, stopped, resumed.
+
+A job outlives the server. What is known of it is in its folder: `job.json` and `notes.txt`.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import psutil
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import write_json
+from cranktopo.base.result import Result
+
+JobState = Literal["running", "done", "stopped", "failed"]
+_JOB, _NOTES, _CODE, _OUT = "job.json", "notes.txt", "code", "out"
+_RUN = "import sys; from cranktopo.app.launch import main; main()"
+_SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
+_TAIL = 4000
+
+_GOAL = ("minimise", "maximise", "limit")
+KINDS: Mapping[str, tuple[str, ...]] = {
+    "optimise": ("volume-fraction", "resolution-mm", "max-iterations", *_GOAL),
+    "shape": _GOAL,
+    "bound": (*_GOAL, "resolution-mm"),
+    "fatigue": ("method",),
+    "sweep": ("vary", "stage", "workers"),
+    "remodel": (),
+    "evaluate": ("accuracy",),
+}
+"""Jobs, with the options that the page may give them."""
+RESUMABLE = ("optimise", "shape", "sweep")
+_PARTLY = (0, 5, 6)
+"""Exit codes with a result."""
+
+
+class _Job(Result):
+    id: str
+    kind: str
+    words: tuple[str, ...]
+    started: float
+    pid: int = 0
+    born: float = 0.0
+    variant: str = ""
+
+
+@dataclass
+class Job:
+    """A job that was started, whoever started it."""
+
+    place: Path
+    known: _Job
+
+    @property
+    def out(self) -> Path:
+        """Folder of its run."""
+        return self.place / _OUT
+
+    @property
+    def code(self) -> int | None:
+        """Exit code; None while it runs, or where it was killed."""
+        with suppress(OSError, ValueError):
+            return int((self.place / _CODE).read_text(encoding="ascii"))
+        return None
+
+    @property
+    def alive(self) -> bool:
+        """True while its process is there, and not another one of its number."""
+        with suppress(psutil.Error):
+            process = psutil.Process(self.known.pid)
+            return (
+                process.status() != psutil.STATUS_ZOMBIE and abs(process.create_time() - self.known.born) < 1
+            )
+        return False
+
+    @property
+    def state(self) -> JobState:
+        """What became of it."""
+        code = self.code
+        if code is None:
+            return "running" if self.alive else "stopped"
+        return "done" if code in _PARTLY else "stopped" if code in (130, -2) else "failed"
+
+    @property
+    def command(self) -> str:
+        """The command line that does the same."""
+        return shlex.join(["cranktopo", *self.known.words])
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what the page shows of it."""
+        lines = self._notes()
+        state = self.state
+        return {
+            "id": self.known.id,
+            "kind": self.known.kind,
+            "command": self.command,
+            "state": state,
+            "resumable": state in ("stopped", "failed")
+            and self.known.kind in RESUMABLE
+            and self.out.is_dir(),
+            "notes": lines[-6:],
+            "seconds": round(time.time() - self.known.started),
+            "variant": self.known.variant,
+            "page": self.page,
+        }
+
+    @property
+    def page(self) -> str:
+        """Name of its report in its run; empty where there is none."""
+        return next((n for n in ("report.html", "page.html", "sweep.html") if (self.out / n).is_file()), "")
+
+    def stdout(self) -> str:
+        """Return what it printed."""
+        with suppress(OSError):
+            return (self.place / "stdout.txt").read_text(encoding="utf-8", errors="replace")
+        return ""
+
+    def stop(self) -> None:
+        """Interrupt it as Ctrl-C does, so that it saves what it has."""
+        if self.alive:
+            for child in psutil.Process(self.known.pid).children():
+                with suppress(psutil.Error):
+                    child.send_signal(signal.SIGINT)
+
+    def note_variant(self, id_: str) -> None:
+        """Record that its result was kept."""
+        self.known = self.known.model_copy(update={"variant": id_})
+        write_json(self.place / _JOB, self.known.as_json())
+
+    def _notes(self) -> list[str]:
+        with suppress(OSError), (self.place / _NOTES).open("rb") as file:
+            file.seek(0, os.SEEK_END)
+            file.seek(max(0, file.tell() - _TAIL))
+            text = file.read().decode("utf-8", "replace").replace("\r", "\n")
+            return [line for line in text.splitlines() if line.strip()]
+        return []
+
+
+class Jobs:
+    """The jobs of a session."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def all(self) -> list[Job]:
+        """Return every job, the oldest first."""
+        found = []
+        for file in sorted(self._folder.glob(f"*/{_JOB}")):
+            with suppress(CranktopoError):
+                found.append(Job(file.parent, _Job.read(file)))
+        return found
+
+    def job(self, id_: str) -> Job:
+        """Return a job by its name."""
+        for job in self.all():
+            if job.known.id == id_:
+                return job
+        raise CranktopoError("job: there is no such job.")
+
+    def start(self, kind: str, design: str, options: Mapping[str, Any]) -> Job:
+        """Start a command on the text of a design."""
+        if kind not in KINDS:
+            raise CranktopoError("job: there is no such command.")
+        given = _option_words(kind, options)
+        number = 1 + max((int(place.name) for place in self._folder.glob("[0-9][0-9][0-9]")), default=0)
+        place = self._folder / f"{number:03d}"
+        place.mkdir(parents=True)
+        (place / "design.toml").write_text(design, encoding="utf-8")
+        words = [kind, "design.toml", *given]
+        words += ["--out", _OUT] if kind in ("optimise", "shape", "sweep") else ["--json"]
+        return self._run(place, f"{number:03d}", kind, words)
+
+    def resume(self, id_: str) -> Job:
+        """Continue a job that was stopped."""
+        job = self.job(id_)
+        if job.state == "running" or job.known.kind not in RESUMABLE:
+            raise CranktopoError("job: there is nothing to continue.")
+        (job.place / _CODE).unlink(missing_ok=True)
+        return self._run(job.place, id_, job.known.kind, [job.known.kind, "--resume", _OUT])
+
+    def _run(self, place: Path, id_: str, kind: str, words: Sequence[str]) -> Job:
+        line = ["/bin/sh", "-c", _SHELL, "sh", sys.executable, "-c", _RUN, *words]
+        process = subprocess.Popen(
+            line,
+            cwd=place,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )
+        born = psutil.Process(process.pid).create_time()
+        known = _Job(id=id_, kind=kind, words=tuple(words), started=time.time(), pid=process.pid, born=born)
+        write_json(place / _JOB, known.as_json())
+        _running.append(process)
+        return Job(place, known)
+
+
+_running: list[subprocess.Popen[bytes]] = []
+
+
+def reap() -> None:
+    """Take note of processes that ended, so that none stays as a zombie."""
+    _running[:] = [process for process in _running if process.poll() is None]
+
+
+def _option_words(kind: str, options: Mapping[str, Any]) -> list[str]:
+    words = []
+    for name, given in options.items():
+        if name not in KINDS[kind]:
+            raise CranktopoError(f"job: {kind} has no option of that name here.")
+        for value in given if isinstance(given, list) else [given]:
+            if not isinstance(value, str | int | float) or not str(value).strip():
+                raise CranktopoError(f"job: --{name} needs a value.")
+            words.append(f"--{name}={value}")
+    return words

@@ -1,0 +1,150 @@
+"""The live answer to a drag: what is exact at once, and the picture; a pure function of the tables."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import NMM_PER_NM
+from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.design.clearance import clearances_mm
+from cranktopo.design.halves import halves
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.histories import load_history
+from cranktopo.engine.performance import mean_pressure_MPa, power_kW
+from cranktopo.engine.throw_compliance import web_lever_mm
+from cranktopo.engine.vibration.shaft_chain import estimated_chain
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, packed
+from cranktopo.tasks.bench.front_view import front_view
+from cranktopo.tasks.fatigue.m53 import concentration_factors, nominal_stresses, outside_validity
+from cranktopo.tasks.fatigue.rule_check import dimensions, fillet_checks
+from cranktopo.tasks.fatigue.safety_field import load_kinds
+
+_BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")
+
+
+def live_answer(data: dict[str, Any]) -> dict[str, Any]:
+    """Return numbers and picture of a design, or what of it is broken, by key.
+
+    Args:
+        data: tables of the design, file names absolute.
+    """
+    try:
+        scene = scene_from_dict(data, "design", whole=True)
+    except CranktopoError as error:
+        return {"broken": broken_rules(error)}
+    return {
+        "gauges": exact_values(scene),
+        "notes": notes(scene),
+        "picture": packed(view_of(scene)),
+        "front": front_view(scene),
+        "turns_deg": _turns_deg(scene),
+    }
+
+
+def broken_rules_of(data: dict[str, Any]) -> list[dict[str, str]]:
+    """Return the rules that the tables of a design break."""
+    try:
+        scene_from_dict(data, "design", whole=True)
+    except CranktopoError as error:
+        return broken_rules(error)
+    return []
+
+
+def broken_rules(error: CranktopoError) -> list[dict[str, str]]:
+    """Return each line of a refusal with the key that it names."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    lines = lines[1:] if len(lines) > 1 else lines
+    return [{"key": (found[1] if (found := _BROKEN.search(line)) else ""), "message": line} for line in lines]
+
+
+def view_of(scene: Scene) -> Scene3D:
+    """Return both half throws, or the one where they are alike, as the 3D view shows them."""
+    pair = halves(scene)
+    alike = pair[0] is pair[1]
+    shown = [
+        ShownBody(scene.name, mesh_of(shown_half(half)), half.web_z_mm, half.pitch_mm / 2, None, partner)
+        for half, partner in zip(pair[:1] if alike else pair, (0,) if alike else (1, -1), strict=True)
+    ]
+    return Scene3D(tuple(shown))
+
+
+def _turns_deg(scene: Scene) -> list[float]:
+    """Return the angle of every throw about z, deg; one throw where there is no engine."""
+    return [about_z_deg(angle) for angle in scene.shaft_angles_deg] if scene.engine else [0.0]
+
+
+def exact_values(scene: Scene) -> dict[str, float]:
+    """Return every quantity of a design that is known in closed form, by the name of its gauge."""
+    balance = throw_balance(scene)
+    found = {
+        "mass": balance.mass_kg,
+        "inertia": balance.inertia_kg_mm2,
+        "unbalance": balance.throw_unbalance_kg_mm,
+    }
+    if balance.balance_factor_percent is not None:
+        found["balance_factor"] = balance.balance_factor_percent
+    for part in (_room, _loads, _rule, _vibration):
+        try:
+            found |= dict(part(scene))
+        except CranktopoError:
+            continue  # what the design does not say yet has no gauge
+    return found
+
+
+def _room(scene: Scene) -> Iterator[tuple[str, float]]:
+    for name, gap in clearances_mm(scene).items():
+        yield ("piston_gap" if "piston" in name else "crankcase_gap"), gap
+
+
+def _loads(scene: Scene) -> Iterator[tuple[str, float]]:
+    if scene.engine is None:
+        return
+    found = analyse(scene)
+    if found.cycle is None:
+        return
+    radius, work = scene.throw.radius_mm, found.cycle.indicated_work_J
+    yield "gas_force", found.cycle.extreme("gas_force_N")[0].value
+    yield "pin_force", found.cycle.extreme("rod_force_N")[0].value
+    yield "mean_torque", found.cycle.engine_torque()[0]
+    yield "mean_pressure", 10 * mean_pressure_MPa(work, found.engine, radius)
+    yield "power", power_kW(work, found.engine)
+
+
+def _rule(scene: Scene) -> Iterator[tuple[str, float]]:
+    """Yield the acceptability factors of both fillets by the rule's polynomials, the worse web's."""
+    if scene.material.ultimate_MPa is None or not all(j.fillet_mm for j, _ in scene.throw.journals):
+        return
+    history = load_history(scene, "extremes", load_kinds(scene, "extremes")[0])
+    force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
+    near, far = halves(scene)
+    checks = []
+    for half, share in ((near, far.pitch_mm), (far, near.pitch_mm)):
+        share /= near.pitch_mm + far.pitch_mm
+        size, moment = dimensions(half), force * share * web_lever_mm(half)
+        nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
+        checks.append(fillet_checks(half, size, concentration_factors(size), nominal))
+    for fillet in ("pin", "journal"):
+        yield f"m53_{fillet}", min(check[fillet].acceptability for check in checks)
+
+
+def _vibration(scene: Scene) -> Iterator[tuple[str, float]]:
+    if scene.shaft is None or scene.engine is None:
+        return
+    elastic = [f for f in estimated_chain(scene).chain.natural_frequencies_Hz() if f > 1e-3]
+    if elastic:
+        yield "natural_frequency", elastic[0]
+
+
+def notes(scene: Scene) -> list[str]:
+    """Return what limits the closed forms: ratios outside the validity of the rule's polynomials."""
+    return [f"IACS UR M53, polynomials: {line}" for line in outside_validity(dimensions(scene))]

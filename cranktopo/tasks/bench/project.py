@@ -1,0 +1,216 @@
+"""What a bench session holds, all of it in files: a crash loses at most the drag in hand.
+
+A folder `bench/NAME` beside the design: every step as a design, kept variants, and `state.json`, which is
+replaced whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import unified_diff
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import is_inside, read_text_file, write_json, write_text
+from cranktopo.base.result import Result
+from cranktopo.design.loading import parse_toml, with_resolved_files
+from cranktopo.design.writing import design_name
+from cranktopo.tasks.bench.edits import changed_text, check_files_inside
+
+_FOLDER, _STATE = "bench", "state.json"
+
+
+class Step(Result):
+    """One state of the design: its file, what was done to get there, and the command that does the same."""
+
+    file: str
+    what: str
+    command: str
+
+
+class Variant(Result):
+    """A design that was kept, with its gauges as far as they were known."""
+
+    id: str
+    name: str
+    file: str
+    what: str = ""
+    gauges: dict[str, float] = Field(default_factory=dict)
+    pinned: bool = False
+
+
+class _State(Result):
+    schema_version: int = 1
+    name: str
+    source: str
+    at: int = 0
+    original: int = 0
+    steps: tuple[Step, ...] = ()
+    variants: tuple[Variant, ...] = ()
+
+
+class Project:
+    """One design on the bench, with its history and variants.
+
+    Attributes:
+        folder: folder that the user chose; nothing outside it is read or written.
+        place: where the session is kept.
+    """
+
+    def __init__(self, folder: Path, place: Path, state: _State) -> None:
+        self.folder, self.place, self._state = folder, place, state
+        self._text = read_text_file(place / self.step.file, "design")
+
+    @classmethod
+    def opened(cls, folder: Path, text: str, source: str, what: str, command: str) -> Project:
+        """Return the session of a design; one that was left goes on, if it began with the same text.
+
+        Args:
+            text: of the design, file names relative to the folder or absolute.
+            source: file name of the design, for messages and for the name.
+        """
+        name = design_name(Path(source).with_suffix(".toml"))
+        root = folder / _FOLDER
+        for number in range(1, 1000):
+            place = root / (name if number == 1 else f"{name}-{number}")
+            if not (place / _STATE).is_file():
+                break
+            kept = cls(folder, place, _State.read(place / _STATE))
+            if kept.text_of(0) == text:
+                return kept
+        place.mkdir(parents=True, exist_ok=True)
+        first = Step(file="0000.toml", what=what, command=command)
+        write_text(place / first.file, text)
+        state = _State(name=name, source=source, steps=(first,))
+        write_json(place / _STATE, state.as_json())
+        return cls(folder, place, state)
+
+    @property
+    def name(self) -> str:
+        """Name of the session."""
+        return self._state.name
+
+    @property
+    def step(self) -> Step:
+        """The step that is shown."""
+        return self._state.steps[self._state.at]
+
+    @property
+    def at(self) -> int:
+        """Number of the step that is shown."""
+        return self._state.at
+
+    @property
+    def text(self) -> str:
+        """The design as it stands."""
+        return self._text
+
+    @property
+    def variants(self) -> tuple[Variant, ...]:
+        """The kept variants."""
+        return self._state.variants
+
+    def text_of(self, number: int) -> str:
+        """Return the text of a step."""
+        return read_text_file(self.place / self._state.steps[number].file, "design")
+
+    def data(self, text: str | None = None) -> dict[str, Any]:
+        """Return the tables of the design, or of another text, file names absolute."""
+        return with_resolved_files(parse_toml(self._text if text is None else text, "design"), self.folder)
+
+    def as_steps(self, first: int, last: int) -> tuple[Step, ...]:
+        """Return the steps after one up to another."""
+        return self._state.steps[first + 1 : last + 1]
+
+    @property
+    def original(self) -> int:
+        """Number of the step that gauges are compared with."""
+        return self._state.original
+
+    def pin(self) -> None:
+        """Compare with the design as it stands from now on."""
+        self._write(original=self._state.at)
+
+    def change(self, changes: Mapping[str, Any], what: str) -> None:
+        """Take a step: the design with values at key paths."""
+        lines = [f"{key} = {value}" for key, value in changes.items()]
+        self.replace(changed_text(self._text, changes, "design"), what, f"# in the TOML: {'; '.join(lines)}")
+
+    def replace(self, text: str, what: str, command: str) -> None:
+        """Take a step to another text; what was undone before is given up."""
+        check_files_inside(self.data(text), self.folder, self.data(self.text_of(0)))
+        if text == self._text:
+            return
+        kept = self._state.steps[: self._state.at + 1]
+        number = 1 + max(int(Path(step.file).stem) for step in self._state.steps)
+        step = Step(file=f"{number:04d}.toml", what=what, command=command)
+        write_text(self.place / step.file, text)
+        self._write(steps=(*kept, step), at=len(kept), original=min(self._state.original, len(kept) - 1))
+        self._text = text
+
+    def move(self, by: int) -> None:
+        """Undo (-1) or redo (+1)."""
+        at = self._state.at + by
+        if 0 <= at < len(self._state.steps):
+            self._write(at=at)
+            self._text = self.text_of(at)
+
+    def keep(
+        self, name: str, gauges: Mapping[str, float], text: str | None = None, what: str = ""
+    ) -> Variant:
+        """Keep a variant: the design as it stands, or another text."""
+        number = 1 + max((int(variant.id[1:]) for variant in self.variants), default=0)
+        id_ = f"v{number}"
+        clean = " ".join(name.split())[:60] or f"variant {number}"
+        variant = Variant(id=id_, name=clean, file=f"{id_}.toml", what=what, gauges=dict(gauges))
+        write_text(self.place / variant.file, self._text if text is None else text)
+        self._write(variants=(*self.variants, variant))
+        return variant
+
+    def update_variant(self, id_: str, **changes: Any) -> None:
+        """Change a variant's gauges or pin."""
+        self._write(variants=tuple(v.model_copy(update=changes) if v.id == id_ else v for v in self.variants))
+
+    def drop(self, id_: str) -> None:
+        """Give up a variant; its file stays."""
+        self._write(variants=tuple(variant for variant in self.variants if variant.id != id_))
+
+    def variant_text(self, id_: str) -> str:
+        """Return the design of a variant."""
+        for variant in self.variants:
+            if variant.id == id_:
+                return read_text_file(self.place / variant.file, f"variant '{variant.name}'")
+        raise CranktopoError(f"variant '{id_}': there is none.")
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what the page shows of the session."""
+        return {
+            "name": self.name,
+            "folder": str(self.folder),
+            "at": self._state.at,
+            "original": self._state.original,
+            "steps": [step.as_json() for step in self._state.steps],
+            "variants": [variant.as_json() for variant in self.variants],
+            "data": self.data(),
+            "diff": list(
+                unified_diff(self.text_of(0).splitlines(), self._text.splitlines(), n=1, lineterm="")
+            )[2:],
+        }
+
+    def _write(self, **changes: Any) -> None:
+        state = self._state.model_copy(update=changes)
+        write_json(self.place / _STATE, state.as_json())
+        self._state = state
+
+
+def file_in(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:
+    """Return the path of a file that the page may write or send: by its plain name, in the folder."""
+    path = folder / name
+    if not is_inside(name) or Path(name).name != name or name.startswith(".") or path.is_symlink():
+        raise CranktopoError(f"file '{name[:80]}': must be a plain name in the folder of the bench.")
+    if path.suffix.lower() not in suffixes:
+        raise CranktopoError(f"file '{name[:80]}': must end with {', '.join(suffixes)}.")
+    return path

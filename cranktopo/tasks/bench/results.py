@@ -1,0 +1,78 @@
+"""What finished jobs found, as numbers of gauges and as designs to be kept."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import read_json, read_text_file
+from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.tasks.bench.jobs import Job
+
+_REMODEL_S = 3600
+
+
+def job_numbers(job: Job) -> dict[str, float]:
+    """Return the gauges that a finished job tells, by name; a bound is called `bound_` and its quantity."""
+    reader = {"shape": _of_shape, "bound": _of_bound, "fatigue": _of_fatigue, "optimise": _of_optimise}
+    if job.known.kind not in reader:
+        return {}
+    try:
+        return reader[job.known.kind](job)
+    except (KeyError, TypeError, ValueError, IndexError):
+        return {}
+
+
+def variant_of(job: Job) -> str | None:
+    """Return the design that a finished job ends with; a density is re-modelled first."""
+    if job.known.kind == "shape":
+        return _design(job.out / "web.toml")
+    if job.known.kind != "optimise":
+        return None
+    if not (job.out / "remodel").is_dir():
+        line = [sys.executable, "-c", "from cranktopo.app.launch import main; main()", "remodel", "out"]
+        subprocess.run(line, cwd=job.place, capture_output=True, check=False, timeout=_REMODEL_S)
+    return next((_design(file) for file in sorted(job.out.glob("remodel/*.toml"))), None)
+
+
+def _design(file: Path) -> str:
+    if not file.is_file():
+        raise CranktopoError(f"'{file}': is missing.")
+    return read_text_file(file, f"'{file}'")
+
+
+def _of_shape(job: Job) -> dict[str, float]:
+    result = read_json(job.out / "shape.json")["result"]
+    return _evaluated(result)
+
+
+def _evaluated(entry: dict[str, Any]) -> dict[str, float]:
+    ratios, supports = entry["stiffness_per_mass"], entry["supports"]
+    found = {
+        "mass": entry["mass_kg"]["throw"],
+        "inertia": entry["inertia_kg_mm2"],
+        "unbalance": entry["unbalance_kg_mm"],
+        "torsion": entry["torsion"][f"{supports['torsion']}_Nm_per_rad"],
+        "bending": entry["bending"][f"{supports['bending']}_N_per_mm"],
+        "torsion_per_mass": ratios["torsion_Nm_per_rad_kg"],
+        "bending_per_mass": ratios["bending_N_per_mm_kg"],
+    }
+    safety = entry.get("fatigue_safety")
+    return {**found, **({} if safety is None else {"fatigue_safety": safety})}
+
+
+def _of_bound(job: Job) -> dict[str, float]:
+    bound = json.loads(job.stdout())["bound"]
+    return {f"bound_{bound['quantity']}": bound["value"]} if bound["quantity"] in QUANTITIES else {}
+
+
+def _of_fatigue(job: Job) -> dict[str, float]:
+    return {"fatigue_safety": min(entry["safety"] for entry in json.loads(job.stdout())["fatigue"])}
+
+
+def _of_optimise(job: Job) -> dict[str, float]:
+    return {"mass": read_json(job.out / "metrics.json")["mass_kg"]["throw"]}

@@ -1,0 +1,221 @@
+"""The web server of the bench: this machine alone, by a token in the address, nothing from elsewhere."""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+from pathlib import Path
+from typing import Any
+
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application, HTTPError, RequestHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
+from typing_extensions import override
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import from_json
+from cranktopo.report.viewer.scene3d import SCRIPT
+from cranktopo.tasks.bench.session import Bench
+
+HOST = "127.0.0.1"
+_PAGE = Path(__file__).parent / "page"
+_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_MOST_MESSAGE, MOST_UPLOAD = 1 << 20, 64 << 20
+_REPORT_POLICY = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:"
+)
+"""Of the reports of runs, which are one file each: they may do nothing here."""
+
+
+class Server:
+    """A bench that listens.
+
+    Attributes:
+        address: of the page, its token included.
+    """
+
+    def __init__(self, bench: Bench, port: int = 0) -> None:
+        self.bench, self.token = bench, secrets.token_urlsafe(24)
+        try:
+            sockets = bind_sockets(port, HOST)
+        except OSError as error:
+            raise CranktopoError(
+                f"--port {port}: cannot be used: {error.strerror}.",
+                hint="Leave --port out to take a free one.",
+            ) from None
+        self.port = int(sockets[0].getsockname()[1])
+        self.address = f"http://{HOST}:{self.port}/{self.token}/"
+        routes: list[Any] = [
+            (r"/([^/]+)/", _File, {"name": "bench.html"}),
+            (r"/([^/]+)/(bench\.css|bench\.js|viewer\.js)", _File),
+            (r"/([^/]+)/talk", _Talk),
+            (r"/([^/]+)/upload", _Upload),
+            (r"/([^/]+)/made/([^/]+)", _Made),
+            (r"/([^/]+)/job/([0-9]+)", _Report),
+            (r".*", _Nothing),
+        ]
+        application = Application(
+            routes,
+            bench_server=self,
+            websocket_max_message_size=_MOST_MESSAGE,
+            websocket_ping_interval=20,
+            log_function=lambda handler: None,
+        )
+        self._http = HTTPServer(application, max_body_size=MOST_UPLOAD, max_buffer_size=MOST_UPLOAD)
+        self._http.add_sockets(sockets)
+
+    def close(self) -> None:
+        """Stop listening, end the processes."""
+        self._http.stop()
+        self.bench.close()
+
+    @property
+    def origins(self) -> tuple[str, str]:
+        """Origins of the page itself."""
+        return f"http://{HOST}:{self.port}", f"http://localhost:{self.port}"
+
+
+class _Guarded(RequestHandler):
+    """What every request must keep: host, token, and for whatever changes something the origin."""
+
+    @property
+    def server(self) -> Server:
+        found: Server = self.application.settings["bench_server"]
+        return found
+
+    @property
+    def hosts(self) -> set[str]:
+        return {origin.removeprefix("http://") for origin in self.server.origins}
+
+    @override
+    def prepare(self) -> None:
+        if self.request.headers.get_list("Host") not in [[host] for host in self.hosts]:
+            raise HTTPError(403)
+        token = self.path_args[0] if self.path_args else ""
+        if not hmac.compare_digest(str(token).encode(), self.server.token.encode()):
+            raise HTTPError(403)
+        origin = self.request.headers.get("Origin")
+        wrong = origin is not None and origin not in self.server.origins
+        changing = self.request.method not in ("GET", "HEAD")
+        if (
+            wrong
+            or (changing and origin is None)
+            or self.request.headers.get("Sec-Fetch-Site") == "cross-site"
+        ):
+            raise HTTPError(403)
+
+    @override
+    def set_default_headers(self) -> None:
+        socket = f"ws://{HOST}:{self.server.port} ws://localhost:{self.server.port}"
+        for name, value in {
+            "Server": "cranktopo",
+            "Content-Security-Policy": (
+                "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+                f"connect-src 'self' {socket}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+            ),
+            "Cache-Control": "no-store",
+            "Cross-Origin-Opener-Policy": "same-origin",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Referrer-Policy": "no-referrer",
+            "X-Content-Type-Options": "nosniff",
+        }.items():
+            self.set_header(name, value)
+
+    @override
+    def write_error(self, status_code: int, **kwargs: Any) -> None:
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code}\n")
+
+
+class _Nothing(_Guarded):
+    @override
+    def prepare(self) -> None:
+        raise HTTPError(404)
+
+
+class _File(_Guarded):
+    @override
+    def initialize(self, name: str = "") -> None:
+        self.name = name
+
+    def get(self, token: str, name: str = "") -> None:
+        name = self.name or name
+        path = SCRIPT if name == SCRIPT.name else _PAGE / name
+        self.set_header("Content-Type", f"{_TYPES[path.suffix]}; charset=utf-8")
+        self.finish(path.read_bytes())
+
+
+class _Made(_Guarded):
+    """A file that the page had written, to be downloaded."""
+
+    def get(self, token: str, name: str) -> None:
+        try:
+            path = self.server.bench.made(name)
+        except CranktopoError:
+            raise HTTPError(404) from None
+        self.set_header("Content-Type", "application/octet-stream")
+        self.set_header("Content-Disposition", f'attachment; filename="{path.name}"')
+        self.finish(path.read_bytes())
+
+
+class _Report(_Guarded):
+    def get(self, token: str, job: str) -> None:
+        try:
+            path = self.server.bench.report_of(job)
+        except CranktopoError:
+            raise HTTPError(404) from None
+        self.set_header("Content-Security-Policy", _REPORT_POLICY)
+        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.finish(path.read_bytes())
+
+
+class _Upload(_Guarded):
+    async def post(self, token: str) -> None:
+        try:
+            found = await self.server.bench.uploaded(self.get_query_argument("name", ""), self.request.body)
+        except CranktopoError as error:
+            found = {"error": str(error)}
+        self.set_header("Content-Type", "application/json")
+        self.finish(json.dumps(found))
+
+
+class _Talk(_Guarded, WebSocketHandler):
+    """One page that is open: what it asks, and what it is told."""
+
+    @override
+    def check_origin(self, origin: str) -> bool:
+        return origin in self.server.origins
+
+    @override
+    def prepare(self) -> None:
+        super().prepare()
+        if self.request.headers.get("Origin") not in self.server.origins:
+            raise HTTPError(403)
+
+    @override
+    def open(self, *args: str, **kwargs: str) -> None:
+        self.server.bench.enter(self.tell)
+
+    @override
+    def on_close(self) -> None:
+        self.server.bench.leave(self.tell)
+
+    def tell(self, message: dict[str, Any]) -> None:
+        try:
+            self.write_message(json.dumps(message, allow_nan=False))
+        except WebSocketClosedError:
+            self.server.bench.leave(self.tell)
+
+    @override
+    async def on_message(self, message: str | bytes) -> None:
+        try:
+            asked = from_json(message if isinstance(message, str) else message.decode())
+            if not isinstance(asked, dict):
+                raise ValueError
+        except (ValueError, RecursionError):
+            self.close(1003)
+            return
+        await self.server.bench.hear(asked, self.tell)

@@ -1,0 +1,340 @@
+"""A bench at work: what pages ask, the processes that answer, and what every page is told."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import shlex
+import sys
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from cranktopo.base.child import in_child
+from cranktopo.base.errors import CranktopoError, quoted
+from cranktopo.base.files import read_text_file, write_bytes, write_text
+from cranktopo.design.loading import builtin_designs, design_text, load_scene, resolve_design
+from cranktopo.tasks.bench.answers import Answers
+from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside
+from cranktopo.tasks.bench.forms import form_reference, new_design, read_upload
+from cranktopo.tasks.bench.jobs import Job, Jobs, reap
+from cranktopo.tasks.bench.project import Project, file_in
+from cranktopo.tasks.bench.results import job_numbers, variant_of
+
+Tell = Callable[[dict[str, Any]], None]
+_WATCH_S = 1.0
+_EXPORT_S = 900.0
+_EXPORTS = (".step", ".stl", ".svg", ".pdf", ".png")
+_UPLOADS = (".toml", ".step", ".stp", ".stl", ".csv")
+_GIVEN = (".toml", *_EXPORTS, ".html", ".md")
+_ACTIONS = re.compile(
+    "hello|drag|edit|undo|redo|pin|keep|drop|take|compare|job|stop|resume|adopt|export|save|start|open|close"
+)
+
+
+@dataclass
+class Bench:
+    """A folder, the session in it, and the pages that show it."""
+
+    folder: Path
+    project: Project | None = None
+    _pages: list[Tell] = field(default_factory=list)
+    _made: set[str] = field(default_factory=set)
+    _watch: asyncio.Task[None] | None = None
+    _seen: str = ""
+
+    def __post_init__(self) -> None:
+        self.answers = Answers(self._tell_all)
+
+    def close(self) -> None:
+        """End the processes that answer; jobs go on."""
+        self.answers.close()
+        if self._watch:
+            self._watch.cancel()
+
+    def enter(self, tell: Tell) -> None:
+        """Take note of a page that was opened."""
+        self._pages.append(tell)
+        if self._watch is None:
+            self._watch = asyncio.get_running_loop().create_task(self._watch_jobs())
+
+    def leave(self, tell: Tell) -> None:
+        """Forget a page that was closed."""
+        with suppress(ValueError):
+            self._pages.remove(tell)
+
+    async def hear(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        """Do what a page asks; a mistake is told to it alone."""
+        action = asked.get("do")
+        try:
+            if not isinstance(action, str) or not _ACTIONS.fullmatch(action):
+                raise CranktopoError(f"there is no action {quoted(action)}.")
+            done: Awaitable[None] | None = getattr(self, f"_{action}")(asked, tell)
+            if done is not None:
+                await done
+        except (CranktopoError, ValidationError) as error:
+            tell({"type": "error", "message": str(error)})
+        except OSError as error:
+            tell({"type": "error", "message": f"A file cannot be used: {error.strerror}."})
+        except (KeyError, TypeError, ValueError, AttributeError):
+            tell({"type": "error", "message": "The page asked for something that makes no sense here."})
+
+    def open_text(self, text: str, source: str, what: str, command: str) -> None:
+        """Put a design on the bench."""
+        self.project = Project.opened(self.folder, text, source, what, command)
+        self._moved()
+
+    async def uploaded(self, name: str, content: bytes) -> dict[str, Any]:
+        """Read a dropped file in a process of its own: a design, a crank from CAD, or a pressure trace."""
+        path = file_in(self.folder, name, _UPLOADS)
+        if not content:
+            raise CranktopoError(f"'{name}': is empty.")
+        if path.exists() and path.read_bytes() != content:
+            raise CranktopoError(
+                f"'{name}': is in the folder already, with other content.", hint="Rename it."
+            )
+        write_bytes(path, content)
+        text, source = await asyncio.to_thread(in_child, f"'{name}'", read_upload, path)
+        if text is None:
+            self._required.change({"engine.gas.indicator_csv": name}, f"pressure trace {name}")
+            self._moved()
+        else:
+            command = (
+                ["cranktopo", "import", name]
+                if path.suffix.lower() != ".toml"
+                else ["cranktopo", "bench", name]
+            )
+            self.open_text(text, source, f"dropped {name}", shlex.join(command))
+        return {"opened": name}
+
+    def made(self, name: str) -> Path:
+        """Return a file that this session wrote; raises CranktopoError for any other."""
+        if name not in self._made:
+            raise CranktopoError("file: was not made here.")
+        return file_in(self.folder, name, _GIVEN)
+
+    def report_of(self, job: str) -> Path:
+        """Return the page of a job's run."""
+        found = self._jobs.job(job)
+        if not found.page:
+            raise CranktopoError("job: has no page.")
+        return found.out / found.page
+
+    @property
+    def _required(self) -> Project:
+        if self.project is None:
+            raise CranktopoError("no design is on the bench.", hint="Begin one, or open one.")
+        return self.project
+
+    @property
+    def _jobs(self) -> Jobs:
+        return Jobs(self._required.place / "jobs")
+
+    def _data(self, text: str) -> dict[str, Any]:
+        return self._required.data(text)
+
+    def _tell_all(self, message: dict[str, Any]) -> None:
+        for tell in list(self._pages):
+            tell(message)
+
+    def _tell_state(self) -> None:
+        self._tell_all(self._state())
+
+    def _state(self) -> dict[str, Any]:
+        shared = {"type": "state", "designs": builtin_designs(), "files": self._files()}
+        if self.project is None:
+            return {**shared, "project": None}
+        return {**shared, "project": self.project.as_json(), "jobs": [j.as_json() for j in self._jobs.all()]}
+
+    def _files(self) -> list[str]:
+        return sorted(path.name for path in self.folder.glob("*.toml"))[:200]
+
+    def _moved(self) -> None:
+        """Tell every page of a new step, and have it settled."""
+        self._tell_state()
+        self._show(self._tell_all)
+
+    def _show(self, tell: Tell) -> None:
+        project = self._required
+        original = project.text_of(project.original)
+        self.answers.original(project.data(original), original, tell)
+        self.answers.live(project.data(), None, tell, project.text)
+        self.answers.coarse(project.data(), None, tell)
+        self.answers.settle(self._data, project.text, original)
+
+    # What pages ask.
+
+    def _hello(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        tell({"type": "reference", "tables": form_reference()})
+        tell(self._state())
+        if self.project is not None:
+            self._show(tell)
+
+    def _drag(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        data = self._changed(dict(asked["changes"]))
+        self.answers.live(data, asked.get("seq"), tell)
+        self.answers.coarse(data, asked.get("seq"), tell)
+
+    async def _edit(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        """Take a step; a single value that breaks a sound design is told to the page and not taken."""
+        project, changes = self._required, dict(asked["changes"])
+        if len(changes) == 1 and not isinstance(next(iter(changes.values())), dict | None):
+            found = await self.answers.checked(self._changed(changes))
+            if found and not await self.answers.checked(project.data()):
+                tell({"type": "live", "seq": None, "broken": found})
+                return
+        project.change(changes, str(asked.get("what", ""))[:200])
+        self._moved()
+
+    def _undo(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._required.move(-1)
+        self._moved()
+
+    def _redo(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._required.move(1)
+        self._moved()
+
+    def _pin(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._required.pin()
+        self._moved()
+
+    def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        project = self._required
+        changed = " ".join(step.what for step in project.as_steps(project.original, project.at))[:300]
+        project.keep(str(asked.get("name", "")), self.answers.known(project.text), what=changed)
+        self._tell_state()
+
+    def _drop(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._required.drop(str(asked["id"]))
+        self._tell_state()
+
+    def _take(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        project, id_ = self._required, str(asked["id"])
+        name = next((v.name for v in project.variants if v.id == id_), id_)
+        project.replace(project.variant_text(id_), f"took {name}", f"# the file {id_}.toml")
+        self._moved()
+
+    def _compare(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._required.update_variant(str(asked["id"]), pinned=bool(asked["pinned"]))
+        self._tell_state()
+
+    def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._jobs.start(str(asked["kind"]), self._portable(), dict(asked.get("options", {})))
+        self._tell_state()
+
+    def _stop(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._jobs.job(str(asked["id"])).stop()
+
+    def _resume(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self._jobs.resume(str(asked["id"]))
+        self._tell_state()
+
+    async def _adopt(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        await self._keep_result(self._jobs.job(str(asked["id"])))
+
+    async def _export(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        path = self._target(asked, _EXPORTS)
+        part = str(asked.get("part", "throw"))
+        source = self._required.place / "export.toml"
+        write_text(source, self._portable())
+        words = ["export", str(source), str(path), "--force"]
+        if path.suffix.lower() in (".step", ".stl"):
+            words += [f"--part={part}"]
+        tell({"type": "busy", "what": f"writing {path.name}"})
+        command = [sys.executable, "-c", "from cranktopo.app.launch import main; main()", *words]
+        process = await asyncio.create_subprocess_exec(
+            *command, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE
+        )
+        try:
+            _, said = await asyncio.wait_for(process.communicate(), _EXPORT_S)
+        except TimeoutError:
+            process.kill()
+            raise CranktopoError(f"{path.name}: took longer than {_EXPORT_S / 60:.0f} min.") from None
+        if process.returncode:
+            lines = said.decode("utf-8", "replace").strip().splitlines() or ["failed"]
+            raise CranktopoError(lines[-1].removeprefix("error: "))
+        option = f" --part {part}" if part != "throw" and path.suffix.lower() in (".step", ".stl") else ""
+        self._tell_made(path, f"cranktopo export {shlex.quote(self._required.name)}.toml {path.name}{option}")
+
+    def _save(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        path = self._target(asked, (".toml",))
+        write_text(path, self._required.text)
+        self._tell_made(path, f"cranktopo bench {path.name}")
+        self._tell_state()
+
+    def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        text, name, command = new_design(dict(asked["answers"]))
+        self.open_text(text, f"{name}.toml", "begun from usual proportions", command)
+
+    def _open(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        name = str(asked["name"])
+        if name in builtin_designs():
+            path = resolve_design(name)
+            text = changed_files(design_text(name), path.parent)
+        else:
+            path = file_in(self.folder, name, (".toml",))
+            text = read_text_file(path, f"design '{name}'")
+        self.open_text(text, path.name, f"opened {name}", f"cranktopo bench {name}")
+
+    def _close(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        self.project = None
+        self._tell_state()
+
+    # Helpers.
+
+    def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        project = self._required
+        data = changed_data(project.data(), changes)
+        check_files_inside(data, project.folder, project.data(project.text_of(0)))
+        return data
+
+    def _portable(self) -> str:
+        """Return the design with absolute names of files, valid, for a process in another folder."""
+        project = self._required
+        text = changed_files(project.text, project.folder)
+        write_text(project.place / "check.toml", text)
+        load_scene(project.place / "check.toml", whole=True)
+        return text
+
+    def _target(self, asked: Mapping[str, Any], suffixes: tuple[str, ...]) -> Path:
+        path = file_in(self.folder, str(asked["name"]), suffixes)
+        if path.exists() and path.name not in self._made and not asked.get("replace"):
+            raise CranktopoError(f"'{path.name}': is in the folder already.", hint="Choose another name.")
+        return path
+
+    def _tell_made(self, path: Path, command: str) -> None:
+        self._made.add(path.name)
+        self._tell_all({"type": "made", "name": path.name, "command": command})
+
+    async def _watch_jobs(self) -> None:
+        """Tell pages how jobs go on, and keep what finished ones found."""
+        while True:
+            await asyncio.sleep(_WATCH_S)
+            reap()
+            if self.project is None:
+                continue
+            jobs = self._jobs.all()
+            told = [job.as_json() for job in jobs]
+            for job, entry in zip(jobs, told, strict=True):
+                if entry["state"] == "done" and not entry["variant"]:
+                    with suppress(CranktopoError, OSError):
+                        await self._keep_result(job)
+            if str(told) != self._seen:
+                self._seen = str(told)
+                self._tell_all({"type": "jobs", "jobs": told})
+
+    async def _keep_result(self, job: Job) -> None:
+        """Keep what a finished job found: a variant, numbers, or both."""
+        project = self._required
+        numbers = job_numbers(job)
+        text = await asyncio.to_thread(variant_of, job)
+        id_ = "-"
+        if text is not None:
+            id_ = project.keep(f"{job.known.kind} {job.known.id}", numbers, text, job.command).id
+        job.note_variant(id_)
+        self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "command": job.command})
+        self._tell_state()

@@ -1,0 +1,108 @@
+"""The settled answer after a release: body-fitted stiffness, then fatigue safety with its colours."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.design.halves import difference
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
+from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_field
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.quantities import goal_values
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.stage import with_throw_stiffness
+from cranktopo.tasks.shape.start import kept_features
+
+_METHOD = "lsa"
+_FILLET_FRACTION = 0.5
+"""Elements on a fillet over its radius: three times those of `cranktopo fatigue`, an answer in seconds."""
+
+
+def settled_stiffness(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the body-fitted quantities of a design, and the bound of their error in percent."""
+    began, target = time.perf_counter(), _target(data)
+    found = evaluate(target)
+    return {
+        "gauges": goal_values(target.scene, found.result),
+        "error_percent": {"torsion": found.torsion_error_percent, "bending": found.bending_error_percent},
+        "seconds": time.perf_counter() - began,
+    }
+
+
+def settled_safety(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the least fatigue safety, its place in words and mm, and colours; or why there is none."""
+    began, target = time.perf_counter(), _target(data)
+    try:
+        check_inputs(target, _METHOD, "extremes")
+        field = fatigue_field(with_throw_stiffness(target), _METHOD, fillet_fraction=_FILLET_FRACTION)
+    except CranktopoError as error:
+        return {"gauges": {}, "missing": str(error)}
+    scene, critical = target.scene, field.critical
+    return {
+        "gauges": {
+            "fatigue_safety": float(critical.safety),
+            "pin_fillet_safety": field.fillet_safety["pin"],
+            "journal_fillet_safety": field.fillet_safety["journal"],
+        },
+        "place": critical.place,
+        "point_mm": [round(float(x), 3) for x in critical.point_mm],
+        "picture": None if difference(scene) else packed(_coloured(scene, field)),
+        "seconds": time.perf_counter() - began,
+    }
+
+
+def _target(data: dict[str, Any]) -> Target:
+    scene = scene_from_dict(data, "design", whole=True)
+    return Target(scene.name, planned_scene(scene, kept_features(scene)))
+
+
+@dataclass(frozen=True)
+class _Case:
+    name: str
+    label: str
+
+
+@dataclass(frozen=True)
+class _Used:
+    """Share of the strength that is used, 1 over the safety, at points of a half throw."""
+
+    field: FatigueField
+    element_size_mm: float
+    cases: Sequence[_Case] = (_Case("safety", "share of the strength"),)
+
+    def at(self, points_mm: Array) -> Array:
+        """Return the share at the nearest surface node, (1, points)."""
+        from scipy.spatial import cKDTree
+
+        found, images = self.field, self.field.model.images
+        mirrored = any(image.flip_x for image in images)
+        used, way = np.zeros(len(points_mm)), points_mm.copy()
+        if mirrored:
+            way[:, 0] = np.abs(way[:, 0])
+        nearest = cKDTree(found.model.surface.points_mm.T).query(way)[1]
+        for flipped in {image.flip_x for image in images}:
+            safety = np.min(
+                [s for s, i in zip(found.safety, images, strict=True) if i.flip_x == flipped], axis=0
+            )
+            side = (points_mm[:, 0] < 0) == flipped if mirrored else slice(None)
+            used[side] = 1 / safety[nearest][side]
+        return used[None]
+
+
+def _coloured(scene: Scene, field: FatigueField) -> Scene3D:
+    colours = _Used(field, 1.0)
+    body = ShownBody(scene.name, mesh_of(shown_half(scene)), scene.web_z_mm, scene.pitch_mm / 2, colours)
+    top = 1 / float(field.critical.safety)
+    return Scene3D((body,), stress_scales=(StressScale("safety", "share of the strength", top),))

@@ -1,0 +1,89 @@
+"""Processes that answer: each does one kind of work, always for the newest question."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+
+_NICE = 5
+"""What is in the background leaves the cores to the drag."""
+
+
+class Worker:
+    """One process that computes; where it was killed, the next question starts another."""
+
+    def __init__(self, *, background: bool = False) -> None:
+        self._background = background
+        self._pool: ProcessPoolExecutor | None = None
+
+    async def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Return what a function of a module returns; raises CranktopoError as it, or if its process dies."""
+        for _ in range(2):
+            pool = self._pool = self._pool or self._started()
+            try:
+                return await asyncio.get_running_loop().run_in_executor(pool, function, *arguments)
+            except BrokenProcessPool:
+                if self._pool is pool:
+                    self._pool = None
+        raise CranktopoError("The computing process ended twice.", hint="Change the design slightly.")
+
+    def close(self) -> None:
+        """End the process, whatever it is at."""
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            processes = list((pool._processes or {}).values())
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.kill()
+
+    def _started(self) -> ProcessPoolExecutor:
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(1, context, initializer=_begin, initargs=(self._background,))
+
+
+def _begin(background: bool) -> None:
+    """Leave Ctrl-C to the server, and end with it however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if background:
+        os.nice(_NICE)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    threading.Thread(target=_end_after, args=(parent.join,), daemon=True).start()
+
+
+def _end_after(wait: Callable[[], None]) -> None:
+    wait()
+    os._exit(1)
+
+
+class Newest:
+    """Questions of which only the newest is answered, one after another."""
+
+    def __init__(self, answer: Callable[[Any], Any]) -> None:
+        self._answer = answer
+        self._waiting: list[Any] = []
+        self._task: asyncio.Task[None] | None = None
+
+    @property
+    def busy(self) -> bool:
+        """True while a question is being answered."""
+        return self._task is not None and not self._task.done()
+
+    def put(self, question: Any) -> None:
+        """Ask; a question that still waits is forgotten."""
+        self._waiting[:] = [question]
+        if not self.busy:
+            self._task = asyncio.get_running_loop().create_task(self._work())
+
+    async def _work(self) -> None:
+        while self._waiting:
+            await self._answer(self._waiting.pop())

@@ -1,0 +1,58 @@
+"""Jobs are commands in processes of their own: they end, fail and are found again whoever started them."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import design_text
+from cranktopo.tasks.bench.jobs import Job, Jobs, reap
+from cranktopo.tasks.bench.results import job_numbers, variant_of
+
+TEXT = design_text("mikron-iiic-plain")
+
+
+def ended(jobs: Jobs, id_: str) -> Job:
+    for _ in range(1200):
+        reap()
+        if jobs.job(id_).state != "running":
+            return jobs.job(id_)
+        time.sleep(0.1)
+    raise AssertionError("it does not end")
+
+
+def test_a_job_that_fails_says_why_and_is_found_by_the_next_server(tmp_path: Path) -> None:
+    job = Jobs(tmp_path).start("fatigue", TEXT, {"method": "none"})
+    assert job.command == "cranktopo fatigue design.toml --method=none --json"
+    found = ended(Jobs(tmp_path), job.known.id)
+    told = found.as_json()
+    assert (told["state"], told["resumable"]) == ("failed", False)
+    assert "none" in told["notes"][-1]
+    assert job_numbers(found) == {}
+
+
+def test_a_job_is_stopped_and_can_go_on(tmp_path: Path) -> None:
+    jobs = Jobs(tmp_path)
+    job = jobs.start("optimise", TEXT, {"volume-fraction": 0.3, "resolution-mm": 6})
+    assert jobs.job(job.known.id).state == "running"
+    time.sleep(0.5)
+    while jobs.job(job.known.id).state == "running":
+        jobs.job(job.known.id).stop()
+        time.sleep(0.3)
+        reap()
+    assert jobs.job(job.known.id).state == "stopped"
+    with pytest.raises(CranktopoError):
+        jobs.job("007")
+
+
+def test_the_result_of_shape_is_a_design(tmp_path: Path) -> None:
+    ran = ended(Jobs(tmp_path), Jobs(tmp_path).start("fatigue", TEXT, {"method": "none"}).known.id)
+    job = Job(ran.place, ran.known.model_copy(update={"kind": "shape"}))
+    job.out.mkdir()
+    shutil.copy(job.place / "design.toml", job.out / "web.toml")
+    assert variant_of(job) == TEXT
+    assert variant_of(ran) is None
