@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,19 +37,20 @@ def _replaced(data: Any, keys: tuple[str, ...], change: Callable[[str], str]) ->
     return {**data, keys[0]: _replaced(data[keys[0]], keys[1:], change)}
 
 
-def input_files(scene: Scene) -> dict[str, Path]:
-    """Files that a scene refers to, by dotted key."""
+def input_files(scene: Scene | Mapping[str, Any]) -> dict[str, Path]:
+    """Files that a scene, or its plain tables, refers to, by dotted key."""
     found = (pair for keys in FILE_KEYS for pair in _files(scene, keys, ""))
     return {key: Path(name) for key, name in found}
 
 
 def _files(value: Any, keys: tuple[str, ...], path: str) -> Iterator[tuple[str, str]]:
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         for index, item in enumerate(value):
             yield from _files(item, keys, f"{path}[{index}]")
     elif keys:
-        yield from _files(getattr(value, keys[0], None), keys[1:], f"{path}.{keys[0]}".lstrip("."))
-    elif value is not None and value != OWN_THROW:
+        below = value.get(keys[0]) if isinstance(value, Mapping) else getattr(value, keys[0], None)
+        yield from _files(below, keys[1:], f"{path}.{keys[0]}".lstrip("."))
+    elif isinstance(value, str) and value != OWN_THROW:
         yield path, value
 
 

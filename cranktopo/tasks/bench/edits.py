@@ -9,7 +9,9 @@ from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.units import stem_and_unit
-from cranktopo.design.loading import FILE_KEYS, key_parts, parse_toml, value_at, with_resolved_files
+from cranktopo.design.loading import key_parts
+from cranktopo.design.scene_files import input_files, with_resolved_files
+from cranktopo.design.toml_text import parse_toml
 
 MOST_CHANGES = 200
 
@@ -45,13 +47,11 @@ def changed_text(text: str, changes: Mapping[str, Any], source: str) -> str:
 def check_files_inside(data: Mapping[str, Any], folder: Path, trusted: Mapping[str, Any]) -> None:
     """Refuse a design that names a file outside the folder, unless the opened design names it as well."""
     root = folder.resolve()
-    known = {str(value_at(trusted, ".".join(keys))) for keys in FILE_KEYS}
-    for keys in FILE_KEYS:
-        key = ".".join(keys)
-        name = value_at(with_resolved_files(dict(data), root), key)
-        if isinstance(name, str) and name not in known and not Path(name).is_relative_to(root):
+    known, given = set(input_files(trusted).values()), input_files(data)
+    for key, name in input_files(with_resolved_files(dict(data), root)).items():
+        if name not in known and not name.is_relative_to(root):
             raise CranktopoError(
-                f"{key} = {quoted(value_at(data, key))}: lies outside the folder of the bench.",
+                f"{key} = {quoted(str(given[key]))}: lies outside the folder of the bench.",
                 hint="Put the file into that folder.",
             )
 
@@ -59,8 +59,7 @@ def check_files_inside(data: Mapping[str, Any], folder: Path, trusted: Mapping[s
 def changed_files(text: str, folder: Path) -> str:
     """Return the text of a design with absolute names of the files that it names."""
     data = parse_toml(text, "design")
-    names = {".".join(keys): value_at(data, ".".join(keys)) for keys in FILE_KEYS}
-    absolute = {key: str((folder / name).resolve()) for key, name in names.items() if isinstance(name, str)}
+    absolute = {key: str((folder / name).resolve()) for key, name in input_files(data).items()}
     return changed_text(text, absolute, "design") if absolute else text
 
 

@@ -16,7 +16,8 @@ from pydantic import Field
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import is_inside, read_text_file, write_json, write_text
 from cranktopo.base.result import Result
-from cranktopo.design.loading import parse_toml, with_resolved_files
+from cranktopo.design.scene_files import with_resolved_files
+from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
 from cranktopo.tasks.bench.edits import changed_text, check_files_inside
 
