@@ -14,11 +14,13 @@ from typing import Literal
 from weakref import WeakSet
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
-from cranktopo.base.machine import private_cache
+from cranktopo.base.machine import addresses_left_MiB, private_cache
 from cranktopo.base.notes import note
 
 Precision = Literal["float32", "float64"]
 
+_XLA_ADDRESSES_MIB = 1536.0
+"""Stacks and heaps of its threads; where one cannot be had, XLA aborts the process."""
 _FOLDER_SETTING, _KEEPING = "jax_compilation_cache_dir", "jax_enable_compilation_cache"
 
 
@@ -39,9 +41,15 @@ def double_precision() -> Iterator[None]:
 
 @cache
 def check_device() -> None:
-    """Check that JAX has something to compute on; raises CranktopoError where it has not."""
+    """Check that JAX has something to compute on; raises CranktopoError where it has not, or cannot begin."""
     import jax
 
+    left = addresses_left_MiB()
+    if left < _XLA_ADDRESSES_MIB:
+        raise CranktopoError(
+            f"memory: JAX needs {_XLA_ADDRESSES_MIB / 1024:.1f} GiB of addresses, {left / 1024:.1f} left.",
+            hint="Allow more (ulimit -v).",
+        )
     try:
         jax.devices()
     except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it

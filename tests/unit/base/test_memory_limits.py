@@ -13,7 +13,9 @@ import pytest
 
 from cranktopo.app import main
 from cranktopo.base import machine
+from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies import memory
+from cranktopo.numerics import precision
 
 PROGRAM = f"{sys.executable} -c 'from cranktopo.app.launch import main; main()'"
 MIB = 2**20
@@ -92,3 +94,9 @@ def test_memory_that_is_not_there_is_one_line(
     assert main.main(["plan"]) == 4
     hint = "Take larger cells or elements, or allow more memory."
     assert capsys.readouterr().err == f"error: not enough memory. {hint}\n"
+
+
+def test_jax_is_not_begun_where_it_would_abort(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(precision, "addresses_left_MiB", lambda: 800.0)
+    with pytest.raises(CranktopoError, match=r"memory: JAX needs 1\.5 GiB of addresses, 0\.8 left"):
+        precision.check_device.__wrapped__()
