@@ -87,7 +87,7 @@ def decimal_comma(text: str) -> str:
     return f"A decimal comma: write {found[0].replace(',', '.')}." if found else ""
 
 
-EXTRAS = {"sweep": "sweep", "fatigue": "fatigue by method 'fkm'"}
+EXTRAS = {"sweep": "sweep", "fatigue": "fatigue by method 'fkm'", "dxf": "drawing as DXF"}
 """Uses that need the packages of an extra, by its name in pyproject.toml."""
 
 
