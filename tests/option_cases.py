@@ -214,6 +214,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--facet-mm": Refused(f"{MIKRON} web.step --facet-mm 2", "--facet-mm is the size of STL facets"),
         "--force": Acts(f"{MIKRON} taken.svg", "--force"),
     },
+    "drawing": {"--force": Shown("cli/test_crank_drawing.py::test_it_replaces_a_file_by_force_alone")},
     "designs list": {"--json": Acts("", "--json")},
     "designs copy": {"--force": Acts(f"{MIKRON} given.toml", "--force")},
     "designs new": {

@@ -99,7 +99,12 @@ def decimal_comma(text: str) -> str:
     return f"A decimal comma: write {found[0].replace(',', '.')}." if found else ""
 
 
-EXTRAS = {"bench": "bench", "sweep": "sweep", "fatigue": "fatigue by method 'fkm'"}
+EXTRAS = {
+    "bench": "bench",
+    "dxf": "drawing as DXF",
+    "fatigue": "fatigue by method 'fkm'",
+    "sweep": "sweep",
+}
 """Uses that need the packages of an extra, by its name in pyproject.toml."""
 
 

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 SurfaceFormat = Literal["stl", "3mf", "glb"]
 SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
 PLOTS = (".png", ".svg", ".pdf")
+DRAWINGS = (*PLOTS, ".dxf")
 SOLIDS = (".step", ".stp", ".stl")
 SolidPart = Literal["throw", "half", "web", "second_web", "crankshaft"]
 PARTS: tuple[SolidPart, ...] = get_args(SolidPart)

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import LIKE_WEB, SHOWN, Fraction, Length, SceneTable, Weight, WholeNumber
 from cranktopo.design.crank import Crank
+from cranktopo.design.drawing import Drawing
 from cranktopo.design.engine import Engine
 from cranktopo.design.goal.limit import GoalTable
 from cranktopo.design.material import Fatigue, Material
@@ -215,6 +216,7 @@ class Scene(SceneTable):
     optimise: Optimise = Optimise()
     shape: ShapeTable = ShapeTable()
     fatigue: Fatigue = Fatigue()
+    drawing: Drawing = Drawing()
     published: Published | None = None
 
     def with_optimise(self, **changes: object) -> Scene:

@@ -2,32 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 INK, THIN, GHOST, STEEL = "#1a1a1a", "#5a6472", "#d0482b", "#dfe4ea"
 TEXT_SIZE = 7.5
+_Flat = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Two points that a dimension is between, a point of its line, and its text."""
+
+    start: _Flat
+    end: _Flat
+    on_line: _Flat
+    text: str
 
 
 def dimension(
-    axes: Any, start: tuple[float, float], end: tuple[float, float], shift: tuple[float, float], text: str
+    axes: Any,
+    start: _Flat,
+    end: _Flat,
+    shift: _Flat,
+    text: str,
+    lift: _Flat = (0.0, 0.0),
 ) -> None:
     """Draw a dimension line between two points, with extension lines and its number.
 
-    It is moved off the points across the line by `shift`, one component being 0; all in mm.
+    It is moved off the points across the line by `shift`, one component being 0; a number that does not fit
+    on the line is lifted off it. All in mm.
     """
     a, b = (np.array(point) + np.array(shift) for point in (start, end))
     if shift[0]:  # vertical dimension: both extension lines reach the same x
         a[0] = b[0] = max(a[0], b[0]) if shift[0] > 0 else min(a[0], b[0])
-    for point, at in ((start, a), (end, b)):
-        axes.plot([point[0], at[0]], [point[1], at[1]], color=THIN, lw=0.5)
-    axes.annotate(
+    parts = [
+        axes.plot([point[0], at[0]], [point[1], at[1]], color=THIN, lw=0.5)[0]
+        for point, at in ((start, a), (end, b))
+    ]
+    line = axes.annotate(
         "", a, b, arrowprops={"arrowstyle": "<|-|>", "lw": 0.7, "color": INK, "shrinkA": 0, "shrinkB": 0}
     )
     middle, upright = (a + b) / 2, abs(a[0] - b[0]) < 1e-9
-    axes.text(
-        *middle,
+    number = axes.text(
+        *(middle + lift),
         text,
         fontsize=TEXT_SIZE + 0.5,
         ha="center",
@@ -35,6 +56,56 @@ def dimension(
         rotation=90 if upright else 0,
         bbox={"fc": "white", "ec": "none", "pad": 0.8},
     )
+    line.measured = Measured(start, end, (float(a[0]), float(a[1])), text)  # a DXF file dimensions by itself
+    for part in (*parts, number):
+        part.of_dimension = True
+
+
+def leader(axes: Any, tip: _Flat, at: _Flat, text: str, align: str = "center") -> None:
+    """Write a text with a line from it to what it is about."""
+    axes.annotate(
+        text,
+        tip,
+        at,
+        fontsize=TEXT_SIZE,
+        ha=align,
+        va="center",
+        arrowprops={"arrowstyle": "-", "lw": 0.5, "color": THIN},
+        bbox={"fc": "white", "ec": "none", "pad": 0.6},
+    )
+
+
+def edges(axes: Any, chains: Sequence[Any], width: float = 1.0) -> None:
+    """Draw chains of points (n, 2) as visible edges."""
+    from matplotlib.collections import LineCollection
+
+    axes.add_collection(LineCollection(chains, colors=INK, linewidths=width))
+
+
+def centre_line(axes: Any, start: _Flat, end: _Flat) -> None:
+    """Draw an axis."""
+    axes.plot(*zip(start, end, strict=True), color=THIN, lw=0.6, ls="-.")
+
+
+def tolerance_frame(axes: Any, x: float, y: float, cells: Sequence[str], mm: float) -> None:
+    """Draw a tolerance frame (ISO 1101) with its lower left corner at (x, y); `mm` is one of paper."""
+    for text in cells:
+        width = (1.6 * len(text) + 3.4) * mm
+        frame(axes, x, y, width, 5.0 * mm, 0.6)
+        axes.text(x + width / 2, y + 2.4 * mm, text, fontsize=TEXT_SIZE, ha="center", va="center")
+        x += width
+
+
+def datum(axes: Any, x: float, y: float, letter: str, mm: float) -> None:
+    """Draw a datum triangle (ISO 5459) below a surface at (x, y), and its letter in a box."""
+    from matplotlib.patches import Polygon
+
+    axes.add_patch(
+        Polygon([(x, y), (x - 1.5 * mm, y - 2.2 * mm), (x + 1.5 * mm, y - 2.2 * mm)], fc=INK, ec=INK)
+    )
+    axes.plot([x, x], [y - 2.2 * mm, y - 5 * mm], color=INK, lw=0.6)
+    frame(axes, x - 2.2 * mm, y - 9.4 * mm, 4.4 * mm, 4.4 * mm, 0.6)
+    axes.text(x, y - 7.3 * mm, letter, fontsize=TEXT_SIZE, ha="center", va="center")
 
 
 def circle(

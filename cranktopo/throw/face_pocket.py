@@ -53,7 +53,7 @@ class FacePocket(Feature):
         unused = [name for name in rounded if numbers.get(name) == 0]
         told = {name: value for name, value in numbers.items() if name not in unused}
         lines = number_lines(f"POCKET {self.shape}, {self.face}", told)
-        return FeatureDrawing(front=self._edges(scene), lines=lines)
+        return FeatureDrawing(front=self._edges(scene), lines=lines, places=((self.x_mm, numbers["y_mm"]),))
 
     @override
     def mirrored(self) -> Self:

@@ -152,6 +152,8 @@ class FeatureDrawing:
         section_y_mm: where a section across the throw shows the feature best; None for no preference.
         lines: its numbers, for the table.
         added: corners (x, y) of the material that it adds to the outline in the front view.
+        places: points (x, y) of the front view that are dimensioned from both axes.
+        named: points (x, y) of the front view with a text beside the body about each, such as a radius.
     """
 
     front: tuple[Circle | Polyline, ...] = ()
@@ -160,6 +162,8 @@ class FeatureDrawing:
     section_y_mm: float | None = None
     lines: tuple[str, ...] = ()
     added: tuple[_FlatPoint, ...] = ()
+    places: tuple[_FlatPoint, ...] = ()
+    named: tuple[tuple[_FlatPoint, str], ...] = ()
 
 
 def number_lines(title: str, values: dict[str, float]) -> tuple[str, ...]:

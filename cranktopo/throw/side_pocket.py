@@ -105,7 +105,8 @@ class SidePocket(Feature):
         title = "GROOVE on both sides, through both ends" if groove else "POCKET side"
         unused = {"shape"} if self.corner_radius_mm else {"shape", "corner_radius_mm"}
         lines = number_lines(title, self.model_dump(exclude=unused))
-        return FeatureDrawing(front, (), self._across(scene, floor), self.y_mm, lines)
+        places = () if groove else ((floor, self.y_mm),)
+        return FeatureDrawing(front, (), self._across(scene, floor), self.y_mm, lines, places=places)
 
     def _across(self, scene: ThrowView, floor: float) -> tuple[DimensionLine, ...]:
         start, end = scene.web_z_mm

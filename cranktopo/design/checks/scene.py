@@ -213,6 +213,13 @@ def _named_bores(scene: Scene, half: Scene, other: str) -> list[DrillBore]:
     return [replace(bore, key=key) for key, bore in zip(own, drill_bores(half), strict=True)]
 
 
+def _check_drawing(scene: Scene) -> None:
+    drawing = scene.drawing
+    if drawing.hardening_depth_mm is not None and drawing.hardness_HRC is None:
+        allowed = "a depth without a hardness"
+        raise scene.invalid("drawing.hardening_depth_mm", allowed, "Give drawing.hardness_HRC, too.")
+
+
 def _check_half(scene: Scene) -> None:
     scene.throw.main_journal.check("throw.main_journal")
     scene.throw.crankpin.check("throw.crankpin")
@@ -221,6 +228,7 @@ def _check_half(scene: Scene) -> None:
     check_engine(scene)
     _check_supports(scene)
     check_shaft(scene)
+    _check_drawing(scene)
     for key, feature in scene.throw.features():
         feature.check_alone(scene, key)
     check_solid(scene)

@@ -68,6 +68,6 @@ def _check_options(suffix: str, part: SolidPart, facet_mm: float | None) -> None
         raise click.UsageError(f"--facet-mm is the size of STL facets, and {suffix} has none: leave it out")
     if part != "throw" and suffix in PLOTS:
         raise click.UsageError(
-            f"--part {part}: a workshop drawing shows the throw with its web; leave --part out, or give a "
-            ".step or .stl file"
+            f"--part {part}: a workshop drawing shows the throw with its web; leave --part out, give a "
+            ".step or .stl file, or draw the whole crank with cranktopo drawing"
         )

@@ -17,6 +17,7 @@ from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.solid.files import half_surfaces, surface_of
+from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 _WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
 _TABLE_MM, _TITLE_MM = 112.0, 62.0
-_SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 """Scales of ISO 5455."""
 _SHOWN = {
     None: "half of it shown",
@@ -40,12 +41,6 @@ _SHOWN = {
     "second": "second half, sheet 2 of 2",
 }
 _TURNED = "Half a turn about the throw from where sheet 1 is drawn."
-_NOTES = (
-    "General tolerances ISO 2768-mK unless stated.",
-    "Journals and fillets ground, Ra 0.4 µm; bores Ra 3.2 µm;",
-    "all other surfaces as forged or milled, Ra 6.3 µm.",
-    "Break sharp edges 0.3 mm.",
-)
 
 
 def write_drawing(
@@ -97,12 +92,12 @@ def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datet
 
 
 def _scale(sheet: Sheet) -> float:
-    for scale in _SCALES:
+    for scale in SCALES:
         front, long, across = (room.size_mm(scale) for room in sheet.rooms)
         wide = max(front[0] + long[0], across[0]) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
         if wide and max(front[1], long[1]) + across[1] <= _HEIGHT_MM - 2 * _BORDER_MM:
             return scale
-    return _SCALES[-1]
+    return SCALES[-1]
 
 
 def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, float]) -> Any:
@@ -111,11 +106,16 @@ def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, flo
 
 
 def _table(page: Any, sheet: Sheet) -> None:
-    lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
-    lines += [line for feature in sheet.features for line in feature.lines]
+    lines = table_lines(sheet)
     size = min(8.0, 8.0 * 60 / max(len(lines), 1))
     left, top = _WIDTH_MM - _BORDER_MM - _TABLE_MM + 4, _HEIGHT_MM - _BORDER_MM - 4
     page.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
+
+
+def table_lines(sheet: Sheet) -> list[str]:
+    """Return the lines of the table of dimensions: journals, throw, outline, features."""
+    lines = [*_journal_lines(sheet), *_outline_lines(sheet.scene)]
+    return lines + [line for feature in sheet.features for line in feature.lines]
 
 
 def _journal_lines(sheet: Sheet) -> list[str]:
@@ -161,7 +161,7 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         ("Title", f"{scene.name}: crank throw, {_SHOWN[sheet.half]}"),
         ("Material", scene.material.name),
         ("Mass", f"throw {balance.mass_kg:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg"),
-        ("Scale", f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"),
+        ("Scale", scale_text(scale)),
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )
@@ -174,12 +174,17 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
     symmetric = ["Web symmetric in x."] * (not web_asymmetry(scene))
-    notes = "\n".join([*_NOTES, *symmetric, *[_TURNED] * (sheet.half == "second")])
+    notes = "\n".join([*surface_notes(scene.drawing), *symmetric, *[_TURNED] * (sheet.half == "second")])
     page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if sheet.body is not None:
         y = bottom + _TITLE_MM + 4
         page.plot([left + 2, left + 12], [y] * 2, color=GHOST, lw=1, ls="--")
         page.text(left + 14, y, "body that was re-modelled", fontsize=TEXT_SIZE, va="center")
+
+
+def scale_text(scale: float) -> str:
+    """Return a scale such as `1:2`."""
+    return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
 def export_drawing(scene: Scene, path: Path) -> int:

@@ -5,6 +5,7 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -14,7 +15,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.prisms import web_region
 from cranktopo.design.schema import Scene
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched
+from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched, leader
 from cranktopo.throw.primitives import Circle, DimensionLine, FeatureDrawing, Polyline
 from cranktopo.throw.profile import ProfileWeb
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 _POINTS = 400
 _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
+_PLACE_MM = 15.0
+"""Paper for running dimensions of places."""
 _TEXT_MM = 46.0
 """Paper beside the front view for the stations of the outline."""
 
@@ -53,18 +56,32 @@ class Room:
 class Sheet:
     """Content of a sheet: the exact half throw of a scene, triangulated, and maybe another one as a ghost.
 
-    `half` tells which one of two that differ; None where they are alike.
+    `half` tells which one of two that differ; None where they are alike. `placed`: there is room for the
+    distances of features from both axes.
     """
 
     scene: Scene
     solid: Manifold
     body: Manifold | None = None
     half: Literal["first", "second"] | None = None
+    placed: bool = False
 
     @cached_property
     def features(self) -> list[FeatureDrawing]:
         """Strokes, lines and dimensions of each feature of the web."""
         return [feature.drawing(self.scene) for _, feature in self.scene.web.features()]
+
+    @cached_property
+    def drilled(self) -> list[FeatureDrawing]:
+        """The same of each drilling."""
+        return [drilling.drawing(self.scene) for _, drilling in self.scene.throw.features()]
+
+    @property
+    def places(self) -> list[tuple[float, float]]:
+        """Points (x, y) that are dimensioned from both axes."""
+        if not self.placed:
+            return []
+        return [place for feature in (*self.features, *self.drilled) for place in feature.places]
 
     @property
     def y_range_mm(self) -> tuple[float, float]:
@@ -86,10 +103,12 @@ class Sheet:
         """Rooms of the front view, of the section through both axes and of the section across the throw."""
         wide, half, end = self.half_width_mm, self.scene.web.largest_half_width_mm, self.scene.pitch_mm / 2
         text = _TEXT_MM if isinstance(self.scene.web, ProfileWeb) else _GAP_MM
+        above = 8.0 * any(round(x, 2) for x, _ in self.places)
+        text += _PLACE_MM * bool(self.places)
         left, side, beside = (_GAP_MM + lines * _LINE_MM for lines in (2.5, 3.5, 1.5))
         under = 2.2 * _GAP_MM
         return (
-            Room((-wide, wide), self.y_range_mm, (left, text, under, _GAP_MM)),
+            Room((-wide, wide), self.y_range_mm, (left, text, under, _GAP_MM + above)),
             Room((0.0, end), self.y_range_mm, (side, side, under, under)),
             Room((-half, half), self.scene.web_z_mm, (beside, beside, under, 2.5 * _GAP_MM)),
         )
@@ -110,8 +129,7 @@ def front_body(axes: Any, sheet: Sheet) -> None:
     if sheet.body is not None:
         ghost(axes, sheet.body.project().to_polygons())
     _journals(axes, sheet.scene)
-    drilled = [drilling.drawing(sheet.scene) for _, drilling in sheet.scene.throw.features()]
-    for stroke in (stroke for feature in (*sheet.features, *drilled) for stroke in feature.front):
+    for stroke in (stroke for feature in (*sheet.features, *sheet.drilled) for stroke in feature.front):
         _edges(axes, stroke)
 
 
@@ -133,14 +151,60 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
             axes.plot(width, station, "o", ms=3.0, color=INK)
             text = f"{number}:  y {station:.2f}, x {width:.2f}"
             axes.text(widest + 5 / scale, station, text, fontsize=TEXT_SIZE, va="center")
+    _named(axes, sheet, gap)
+    across = widest + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
+    _placed(axes, sheet.places, across, sheet.y_range_mm[1], 1 / scale)
     finish(axes, "Front, from the crankpin side")
+
+
+def _named(axes: Any, sheet: Sheet, gap: float) -> None:
+    """Write the texts of points of the outline outward of them."""
+    for tip, text in (named for feature in sheet.features for named in feature.named):
+        away = 1 + 0.6 * gap / np.hypot(*tip)
+        leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left" if tip[0] > 0 else "right")
+
+
+def _placed(
+    axes: Any, places: Sequence[tuple[float, float]], right: float, top: float, paper_mm: float
+) -> None:
+    """Dimension points from both axes by running dimensions (ISO 129-1), beside and above the body."""
+    if not places:
+        return
+    line, over = right + 5 * paper_mm, top + 4 * paper_mm
+    for y, level in _spread([round(y, 2) + 0.0 for _, y in places], 3.4 * paper_mm):
+        start = max(x for x, at in places if round(at, 2) + 0.0 == y)
+        corner = line + 2.5 * paper_mm
+        axes.plot(
+            [start, line, corner, line + _PLACE_MM * paper_mm], [y, y, level, level], color=THIN, lw=0.4
+        )
+        axes.text(corner, level + 0.3 * paper_mm, f"{y:.2f}", fontsize=TEXT_SIZE, va="bottom")
+    axes.plot([0.0, line, line + 2.5 * paper_mm], [0.0, 0.0, 0.0], color=THIN, lw=0.4)
+    circle(axes, 0.8 * paper_mm, 0.0, "-", 0.6, "white", x=line)
+    beside = [round(x, 2) for x, _ in places if round(x, 2)]
+    for x, level in _spread(beside, 3.4 * paper_mm):
+        start = max(at for across, at in places if round(across, 2) == x)
+        axes.plot([x, x, level], [start, over, over + 2.5 * paper_mm], color=THIN, lw=0.4)
+        axes.text(
+            level, over + 3 * paper_mm, f"{x:.2f}", fontsize=TEXT_SIZE, ha="center", va="bottom", rotation=90
+        )
+    if beside:
+        circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")
+
+
+def _spread(values: Sequence[float], least: float) -> list[tuple[float, float]]:
+    """Return each distinct value with the place of its text, apart from the others, in order."""
+    found: list[tuple[float, float]] = []
+    for value in sorted(set(values)):
+        level = max(value, found[-1][1] + least) if found else value
+        found.append((value, level))
+    return found
 
 
 def lengthwise_body(axes: Any, sheet: Sheet, over_mm: float) -> None:
     """Draw the body cut through both axes, and these, which end so far beyond it; without dimensions."""
-    hatched(axes, _section_x(sheet.solid))
+    hatched(axes, section_x(sheet.solid))
     if sheet.body is not None:
-        ghost(axes, _section_x(sheet.body))
+        ghost(axes, section_x(sheet.body))
     for centre in (0.0, sheet.scene.throw.radius_mm):
         ends = [-over_mm, sheet.scene.pitch_mm / 2 + over_mm]
         axes.plot(ends, [centre, centre], color=THIN, lw=0.6, ls="-.")
@@ -167,17 +231,9 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
         if journal.fillet_mm:
             across = (start if side < 0 else stop) + side * 0.3 * journal.fillet.axial_mm
             up = y + side * (journal.radius_mm + 0.3 * journal.fillet_mm)
-            axes.annotate(
-                str(journal.fillet),
-                (across, up),
-                (across + side * 0.4 * journal.length_mm / 2, up + side * 0.55 * gap),
-                fontsize=TEXT_SIZE,
-                ha="center",
-                va="center",
-                arrowprops={"arrowstyle": "-", "lw": 0.5, "color": THIN},
-                bbox={"fc": "white", "ec": "none", "pad": 0.6},
-            )
-    for feature in sheet.features:
+            at = across + side * 0.4 * journal.length_mm / 2, up + side * 0.55 * gap
+            leader(axes, (across, up), at, str(journal.fillet))
+    for feature in (*sheet.features, *sheet.drilled):
         _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
     finish(axes, "Section x = 0")
 
@@ -220,7 +276,7 @@ def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
     return [np.asarray(polygon) for polygon in sum(sections[1:], sections[0]).to_polygons()]
 
 
-def _section_x(solid: Manifold) -> list[Array]:
+def section_x(solid: Manifold) -> list[Array]:
     """Return polygons (z, y) of the section x = 0."""
     turned = solid.rotate((0.0, -90.0, 0.0)).slice(0.0)
     return [np.asarray(polygon) * (-1.0, 1.0) for polygon in turned.to_polygons()]

@@ -190,7 +190,13 @@ class Counterweight(Feature):
             else f"COUNTERWEIGHT, flush with the {self.face} face"
         )
         part = f"   bolted on, {self.density_kg_m3:g} kg/m³" if self.bolted else ""
-        return FeatureDrawing(added=edge, lines=(*number_lines(title, numbers), *filter(None, [part])))
+        lines = (*number_lines(title, numbers), *filter(None, [part]))
+        corner = (float(self.edge_mm(scene)[0][_SAMPLES - 1]), float(self.edge_mm(scene)[1][_SAMPLES - 1]))
+        named = (
+            (right[_DRAWN // 3], f"R{self.outer_radius_mm:g}"),
+            (corner, f"2 × {self.half_angle_deg:g}°"),
+        )
+        return FeatureDrawing(added=edge, lines=lines, named=named)
 
 
 @lru_cache(maxsize=16)

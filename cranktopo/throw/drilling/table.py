@@ -22,7 +22,7 @@ from cranktopo.throw.drilling.checks import check_bore, check_ends
 from cranktopo.throw.drilling.outlet import DrillingEnd, DrillingSecondEnd, DrillOutlet
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, Feature, JournalsView, ThrowView
 from cranktopo.throw.fitted import Rule, Surroundings, wall_rule
-from cranktopo.throw.primitives import FeatureDrawing, Polyline
+from cranktopo.throw.primitives import DimensionLine, FeatureDrawing, Polyline
 
 _DIGITS = 6
 
@@ -77,7 +77,22 @@ class Drilling(Feature):
             Polyline(((x0 + side * dx, y0 + side * dy), (x1 + side * dx, y1 + side * dy)), hidden=True)
             for side in (1, -1)
         )
-        return FeatureDrawing(front=edges, lines=self._lines)
+        places = ((x0, y0), (x1, y1))
+        return FeatureDrawing(edges, self._lengthwise(scene), lines=self._lines, places=places)
+
+    def _lengthwise(self, scene: ThrowView) -> tuple[DimensionLine, ...]:
+        """Distance of each outlet from the middle of its journal, beside the journal."""
+        throw, found = scene.throw, []
+        for _, end in self.ends:
+            main = end.on.startswith("main")
+            journal, y = (throw.main_journal, 0.0) if main else (throw.crankpin, throw.radius_mm)
+            middle, way = (0.0, 1) if main else (scene.pitch_mm / 2, -1)
+            side = -1 if math.cos(math.radians(end.angle_deg)) < 0 else 1
+            at = y + side * journal.radius_mm
+            if end.place_mm:
+                a, b = sorted((middle, middle + way * end.place_mm))
+                found.append(DimensionLine((a, at), (b, at), (0.0, side * 5.0), f"{end.place_mm:g}"))
+        return tuple(found)
 
     @property
     def _lines(self) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ TASKS = (
     "loads",
     "balance",
     "drawing",
+    "crank_drawing",
     "designs",
     "importing",
     "crank_import",

@@ -1,0 +1,1 @@
+"""Workshop drawing of the whole crank."""

@@ -1,0 +1,150 @@
+"""The whole crank as pieces in their places: throws turned by their angles, journals, ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.frames import about_z_deg
+from cranktopo.bodies.solid.files import kernel_surface_of
+from cranktopo.design.halves import difference
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
+from cranktopo.throw.journal import Journal
+
+if TYPE_CHECKING:
+    from manifold3d import CrossSection, Manifold
+
+_SEAM_MM = 1e-4
+
+
+@dataclass(frozen=True)
+class PlacedThrow:
+    """A throw of the crank: its scene, its angle in the sense of rotation, its first mid-main plane."""
+
+    scene: Scene
+    angle_deg: float
+    z_mm: float
+
+
+@dataclass(frozen=True)
+class MainJournal:
+    """A main journal between its two web faces, or to the end of the shaft."""
+
+    journal: Journal
+    z_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A closed body of the crank, in its place; it goes on beyond the planes of its seams."""
+
+    solid: Manifold
+    seams_mm: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class CrankShape:
+    """The whole crank: throws and main journals from the free end, and the bodies that they make."""
+
+    name: str
+    throws: tuple[PlacedThrow, ...]
+    journals: tuple[MainJournal, ...]
+    pieces: tuple[Piece, ...]
+    ends: tuple[Piece, ...] = ()
+
+    @cached_property
+    def z_mm(self) -> tuple[float, float]:
+        """Both ends of the shaft."""
+        boxes = [piece.solid.bounding_box() for piece in self.pieces]
+        return min(box[2] for box in boxes), max(box[5] for box in boxes)
+
+    @cached_property
+    def reach_mm(self) -> tuple[float, float, float, float]:
+        """Least and greatest x, least and greatest y."""
+        low, high = (
+            np.array([piece.solid.bounding_box() for piece in self.pieces]).reshape(-1, 2, 3).swapaxes(0, 1)
+        )
+        (x0, y0, _), (x1, y1, _) = low.min(axis=0), high.max(axis=0)
+        return float(x0), float(x1), float(y0), float(y1)
+
+    def seen(self, view: Array, removed: Manifold | None = None) -> SurfaceMesh:
+        """Return the surface in the axes of a view, rows right, up, toward the viewer, less a body."""
+        meshes = [_open(piece, removed) for piece in self.pieces]
+        offsets = np.cumsum([0, *(len(mesh.vertices_mm) for mesh in meshes)])
+        vertices = np.concatenate([mesh.vertices_mm for mesh in meshes])
+        faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]
+        return SurfaceMesh(vertices @ view.T, np.concatenate(faces))
+
+    def section_x(self) -> list[Array]:
+        """Return polygons (z, y) of the section x = 0."""
+        cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(0.0) for piece in self.pieces]
+        return [np.asarray(polygon) * (-1.0, 1.0) for polygon in _union(cuts).to_polygons()]
+
+
+def _union(sections: Sequence[CrossSection]) -> CrossSection:
+    """Return the union; a thousandth of overlap lets neighbours join at their seam."""
+    grown = [section.offset(_SEAM_MM * 10) for section in sections]
+    return sum(grown[1:], grown[0]).offset(-_SEAM_MM * 10)
+
+
+def _open(piece: Piece, removed: Manifold | None) -> SurfaceMesh:
+    mesh = mesh_of(piece.solid if removed is None else piece.solid - removed)
+    z = mesh.corners_mm[..., 2]
+    seam = np.zeros(len(mesh.faces), dtype=bool)
+    for plane in piece.seams_mm:
+        seam |= (np.abs(z - plane) < _SEAM_MM).all(axis=1)
+    return SurfaceMesh(mesh.vertices_mm, mesh.faces[~seam])
+
+
+@lru_cache(maxsize=8)
+def throw_solid(scene: Scene) -> Manifold:
+    """Return the exact throw, triangulated by the CAD kernel, from its first mid-main plane on."""
+    if difference(scene):
+        return solid_of(kernel_surface_of(scene, "throw"), "throw")
+    return solid_of(kernel_surface_of(scene, "half"), "half throw")
+
+
+def crank_shape(scene: Scene) -> CrankShape:
+    """Return the crank of a design: its throw at each angle of the shaft, one throw without an engine."""
+    angles = (0.0,) if scene.engine is None else scene.shaft_angles_deg
+    throws = tuple(PlacedThrow(scene, angle, k * scene.pitch_mm) for k, angle in enumerate(angles))
+    return assembled(scene.name, throws)
+
+
+def assembled(name: str, throws: Sequence[PlacedThrow], ends: Sequence[Piece] = ()) -> CrankShape:
+    """Return the crank that throws in their places and bodies of its ends make."""
+    first, last = throws[0].z_mm, throws[-1].z_mm + throws[-1].scene.pitch_mm
+    ends_mm = {first, last} if not ends else set()
+    pieces = [piece for throw in throws for piece in _placed(throw, ends_mm)]
+    return CrankShape(name, tuple(throws), _journals(throws), (*pieces, *ends), tuple(ends))
+
+
+def _placed(throw: PlacedThrow, ends_mm: set[float]) -> list[Piece]:
+    """Return a throw in its place: one body, or two halves that are mirror images."""
+    scene, (start, middle) = throw.scene, (throw.z_mm, throw.scene.pitch_mm / 2)
+    stop, turn = start + scene.pitch_mm, about_z_deg(throw.angle_deg)
+    parts = [throw_solid(scene)]
+    solid = parts[0]
+    if not difference(scene):
+        parts.append(solid.mirror((0.0, 0.0, 1.0)).translate((0.0, 0.0, 2 * middle)))
+    seams = tuple({start, stop, start + middle} - ends_mm)
+    return [Piece(part.rotate((0.0, 0.0, turn)).translate((0.0, 0.0, start)), seams) for part in parts]
+
+
+def _journals(throws: Sequence[PlacedThrow]) -> tuple[MainJournal, ...]:
+    """Return the main journals, the outer ones from the end of the first and to that of the last throw."""
+    found, begin = [], throws[0].z_mm
+    for throw in throws:
+        found.append(
+            MainJournal(throw.scene.throw.main_journal, (begin, throw.z_mm + throw.scene.web_z_mm[0]))
+        )
+        second = throw.scene.throw.second_main_journal_length_mm or throw.scene.throw.main_journal.length_mm
+        begin = throw.z_mm + throw.scene.pitch_mm - second / 2
+    found.append(MainJournal(throws[-1].scene.throw.main_journal, (begin, begin + second / 2)))
+    return tuple(found)

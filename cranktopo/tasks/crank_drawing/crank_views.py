@@ -1,0 +1,269 @@
+"""Views of the whole crank: lengthwise half in section, from the free end, the star of its throws.
+
+The lengthwise view looks along +x, so that the crank axis runs to the right and throw 1 up; a quarter of the
+crank is cut away. Distances from the body are millimetres of paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, radians, sin
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.design.fit import limits_text, tolerance_um
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.visible_edges import visible_edges
+from cranktopo.report.drafting import (
+    INK,
+    TEXT_SIZE,
+    THIN,
+    centre_line,
+    circle,
+    datum,
+    dimension,
+    edges,
+    finish,
+    hatched,
+    tolerance_frame,
+)
+from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, MainJournal, PlacedThrow
+from cranktopo.tasks.drawing.views import Room
+from cranktopo.throw.journal import Journal
+
+_PIXEL_SHARE = 1 / 1600
+_GAP_MM, _LINE_MM, _CALLOUT_MM = 9.0, 7.0, (64.0, 21.0)
+_LETTER_MM = 1.9
+"""Mean width of a letter of a dimension on paper."""
+_FROM_SIDE = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+_FROM_FREE_END = np.array([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
+
+
+@dataclass(frozen=True)
+class Lengthwise:
+    """What the lengthwise view shows: visible edges and the cut upper half, (z, y)."""
+
+    chains: list[Array]
+    cut: list[Array]
+
+
+def lengthwise(shape: CrankShape) -> Lengthwise:
+    """Return edges and section of the crank with its upper quarter on the viewer's side cut away."""
+    from manifold3d import CrossSection, FillRule, Manifold
+
+    (left, _, _, top), (start, end) = shape.reach_mm, shape.z_mm
+    quarter = Manifold.cube((-left + 1.0, top + 1.0, end - start + 2.0)).translate(
+        (left - 1.0, 0.0, start - 1.0)
+    )
+    chains = visible_edges(shape.seen(_FROM_SIDE, quarter), (end - start) * _PIXEL_SHARE)
+    upper = CrossSection.square((end - start + 2.0, top + 1.0)).translate((start - 1.0, 0.0))
+    cut = CrossSection(shape.section_x(), FillRule.EvenOdd) ^ upper
+    return Lengthwise([chain for chain in chains if np.abs(chain[:, 1]).max() > 1e-3], cut.to_polygons())
+
+
+def lengthwise_room(shape: CrankShape, scale: float) -> Room:
+    """Return the room of the lengthwise view with its dimensions and callouts."""
+    (_, _, low, high), (start, end) = shape.reach_mm, shape.z_mm
+    told = _CALLOUT_MM[0] * (len(_distinct_mains(shape)) + len(_distinct_pins(shape)))
+    beside = max(2 * _GAP_MM, told - (end - start) * scale)
+    under = 2 * _GAP_MM + 3 * _LINE_MM
+    return Room(shape.z_mm, (low, high), (3 * _GAP_MM, beside, under, _CALLOUT_MM[1] + 2.5 * _GAP_MM))
+
+
+def draw_lengthwise(axes: Any, shape: CrankShape, shown: Lengthwise, scale: float) -> None:
+    """Draw the lengthwise view with axes, dimensions, datums, and callouts of distinct journals."""
+    mm = 1 / scale
+    hatched(axes, shown.cut)
+    edges(axes, shown.chains)
+    (start, end), (_, _, low, high) = shape.z_mm, shape.reach_mm
+    centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
+    for number, throw in enumerate(shape.throws, 1):
+        _pin_axis(axes, throw, number, high + 2.5 * mm, mm)
+    for journal, letter in ((shape.journals[0], "A"), (shape.journals[-1], "B")):
+        datum(axes, sum(journal.z_mm) / 2, -journal.journal.radius_mm, letter, mm)
+    _lengths(axes, shape, low, mm)
+    first = shape.throws[0]
+    radius = f"{first.scene.throw.radius_mm:g} ±{first.scene.drawing.throw_radius_tolerance_mm:g}"
+    dimension(axes, (start, 0.0), (start, _pin_y(first)), (-1.5 * _GAP_MM * mm, 0.0), radius)
+    _callouts(axes, shape, high + _GAP_MM * mm, mm)
+    finish(axes, "Crank, upper half in section")
+
+
+def _pin_y(throw: PlacedThrow) -> float:
+    return throw.scene.throw.radius_mm * cos(radians(throw.angle_deg))
+
+
+def _pin_z(throw: PlacedThrow) -> tuple[float, float]:
+    """Both faces of the webs that a crankpin lies between."""
+    second = throw.scene.second_web or throw.scene.web
+    main = throw.scene.throw.second_main_journal_length_mm or throw.scene.throw.main_journal.length_mm
+    stop = throw.z_mm + throw.scene.pitch_mm - main / 2 - second.thickness_mm
+    return throw.z_mm + throw.scene.web_z_mm[1], stop
+
+
+def _pin_axis(axes: Any, throw: PlacedThrow, number: int, top: float, mm: float) -> None:
+    (a, b), y = _pin_z(throw), _pin_y(throw)
+    centre_line(axes, (a - 4 * mm, y), (b + 4 * mm, y))
+    circle(axes, 2.6 * mm, top, "-", 0.6, x=(a + b) / 2)
+    axes.text((a + b) / 2, top, str(number), fontsize=TEXT_SIZE, ha="center", va="center")
+
+
+def _lengths(axes: Any, shape: CrankShape, low: float, mm: float) -> None:
+    """Dimension the parts of each distinct throw once, all throws, the whole length."""
+    levels = [low - (_GAP_MM + 6.0 + k * _LINE_MM) * mm for k in range(3)]
+    told: list[Scene] = []
+    for throw in shape.throws:
+        if throw.scene not in told:
+            told.append(throw.scene)
+            _chain(axes, _faces(throw), low, levels[0], mm)
+    planes = [throw.z_mm for throw in shape.throws]
+    planes.append(planes[-1] + shape.throws[-1].scene.pitch_mm)
+    _chain(axes, planes, low, levels[1], mm)
+    if len(planes) > 2 or shape.z_mm != (planes[0], planes[-1]):
+        _chain(axes, shape.z_mm, low, levels[2], mm)
+
+
+def _faces(throw: PlacedThrow) -> list[float]:
+    a, b = _pin_z(throw)
+    second = throw.scene.second_web or throw.scene.web
+    return [
+        throw.z_mm,
+        throw.z_mm + throw.scene.web_z_mm[0],
+        a,
+        b,
+        b + second.thickness_mm,
+        throw.z_mm + throw.scene.pitch_mm,
+    ]
+
+
+def _chain(axes: Any, places: Sequence[float], edge: float, level: float, mm: float) -> None:
+    for a, b in pairwise(places):
+        text = f"{round(b - a, 3):g}"
+        narrow = b - a < (_LETTER_MM * len(text) + 6.0) * mm
+        dimension(axes, (a, edge), (b, edge), (0.0, level - edge), text, (0.0, -2.6 * mm * narrow))
+
+
+def _callouts(axes: Any, shape: CrankShape, bottom: float, mm: float) -> None:
+    """Write fit, tolerances and surface of each distinct journal above the crank, a line to the first."""
+    found = [*_distinct_mains(shape), *_distinct_pins(shape)]
+    width = _CALLOUT_MM[0] * mm
+    found.sort(key=lambda one: one[2][0])
+    x = shape.z_mm[0]
+    for journal, count, tip, pin in found:
+        drawing = shape.throws[0].scene.drawing
+        fit = drawing.crankpin_fit if pin else drawing.main_journal_fit
+        words = [
+            f"{count}× {limits_text(journal.outer_diameter_mm, fit)}",
+            *_surface(shape.throws[0].scene, journal),
+        ]
+        foot = bottom + 7.5 * mm
+        axes.plot([tip[0], x + 2 * mm], [tip[1], foot - mm], color=THIN, lw=0.5)
+        axes.plot([x + 2 * mm, x + width - 6 * mm], [foot - mm] * 2, color=THIN, lw=0.5)
+        axes.plot(*tip, "o", ms=2.0, color=INK)
+        axes.text(
+            x + 2 * mm, foot + 6.5 * mm, "\n".join(words), fontsize=TEXT_SIZE, va="bottom", linespacing=1.25
+        )
+        for k, cells in enumerate(_tolerances(shape.throws[0].scene, journal, pin)):
+            tolerance_frame(axes, x + (2 + 29 * k) * mm, foot + 0.5 * mm, cells, mm)
+        x += width
+
+
+def _surface(scene: Scene, journal: Journal) -> Iterator[str]:
+    drawing = scene.drawing
+    if drawing.hardness_HRC:
+        depth = f", {drawing.hardening_depth_mm:g} deep" if drawing.hardening_depth_mm else ""
+        yield f"hardened {drawing.hardness_HRC:g} HRC{depth}"
+    fillets = f", fillets {journal.fillet} Ra {drawing.fillet_roughness_um:g}" if journal.fillet_mm else ""
+    yield f"Ra {drawing.journal_roughness_um:g}{fillets}"
+
+
+def _tolerances(scene: Scene, journal: Journal, pin: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the cells of the tolerance frames of a journal: its place to the datums, and its form."""
+    drawing, diameter = scene.drawing, journal.outer_diameter_mm
+    sign, given, grade = ("∥", drawing.parallelism_mm, 5) if pin else ("↗", drawing.run_out_mm, 7)
+    place = given or tolerance_um(diameter, grade) / 1000
+    form = drawing.cylindricity_mm or tolerance_um(diameter, 4) / 1000
+    return (sign, f"{place:g}", "A-B"), ("/○/", f"{form:g}")
+
+
+_Found = tuple[Journal, int, tuple[float, float], bool]
+
+
+def _distinct_mains(shape: CrankShape) -> list[_Found]:
+    groups: dict[Journal, list[MainJournal]] = {}
+    for one in shape.journals:
+        groups.setdefault(one.journal.model_copy(update={"length_mm": 1.0}), []).append(one)
+    return [
+        (ones[0].journal, len(ones), (sum(ones[0].z_mm) / 2, ones[0].journal.radius_mm), False)
+        for ones in groups.values()
+    ]
+
+
+def _distinct_pins(shape: CrankShape) -> list[_Found]:
+    groups: dict[Journal, list[PlacedThrow]] = {}
+    for throw in shape.throws:
+        groups.setdefault(throw.scene.throw.crankpin, []).append(throw)
+    return [
+        (pin, len(ones), (sum(_pin_z(ones[0])) / 2, _pin_y(ones[0]) + pin.radius_mm), True)
+        for pin, ones in groups.items()
+    ]
+
+
+def end_room(shape: CrankShape) -> Room:
+    """Return the room of the view from the free end."""
+    left, right, low, high = shape.reach_mm
+    return Room((-right, -left), (low, high), (2 * _GAP_MM, 2 * _GAP_MM, 2.5 * _GAP_MM, 2 * _GAP_MM))
+
+
+def end_edges(shape: CrankShape) -> list[Array]:
+    """Return the edges that are seen from the free end."""
+    return visible_edges(
+        shape.seen(_FROM_FREE_END), (shape.reach_mm[3] - shape.reach_mm[2]) * _PIXEL_SHARE * 2
+    )
+
+
+def draw_end(axes: Any, shape: CrankShape, chains: Sequence[Array], scale: float) -> None:
+    """Draw the crank from its free end, with its largest sizes."""
+    mm, (left, right, low, high) = 1 / scale, shape.reach_mm
+    edges(axes, chains)
+    centre_line(axes, (-right - 4 * mm, 0.0), (-left + 4 * mm, 0.0))
+    centre_line(axes, (0.0, low - 4 * mm), (0.0, high + 4 * mm))
+    dimension(axes, (-right, low), (-left, low), (0.0, -_GAP_MM * mm), f"{right - left:.1f}")
+    dimension(axes, (-left, low), (-left, high), (_GAP_MM * mm, 0.0), f"{high - low:.1f}")
+    finish(axes, "From the free end")
+
+
+STAR_MM = (74.0, 74.0)
+"""Size of the star on paper."""
+
+
+def draw_star(axes: Any, shape: CrankShape) -> None:
+    """Draw the directions of the throws from the free end, in mm of paper, with angles and tolerance."""
+    centre = np.array([STAR_MM[0] / 2, STAR_MM[1] / 2 - 3.0])
+    groups: dict[float, list[int]] = {}
+    for number, throw in enumerate(shape.throws, 1):
+        groups.setdefault(round(throw.angle_deg % 360, 6), []).append(number)
+    circle(axes, 20.0, centre[1], "-.", 0.5, x=centre[0])
+    for angle, numbers in groups.items():
+        way = np.array([-sin(radians(angle)), cos(radians(angle))])
+        axes.plot(*zip(centre, centre + 20.0 * way, strict=True), color=INK, lw=1.0)
+        circle(axes, 2.0, centre[1] + 20.0 * way[1], "-", 1.0, "white", x=centre[0] + 20.0 * way[0])
+        text = f"{', '.join(map(str, numbers))}\n{angle:g}°"
+        axes.text(*(centre + 28.0 * way), text, fontsize=TEXT_SIZE, ha="center", va="center")
+    turn = np.radians(np.linspace(25.0, 65.0, 20))
+    arc = centre + 9.0 * np.column_stack([-np.sin(turn), np.cos(turn)])
+    axes.plot(*arc.T, color=THIN, lw=0.6)
+    axes.annotate("", arc[-1], arc[-4], arrowprops={"arrowstyle": "-|>", "lw": 0.6, "color": THIN})
+    tolerance = shape.throws[0].scene.drawing.throw_angle_tolerance_deg
+    axes.text(
+        centre[0],
+        1.0,
+        f"each ±{tolerance:g}° to throw 1; arrow: sense of rotation",
+        fontsize=TEXT_SIZE - 1,
+        ha="center",
+    )
+    finish(axes, "Throws from the free end")

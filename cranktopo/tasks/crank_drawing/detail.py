@@ -1,0 +1,77 @@
+"""Details of the fillets: the section through both axes around each, magnified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.report.drafting import circle, finish, hatched, leader
+from cranktopo.tasks.drawing.views import Room, Sheet, section_x
+from cranktopo.throw.journal import Journal
+
+_PAPER_MM = 18.0
+"""Radius of what a detail shows, on paper."""
+_SCALES = (50.0, 20.0, 10.0, 5.0, 2.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Detail:
+    """A fillet of a half throw, around the point (z, y) where journal and web would meet."""
+
+    letter: str
+    sheet: Sheet
+    journal: Journal
+    at_mm: tuple[float, float]
+    toward: float
+
+    @property
+    def scale(self) -> float:
+        """Scale at which the fillet fills a good part of the detail."""
+        largest = max(self.journal.fillet.radial_mm, self.journal.fillet.axial_mm)
+        return next((scale for scale in _SCALES if scale * largest <= 0.7 * _PAPER_MM), _SCALES[-1])
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of what it shows, mm of the body."""
+        return _PAPER_MM / self.scale
+
+    @property
+    def room(self) -> Room:
+        """Room of the detail."""
+        (z, y), r = self.at_mm, self.radius_mm
+        return Room((z - r, z + r), (y - r, y + r), (8.0, 8.0, 6.0, 10.0))
+
+
+def details(sheet: Sheet, letters: str) -> list[Detail]:
+    """Return the details of a half throw: the fillets of main journal and crankpin that it has."""
+    scene = sheet.scene
+    (start, stop), (main, pin) = scene.web_z_mm, (scene.throw.main_journal, scene.throw.crankpin)
+    found = ((main, (start, main.radius_mm), -1.0), (pin, (stop, scene.throw.radius_mm - pin.radius_mm), 1.0))
+    return [
+        Detail(letter, sheet, *one)
+        for letter, one in zip(letters, [one for one in found if one[0].fillet_mm], strict=False)
+    ]
+
+
+def draw_detail(axes: Any, detail: Detail, scale: float) -> None:
+    """Draw a detail with the radius of its fillet and its roughness."""
+    from manifold3d import CrossSection, FillRule
+
+    (z, y), radius = detail.at_mm, detail.radius_mm
+    window = CrossSection.circle(radius, 96).translate((z, y))
+    hatched(axes, (CrossSection(section_x(detail.sheet.solid), FillRule.EvenOdd) ^ window).to_polygons())
+    circle(axes, radius, y, "-.", 0.5, x=z)
+    fillet = detail.journal.fillet
+    outward = 1.0 if y > detail.sheet.scene.throw.radius_mm or detail.toward < 0 else -1.0
+    tip = z + detail.toward * 0.3 * fillet.axial_mm, y + outward * 0.3 * fillet.radial_mm
+    at = z + detail.toward * 0.62 * radius, y + outward * 0.66 * radius
+    ra = f"Ra {detail.sheet.scene.drawing.fillet_roughness_um:g}"
+    leader(axes, tip, at, f"{fillet}\n{ra}")
+    finish(axes, f"Detail {detail.letter}, {scale:g}:1")
+
+
+def mark_detail(axes: Any, detail: Detail, scale: float) -> None:
+    """Mark a detail in the section that it is taken from."""
+    (z, y), radius = detail.at_mm, min(detail.radius_mm, 5.0 / scale)
+    circle(axes, radius, y, "-", 0.6, x=z)
+    axes.text(z + 0.9 * radius, y + 0.9 * radius, detail.letter, fontsize=9, ha="left", va="bottom")

@@ -1,0 +1,150 @@
+"""Workshop drawing of the whole crank: what it says, its scale, nothing over anything, DXF for CAD."""
+
+from __future__ import annotations
+
+import sys
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from cranktopo.app.main import main
+from cranktopo.base.units import MM_PER_INCH
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
+from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, Layout
+from cranktopo.tasks.crank_drawing.sheet import crank_figure
+
+JOURNAL = {"outer_diameter_mm": 40.0, "length_mm": 30.0, "fillet_mm": 2.0}
+DAY = datetime(2026, 1, 2)
+
+
+def small(**tables: Any) -> Scene:
+    """A throw that is quickly meshed, with a pocket off both axes."""
+    throw = {"radius_mm": 40.0, "main_journal": {**JOURNAL, "outer_diameter_mm": 44.0}, "crankpin": JOURNAL}
+    pocket = {"shape": "box", "face": "pin", "x_mm": 14.0, "y_mm": 4.0, "size_x_mm": 8.0, "size_y_mm": 9.0}
+    web = {
+        "thickness_mm": 16.0,
+        "outline": "obround",
+        "width_mm": 60.0,
+        "pocket": [{**pocket, "depth_mm": 3.0}],
+    }
+    return scene_from_dict(
+        {"name": "small", "throw": throw, "web": web, "material": {"name": "42CrMo4"}, **tables}
+    )
+
+
+def drawn(scene: Scene) -> tuple[Figure, Layout]:
+    return crank_figure(scene, crank_shape(scene), DAY)
+
+
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for axes in figure.axes for text in axes.texts]
+
+
+@pytest.fixture(scope="module")
+def sheet() -> tuple[Figure, Layout]:
+    return drawn(
+        small(
+            drawing={"crankpin_fit": "k6", "hardness_HRC": 54.0, "number": "K-17", "notes": ["Crack test."]}
+        )
+    )
+
+
+def test_it_says_what_the_shop_needs(sheet: tuple[Figure, Layout]) -> None:
+    found = "\n".join(words(sheet[0]))
+    wanted = ("2× ⌀44 h6 (0/-0.016)", "1× ⌀40 k6 (+0.018/+0.002)", "54 HRC", "K-17", "Crack test.")
+    for text in (*wanted, "42CrMo4", "G 16", "40 ±0.05", "2026-01-02", "↗", "∥", "R2\nRa 0.4", "WEB 1"):
+        assert text in found, text
+
+
+def test_a_pocket_is_dimensioned_from_both_axes(sheet: tuple[Figure, Layout]) -> None:
+    assert {"14.00", "4.00"} <= set(words(sheet[0]))
+
+
+def test_views_have_their_scale(sheet: tuple[Figure, Layout]) -> None:
+    figure, found = sheet
+    assert np.allclose(figure.get_size_inches() * MM_PER_INCH, SHEETS_MM[found.sheet])
+    (axes,) = (axes for axes in figure.axes if axes.get_title(loc="left").startswith("Crank"))
+    (x0, x1), box = axes.get_xlim(), axes.get_position()
+    assert box.width * SHEETS_MM[found.sheet][0] == pytest.approx(found.scale * (x1 - x0))
+
+
+def overlaps(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts that lie over each other, and texts that leave the frame of the sheet."""
+    canvas = FigureCanvasAgg(figure)
+    renderer = canvas.get_renderer()
+    texts = [t for axes in figure.axes for t in (*axes.texts, axes._left_title) if t.get_text().strip()]  # type: ignore[attr-defined]
+    boxes = [text.get_window_extent(renderer) for text in texts]
+    page, border = figure.bbox, 10.0 / MM_PER_INCH * figure.dpi
+    out = [
+        (text.get_text(), "leaves the sheet")
+        for text, box in zip(texts, boxes, strict=True)
+        if box.x0 < border or box.y0 < border or box.x1 > page.x1 - border or box.y1 > page.y1 - border
+    ]
+    shrunk = [box.expanded(0.9, 0.8) for box in boxes]
+    return out + [
+        (texts[i].get_text(), texts[j].get_text())
+        for i in range(len(texts))
+        for j in range(i)
+        if shrunk[i].overlaps(shrunk[j])
+    ]
+
+
+def test_no_text_lies_over_another(sheet: tuple[Figure, Layout]) -> None:
+    assert not overlaps(sheet[0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "design", ["mikron-iiic", "car-diesel", "industrial-gas", "opposed-piston-variant-2"]
+)
+def test_no_text_lies_over_another_in_designs(design: str) -> None:
+    assert not overlaps(drawn(load_scene(design))[0])
+
+
+def test_a_dxf_file_holds_true_millimetres_and_real_dimensions(
+    sheet: tuple[Figure, Layout], tmp_path: Path
+) -> None:
+    ezdxf = pytest.importorskip("ezdxf")
+    from cranktopo.report.dxf import write_dxf
+
+    scene, (figure, found) = small(), sheet
+    write_dxf(figure, found.scale, tmp_path / "crank.dxf", DAY)
+    document = ezdxf.readfile(tmp_path / "crank.dxf")
+    assert not document.audit().errors
+    dimensions = {entity.dxf.text: entity for entity in document.modelspace().query("DIMENSION")}
+    assert dimensions[f"{scene.pitch_mm:g}"].get_measurement() == pytest.approx(scene.pitch_mm, abs=1e-6)
+    assert dimensions["40 %%p0.05"].get_measurement() == pytest.approx(40.0, abs=1e-6)
+    layers = {entity.dxf.layer for entity in document.modelspace()}
+    assert {"EDGES", "HATCH", "CENTRE", "TEXT", "DIMENSIONS"} <= layers
+
+
+def test_without_ezdxf_a_dxf_file_is_a_missing_tool(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    assert main(["drawing", "mikron-iiic", str(tmp_path / "crank.dxf")]) == 7
+    assert "pip install 'cranktopo[dxf]'" in capsys.readouterr().err
+
+
+def test_it_replaces_a_file_by_force_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "crank.svg"
+    path.write_text("mine")
+    assert main(["drawing", "mikron-iiic", str(path)]) == 2
+    assert main(["drawing", "mikron-iiic", str(tmp_path / "crank.dwg")]) == 2
+    monkeypatch.setattr("cranktopo.design.loading.load_scene", lambda *_, **__: small())
+    assert main(["drawing", "small", str(path), "--force"]) == 0
+    assert path.read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_a_depth_of_hardening_needs_a_hardness() -> None:
+    from cranktopo.base.errors import CranktopoError
+
+    with pytest.raises(CranktopoError, match=r"drawing\.hardening_depth_mm = 2"):
+        small(drawing={"hardening_depth_mm": 2.0})
