@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 
 from cranktopo.app.main import main
 from cranktopo.base.units import MM_PER_INCH
+from cranktopo.bodies.crank_ends import ends_volume_mm3
+from cranktopo.bodies.volume import throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
@@ -148,3 +150,18 @@ def test_a_depth_of_hardening_needs_a_hardness() -> None:
 
     with pytest.raises(CranktopoError, match=r"drawing\.hardening_depth_mm = 2"):
         small(drawing={"hardening_depth_mm": 2.0})
+
+
+def test_ends_and_own_throws_are_drawn() -> None:
+    """The pieces of the whole crank hold its volume; its ends reach as far as their steps."""
+    scene = load_scene("mikron-iiic-crank")
+    shape = crank_shape(scene)
+    volume = sum(piece.solid.volume() for piece in shape.pieces)
+    expected = 4 * throw_volume_mm3(scene) + ends_volume_mm3(scene)
+    assert volume == pytest.approx(expected, rel=5e-3)
+    ends = [step.length_mm for end in scene.crank.end for step in end.step] if scene.crank else []
+    start, stop = shape.z_mm
+    whole = 4 * scene.pitch_mm + scene.throw.main_journal.length_mm + sum(ends)
+    assert stop - start == pytest.approx(whole, rel=1e-6)
+    first, last = shape.journals[0], shape.journals[-1]
+    assert [b - a for a, b in (first.z_mm, last.z_mm)] == pytest.approx([40.0, 40.0])

@@ -10,6 +10,7 @@ from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import DimTags, add_full_throw, check_body, cut
 from cranktopo.bodies.volume import throw_volume_mm3
+from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.throw.crank_end import BodyStep
@@ -36,6 +37,16 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
         bodies, _ = occ.fuse(bodies[:1], bodies[1:])
     volume = sum(throw_volume_mm3(throw) for throw in throws)
     check_body(occ, bodies, volume + sum(piece.moments.volume for piece in pieces), "crankshaft")
+    return bodies
+
+
+def add_end(occ: Any, scene: Scene, side: Side) -> DimTags:
+    """Return an end of the crank as one checked body, in its place along the shaft."""
+    pieces = crank_end(scene, side)
+    bodies = [pair for piece in pieces for pair in _add_piece(occ, piece)]
+    if len(bodies) > 1:
+        bodies, _ = occ.fuse(bodies[:1], bodies[1:])
+    check_body(occ, bodies, sum(piece.moments.volume for piece in pieces), f"{side} end of the crank")
     return bodies
 
 

@@ -15,7 +15,7 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.bodies.solid.crankshaft import add_crankshaft
+from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
 from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
@@ -29,6 +29,7 @@ from cranktopo.bodies.solid.throw import (
 )
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
+from cranktopo.design.crank import Side
 from cranktopo.design.halves import halves, mirror_image, usual_scale
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
@@ -162,6 +163,14 @@ def kernel_surface_of(scene: Scene, part: SolidPart) -> SurfaceMesh:
     """Return the CAD kernel's own triangles of a part: fewer and nearer to it than facets of one size."""
     with cad_session(f"{part} of {scene.name}") as gmsh:
         _add(gmsh.model.occ, scene, part)
+        gmsh.model.occ.synchronize()
+        return kernel_surface(gmsh)
+
+
+def end_surface_of(scene: Scene, side: Side) -> SurfaceMesh:
+    """Return the CAD kernel's triangles of an end of the crank, from the middle of its main journal on."""
+    with cad_session(f"{side} end of {scene.name}") as gmsh:
+        add_end(gmsh.model.occ, scene, side)
         gmsh.model.occ.synchronize()
         return kernel_surface(gmsh)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
@@ -11,8 +11,10 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
-from cranktopo.bodies.solid.files import kernel_surface_of
-from cranktopo.design.halves import difference
+from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
+from cranktopo.bodies.solid.files import end_surface_of, kernel_surface_of
+from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
 from cranktopo.throw.journal import Journal
@@ -57,6 +59,7 @@ class CrankShape:
     journals: tuple[MainJournal, ...]
     pieces: tuple[Piece, ...]
     ends: tuple[Piece, ...] = ()
+    end_parts: tuple[EndPiece, ...] = ()
 
     @cached_property
     def z_mm(self) -> tuple[float, float]:
@@ -111,18 +114,30 @@ def throw_solid(scene: Scene) -> Manifold:
 
 
 def crank_shape(scene: Scene) -> CrankShape:
-    """Return the crank of a design: its throw at each angle of the shaft, one throw without an engine."""
+    """Return the crank of a design: each throw at its angle of the shaft, and its ends."""
     angles = (0.0,) if scene.engine is None else scene.shaft_angles_deg
-    throws = tuple(PlacedThrow(scene, angle, k * scene.pitch_mm) for k, angle in enumerate(angles))
-    return assembled(scene.name, throws)
+    placed = zip(throw_scenes(scene), angles, main_journal_places_mm(scene), strict=False)
+    shape = assembled(scene.name, [PlacedThrow(*one) for one in placed], _ends(scene))
+    return replace(shape, end_parts=tuple(part for side in SIDES for part in crank_end(scene, side)))
+
+
+def _ends(scene: Scene) -> list[Piece]:
+    """Return the bodies of the ends of a crank, closed at their outer faces alone."""
+    found = []
+    for side in SIDES:
+        pieces = crank_end(scene, side)
+        if pieces:
+            solid = solid_of(end_surface_of(scene, side), f"end of the crank, {side}")
+            found.append(Piece(solid, (pieces[0].z_mm[0],)))
+    return found
 
 
 def assembled(name: str, throws: Sequence[PlacedThrow], ends: Sequence[Piece] = ()) -> CrankShape:
     """Return the crank that throws in their places and bodies of its ends make."""
     first, last = throws[0].z_mm, throws[-1].z_mm + throws[-1].scene.pitch_mm
-    ends_mm = {first, last} if not ends else set()
-    pieces = [piece for throw in throws for piece in _placed(throw, ends_mm)]
-    return CrankShape(name, tuple(throws), _journals(throws), (*pieces, *ends), tuple(ends))
+    joined = {plane for piece in ends for plane in piece.seams_mm}
+    pieces = [piece for throw in throws for piece in _placed(throw, {first, last} - joined)]
+    return CrankShape(name, tuple(throws), _journals(throws, joined), (*pieces, *ends), tuple(ends))
 
 
 def _placed(throw: PlacedThrow, ends_mm: set[float]) -> list[Piece]:
@@ -137,14 +152,14 @@ def _placed(throw: PlacedThrow, ends_mm: set[float]) -> list[Piece]:
     return [Piece(part.rotate((0.0, 0.0, turn)).translate((0.0, 0.0, start)), seams) for part in parts]
 
 
-def _journals(throws: Sequence[PlacedThrow]) -> tuple[MainJournal, ...]:
-    """Return the main journals, the outer ones from the end of the first and to that of the last throw."""
-    found, begin = [], throws[0].z_mm
+def _journals(throws: Sequence[PlacedThrow], joined: set[float]) -> tuple[MainJournal, ...]:
+    """Return the main journals; an outer one is whole where an end of the crank goes on beyond its middle."""
+    found, outer = [], halves(throws[0].scene)[0].throw.main_journal
+    begin = throws[0].z_mm - (outer.length_mm / 2 if throws[0].z_mm in joined else 0.0)
     for throw in throws:
-        found.append(
-            MainJournal(throw.scene.throw.main_journal, (begin, throw.z_mm + throw.scene.web_z_mm[0]))
-        )
-        second = throw.scene.throw.second_main_journal_length_mm or throw.scene.throw.main_journal.length_mm
-        begin = throw.z_mm + throw.scene.pitch_mm - second / 2
-    found.append(MainJournal(throws[-1].scene.throw.main_journal, (begin, begin + second / 2)))
-    return tuple(found)
+        near, far = halves(throw.scene)
+        found.append(MainJournal(near.throw.main_journal, (begin, throw.z_mm + near.web_z_mm[0])))
+        middle = throw.z_mm + throw.scene.pitch_mm
+        begin = middle - far.web_z_mm[0]
+    end = middle + (far.web_z_mm[0] if middle in joined else 0.0)
+    return (*found, MainJournal(far.throw.main_journal, (begin, end)))

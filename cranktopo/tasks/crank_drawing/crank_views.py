@@ -16,6 +16,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.fit import limits_text, tolerance_um
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.visible_edges import visible_edges
 from cranktopo.report.drafting import (
@@ -99,10 +100,8 @@ def _pin_y(throw: PlacedThrow) -> float:
 
 def _pin_z(throw: PlacedThrow) -> tuple[float, float]:
     """Both faces of the webs that a crankpin lies between."""
-    second = throw.scene.second_web or throw.scene.web
-    main = throw.scene.throw.second_main_journal_length_mm or throw.scene.throw.main_journal.length_mm
-    stop = throw.z_mm + throw.scene.pitch_mm - main / 2 - second.thickness_mm
-    return throw.z_mm + throw.scene.web_z_mm[1], stop
+    near, far = halves(throw.scene)
+    return throw.z_mm + near.web_z_mm[1], throw.z_mm + throw.scene.pitch_mm - far.web_z_mm[1]
 
 
 def _pin_axis(axes: Any, throw: PlacedThrow, number: int, top: float, mm: float) -> None:
@@ -120,6 +119,8 @@ def _lengths(axes: Any, shape: CrankShape, low: float, mm: float) -> None:
         if throw.scene not in told:
             told.append(throw.scene)
             _chain(axes, _faces(throw), low, levels[0], mm)
+    for part in shape.end_parts:
+        _chain(axes, sorted(part.z_mm), low, levels[0], mm)
     planes = [throw.z_mm for throw in shape.throws]
     planes.append(planes[-1] + shape.throws[-1].scene.pitch_mm)
     _chain(axes, planes, low, levels[1], mm)

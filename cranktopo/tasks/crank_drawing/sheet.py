@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
-from cranktopo.base.units import MM_PER_INCH
+from cranktopo.base.units import MM_PER_INCH, stem_and_unit
+from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, frame, projection_symbol
 from cranktopo.report.dxf import write_dxf
@@ -51,6 +54,8 @@ if TYPE_CHECKING:
 _TITLE_MM, _NOTE_MM = 56.0, 3.6
 _TABLE_POINTS, _LEAST_POINTS = 8.0, 6.0
 _LINE_MM = _TABLE_POINTS * MM_PER_INCH / 72 * 1.25 * 1.17
+_END_LETTERS = 56
+"""Letters of a line on an end."""
 _LETTERS = "KLMNPRSTUVWXYZ"
 
 
@@ -77,6 +82,7 @@ def crank_figure(scene: Scene, shape: CrankShape, written: datetime) -> tuple[Fi
     sheets = _distinct(shape)
     marked = _all_details([sheet for _, sheet in sheets])
     lines = [line for name, sheet in sheets for line in (name, *table_lines(sheet), "")]
+    lines += _end_lines(shape)
     notes = _notes(scene, shape)
     pin = min(throw.scene.throw.crankpin.outer_diameter_mm for throw in shape.throws)
     found = layout(
@@ -208,7 +214,7 @@ def _column(
 
 
 def _notes(scene: Scene, shape: CrankShape) -> list[str]:
-    drawing, mass = scene.drawing, _mass_kg(shape)
+    drawing, mass = scene.drawing, _mass_kg(scene, shape)
     notes = [
         "NOTES",
         *surface_notes(drawing),
@@ -228,8 +234,24 @@ def _notes(scene: Scene, shape: CrankShape) -> list[str]:
     return [*notes, *drawing.notes]
 
 
-def _mass_kg(shape: CrankShape) -> float:
-    return sum(throw_balance(throw.scene).mass_kg for throw in shape.throws)
+def _end_lines(shape: CrankShape) -> list[str]:
+    """Return the steps of both ends with their dimensions, from the free end; its places are in the view."""
+    lines = []
+    for part in sorted(shape.end_parts, key=lambda one: min(one.z_mm)):
+        given = part.step.model_dump(exclude={"length_mm", "file"}, exclude_defaults=True)
+        kind = given.pop("kind").replace("_", " ")
+        told = ", ".join(f"{stem_and_unit(key)[0].replace('_', ' ')} {value}" for key, value in given.items())
+        lines += textwrap.wrap(
+            f"{kind}, length {part.step.length_mm:g}, {told}",
+            _END_LETTERS,
+            subsequent_indent="   ",
+        )
+    return ["ENDS of the crank, from the free end", *lines] if lines else []
+
+
+def _mass_kg(scene: Scene, shape: CrankShape) -> float:
+    ends = sum(end_mass(scene, side).mass_kg for side in SIDES)
+    return ends + sum(throw_balance(throw.scene).mass_kg for throw in shape.throws)
 
 
 def _title_block(
@@ -249,7 +271,7 @@ def _title_block(
         ),
         (("Owner", drawing.owner, 130.0), ("Date", f"{written:%Y-%m-%d}", 50.0)),
         (("Drawn", drawing.drawn_by, 80.0), ("Approved", drawing.approved_by, 100.0)),
-        (("Material", scene.material.name, 80.0), ("Mass", f"{_mass_kg(shape):.3f} kg", 100.0)),
+        (("Material", scene.material.name, 80.0), ("Mass", f"{_mass_kg(scene, shape):.3f} kg", 100.0)),
         (
             ("Scale", scale_text(found.scale), 40.0),
             ("Webs", scale_text(found.web_scale), 40.0),
