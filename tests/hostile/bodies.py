@@ -45,7 +45,8 @@ def _stl(body: Manifold, folder: Path) -> Path:
 
 def _written(points: np.ndarray, faces: np.ndarray, folder: Path, suffix: str = ".stl") -> Path:
     path = folder / f"body{suffix}"
-    trimesh.Trimesh(points, faces, process=False).export(path)
+    with np.errstate(all="ignore"):  # coordinates that are no numbers
+        trimesh.Trimesh(points, faces, process=False).export(path)
     return path
 
 
