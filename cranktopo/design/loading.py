@@ -125,9 +125,23 @@ def one_web(scene: Scene, web: WebName | None) -> Scene:
     return half
 
 
-_GEOMETRY = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP", ".iges": "an IGES", ".igs": "an IGES"}
-_BODIES = ("an STL", "a STEP")
+_BODIES = {".stl": "an STL", ".step": "a STEP", ".stp": "a STEP"}
 """Kinds of files that a command takes as a target."""
+_IMPORTED = {".brep": "a BREP", ".brp": "a BREP", ".3mf": "a 3MF", ".obj": "an OBJ"}
+_FOREIGN = {
+    ".iges": "an IGES",
+    ".igs": "an IGES",
+    ".fcstd": "a FreeCAD",
+    ".f3d": "a Fusion",
+    ".sldprt": "a SolidWorks",
+    ".sldasm": "a SolidWorks",
+    ".ipt": "an Inventor",
+    ".catpart": "a CATIA",
+    ".prt": "an NX or Creo",
+    ".x_t": "a Parasolid",
+    ".sat": "an ACIS",
+}
+_GEOMETRY = {**_BODIES, **_IMPORTED, **_FOREIGN}
 _HEADS = {"ISO-10303-21": "a STEP", "solid ": "an STL", "{": "a JSON"}
 _SHAPED = "web.toml"
 """Name of the design in a run of `shape`."""
@@ -182,15 +196,22 @@ def design_text(design: str) -> str:
     text = "" if kind else read_text_file(path, f"design {quoted(str(path), 400)}")
     kind = kind or next((kind for head, kind in _HEADS.items() if text.startswith(head)), None)
     if kind:
-        target = f"Give it as a target: cranktopo evaluate {shlex.quote(str(path))} --design DESIGN"
-        other = (
-            "Export the body as STEP." if kind == "an IGES" else "`cranktopo designs new FILE` writes one."
-        )
         raise CranktopoError(
             f"design {quoted(str(path), 400)}: is {kind} file; a design is a TOML file.",
-            hint=target if kind in _BODIES else other,
+            hint=_instead(path, kind),
         )
     return text
+
+
+def _instead(path: Path, kind: str) -> str:
+    """Return what to do with a file of another kind than a design."""
+    if kind in _BODIES.values():
+        return f"Give it as a target: cranktopo evaluate {shlex.quote(str(path))} --design DESIGN"
+    if kind in _IMPORTED.values():
+        return f"Make a design of it: cranktopo import {shlex.quote(str(path))}"
+    if kind in _FOREIGN.values():
+        return "Export the body as STEP."
+    return "`cranktopo designs new FILE` writes one."
 
 
 def parse_scene(

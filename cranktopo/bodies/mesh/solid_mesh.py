@@ -108,10 +108,21 @@ def mesh_throw(
 
 
 def mesh_body(
-    gmsh: Any, scene: Scene, element_size_mm: float, *, mirrored: bool, fillet_fraction: float | None = None
+    gmsh: Any,
+    scene: Scene,
+    element_size_mm: float,
+    *,
+    mirrored: bool,
+    full: bool = False,
+    fillet_fraction: float | None = None,
 ) -> TetMesh:
-    """Return the mesh of whatever body the open session holds; `mirrored`: it is the half x >= 0 of one."""
-    _set_sizes(gmsh, scene, element_size_mm, graded=True, full=False, fillet_fraction=fillet_fraction)
+    """Return the mesh of whatever body the open session holds.
+
+    Args:
+        mirrored: it is the half x >= 0 of one.
+        full: it is a whole throw.
+    """
+    _set_sizes(gmsh, scene, element_size_mm, graded=True, full=full, fillet_fraction=fillet_fraction)
     return _generate(gmsh, element_size_mm, mirrored, smooth=fillet_fraction is not None)
 
 

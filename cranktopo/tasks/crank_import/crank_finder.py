@@ -31,6 +31,8 @@ _ALIKE = 1e-3
 """Share in which the visible length of an outer journal is half of an inner one's."""
 _SHORTEST = 0.15
 """Length of a journal over its radius; what is shorter is a collar."""
+_SHORTEST_WEB = 0.02
+"""Thickness of a web over the pin's radius."""
 _OFF_AXIS = 0.05
 """Distance of a pin's axis from the crank axis over the main journal's radius."""
 _DISC = 0.9
@@ -244,7 +246,7 @@ def _halves(
         )
         pins_free = (below is None, above is None)
         for main, side in ((below, 0), (above, 1)):
-            if main is None or _pin_between(main, pin, pins):
+            if main is None or _pin_between(main, pin, pins) or not _web_between(main, pin):
                 continue
             plane = main.middle_mm
             if any(main.free) and cut:
@@ -254,6 +256,12 @@ def _halves(
                 FoundHalf(number, main, pin, plane, middle, (main.faces_mm[1 - side], pin.faces_mm[side]))
             )
     return tuple(halves), told
+
+
+def _web_between(main: FoundJournal, pin: FoundJournal) -> bool:
+    """Tell whether one journal ends before the other begins."""
+    low, high = sorted((main, pin), key=lambda journal: journal.middle_mm)
+    return high.faces_mm[0] - low.faces_mm[1] > _SHORTEST_WEB * pin.radius_mm
 
 
 def _pin_between(main: FoundJournal, pin: FoundJournal, pins: Sequence[FoundJournal]) -> bool:

@@ -35,7 +35,7 @@ _SMALL = 0.05
 _BARREL = 0.02
 """Mean square of the normals along its axis on a cylinder of coarse triangles."""
 _SLANTED = 1e-4
-"""Area of a bevel over the body's."""
+"""Area of a bevel, or of a face that is told, over the body's."""
 _COLLINEAR = 1 - 1e-4
 _SQUARE = 1 - 3e-7
 """Part along the crank of the normal of a face that is square to it: 0.045 deg."""
@@ -145,7 +145,8 @@ def _faces(skin: Skin) -> tuple[Faces, float]:
         else:
             flats = list(_flats(skin, region))
             planes += flats
-            others += [] if flats else [_kind(skin, region, rounds)]
+            small = skin.areas[region].sum() < _SLANTED * skin.areas.sum()
+            others += [] if flats or small else [_kind(skin, region, rounds)]
     cylinders = [*(wall.cylinder() for wall in found if wall.radius), *_of_one_bore(bores, skin.near_mm)]
     planes += [wall.plane() for wall in found if not wall.radius]
     off = max((wall.off_mm for wall in found if wall.full), default=0.0)

@@ -118,6 +118,8 @@ def _found(mesh: SurfaceMesh, path: Path, ends: EndJournals) -> tuple[Faces, Fou
 def _leaning(faces: Faces, axis: Array) -> list[str]:
     """Tell how far faces across the crank lean, which those of a sheared body do."""
     across = [plane for plane in faces.planes if abs(plane.normal @ axis) > _FACING]
+    if not across:
+        return []
     normal = max(across, key=lambda plane: plane.area_mm2).normal
     lean = float(np.degrees(np.arcsin(min(1.0, float(np.linalg.norm(np.cross(normal, axis)))))))
     told = f"faces of the webs lean by {lean:.3g} deg: the body is sheared, or has draft"

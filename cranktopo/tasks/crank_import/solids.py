@@ -93,6 +93,8 @@ def chosen(found: tuple[FoundSolid, ...], path: Path, name: str | None) -> Found
     likely = [solid for solid in found if solid.looks_like_a_crank]
     if len(found) == 1 or len(likely) == 1:
         return (likely or list(found))[0]
+    if not found:
+        raise CranktopoError(f"'{path}': holds no solid.", hint="Close its surfaces to a solid in CAD.")
     rows = "; ".join(
         f"'{solid.name}' {solid.size_mm[0]:.4g} x {solid.size_mm[1]:.4g} x {solid.size_mm[2]:.4g} mm"
         for solid in (likely or found)[:_LISTED]

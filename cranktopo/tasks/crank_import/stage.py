@@ -16,7 +16,7 @@ from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_name
 from cranktopo.report.report_file import write_report
-from cranktopo.runs.destination import check_folder
+from cranktopo.runs.destination import check_folder, moved, unfinished_folder
 from cranktopo.tasks.crank_import.choices import DEFAULT_MATERIAL, EndJournals, Unit
 from cranktopo.tasks.crank_import.design_text import design_text
 from cranktopo.tasks.crank_import.faces import DIGITS, from_line_mm, parallel
@@ -33,6 +33,7 @@ from cranktopo.tasks.crank_import.result import (
     ImportedThrow,
 )
 from cranktopo.tasks.crank_import.web_reading import ImportedWeb, read_web
+from cranktopo.tasks.importing.placement import ring_misfits
 
 _TANGENT = 1e-5
 """Allowed distance of a fillet from the journal's cylinder, over its radius."""
@@ -74,10 +75,22 @@ def import_crank(
         raise CranktopoError(
             f"output '{folder}': is not empty.", hint="Choose another --out.", code=ExitCode.USAGE
         )
+    with unfinished_folder(folder.parent) as unfinished:
+        result = _imported((path, solid, ends, unit, unfinished), name, folder, material)
+        moved(unfinished, folder)
+    return result
+
+
+def _imported(
+    find: tuple[Path, str | None, EndJournals, Unit | None, Path], name: str, folder: Path, material: str
+) -> CrankImport:
+    """Write everything into the last of the arguments of the search, which is to become the folder."""
+    path, *_, unfinished = find
     note(f"{path}: reading, finding axes and journals")
-    find = (path, solid, ends, unit, folder)
     found = (
-        crank_of_mesh(*find) if suffix in MESH_SUFFIXES else by_kernel(f"'{path}'", crank_by_kernel, *find)
+        crank_of_mesh(*find)
+        if path.suffix.lower() in MESH_SUFFIXES
+        else by_kernel(f"'{path}'", crank_by_kernel, *find)
     )
     webs = []
     for number, body in enumerate(found.halves, 1):
@@ -88,17 +101,23 @@ def import_crank(
     result = _result(path, found, webs, folder, material, page)
     for web, entry in zip(webs, result.halves, strict=True):
         text = design_text(web.read.scene, found.crank, web.body.file, _heading(path, entry))
-        write_text(folder / f"{web.name}.toml", text)
-    write_json(folder / "import.json", result.as_json())
+        write_text(unfinished / f"{web.name}.toml", text)
+    write_json(unfinished / "import.json", result.as_json())
     from cranktopo.tasks.crank_import.page import import_page
 
-    write_report(import_page(result, webs), page)
+    write_report(import_page(result, webs), unfinished / page.name)
     return result
 
 
 def _web(body: HalfBody, crank: FoundCrank, name: str, material: str) -> ImportedWeb:
-    throw = throw_table(body, crank)
-    return ImportedWeb(body, read_web(body, throw, {"name": material}, name), name)
+    read = read_web(body, throw_table(body, crank), {"name": material}, name)
+    wrong = ring_misfits(read.solid, read.scene)
+    if wrong:
+        raise CranktopoError(
+            f"{web_words(body.half)}: is no web between two journals: {wrong[0]}.",
+            hint="Is it a crank? Other parts, or a sheared body, are not taken.",
+        )
+    return ImportedWeb(body, read, name)
 
 
 def throw_table(body: HalfBody, crank: FoundCrank) -> dict[str, Any]:
@@ -223,6 +242,7 @@ def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
 def _unread(web: ImportedWeb) -> Iterator[str]:
     """Yield what a body has that its design does not say."""
     scene, faces = web.read.scene, web.body.faces
+    yield from web.read.told
     for key, name in (("main_journal", "main journal"), ("crankpin", "crankpin")):
         if not getattr(scene.throw, key).fillet_mm:
             yield f"no round fillet was found at the {name}: its corner is sharp in the design"

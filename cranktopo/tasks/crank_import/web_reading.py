@@ -6,11 +6,14 @@ the nearest one is taken; a silhouette that is none of them becomes a profile th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.files import kernel_surface_of
 from cranktopo.design.loading import scene_from_dict
@@ -27,6 +30,8 @@ if TYPE_CHECKING:
 
 _EXACT = 2e-4
 """Distance of silhouettes over the throw radius below which an outline counts as the body's own."""
+_TOLD = 1e-3
+"""Share of the volume in which a difference of body and design is told."""
 _OUTLETS = 0.5
 """Rounded outlets are believed where they take away half of what differs."""
 
@@ -58,9 +63,27 @@ class ReadWeb:
         return float((self.shown - self.solid).volume())
 
     @property
+    def told(self) -> Iterator[str]:
+        """Volumes, in words, that one of body and scene lacks, each with the place of its largest part."""
+        for what, one, other in (
+            ("the design lacks", self.solid, self.shown),
+            ("the design adds", self.shown, self.solid),
+        ):
+            apart = one - other
+            if apart.volume() > _TOLD * self.solid.volume():
+                x, y, z = largest_middle_mm(apart)
+                yield f"{what} {apart.volume():.4g} mm3, most of it near ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+
+    @property
     def differs_mm3(self) -> float:
         """Volume in which body and scene differ."""
         return self.missing_mm3 + self.extra_mm3
+
+
+def largest_middle_mm(solid: Manifold) -> Array:
+    """Return the middle of the box of the largest part of a solid."""
+    box = max(solid.decompose(), key=lambda part: part.volume()).bounding_box()
+    return np.array(box).reshape(2, 3).mean(axis=0)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
 _ALIKE = 1e-6
 """Share of the volume in which both sides may differ: reading a file joins vertices that almost coincide."""
+_HALVES = 1e-4
+"""Share of the volume, and of the pitch, in which the halves of a whole throw count as alike."""
 _SNAP_MM = 0.05
 """Largest distance of an end section from its plane; closer vertices are moved onto it."""
 _UNIT_SHARE = 0.01
@@ -57,10 +60,8 @@ def mesh_file(path: Path, scene: Scene, element_size_mm: float, align: bool = Fa
 
 def _mesh_step(path: Path, scene: Scene, element_size_mm: float, align: bool) -> MeshedThrow:
     with cad_session(f"solid of {path}") as gmsh:
-        body, half, web_volume, note = _solid(gmsh, path, scene, align)
-        mirrored = _halved(gmsh.model.occ, body, scene)
-        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored)
-    return MeshedThrow(mesh, half, web_volume, note)
+        found = _solid(gmsh, path, scene, align)
+        return _meshed(gmsh, found, scene, element_size_mm)
 
 
 def mesh_step_for_stress(
@@ -77,12 +78,18 @@ def _mesh_for_stress(
     path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool
 ) -> tuple[MeshedThrow, Scene]:
     with cad_session(f"solid of {path}") as gmsh:
-        body, half, web_volume, note = _solid(gmsh, path, scene, align)
+        found = _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
         scene = with_found_fillets(gmsh, scene, str(path))
-        mirrored = _halved(gmsh.model.occ, body, scene)
-        mesh = mesh_body(gmsh, scene, element_size_mm, mirrored=mirrored, fillet_fraction=fillet_fraction)
-    return MeshedThrow(mesh, half, web_volume, note), scene
+        return _meshed(gmsh, found, scene, element_size_mm, fillet_fraction), scene
+
+
+def _meshed(
+    gmsh: Any, found: _Solid, scene: Scene, size: float, fillet_fraction: float | None = None
+) -> MeshedThrow:
+    mirrored = _halved(gmsh.model.occ, found.body, scene)
+    mesh = mesh_body(gmsh, scene, size, mirrored=mirrored, full=found.whole, fillet_fraction=fillet_fraction)
+    return MeshedThrow(mesh, found.properties, found.web_mm3, found.note, found.whole)
 
 
 def fillets_of_step(path: Path, scene: Scene, align: bool = False) -> Scene:
@@ -97,23 +104,69 @@ def _fillets(path: Path, scene: Scene, align: bool) -> Scene:
         return with_found_fillets(gmsh, scene, str(path))
 
 
-def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> tuple[DimTags, SolidProperties, float, str]:
-    """Return the half throw of a STEP file in its place, its volume in the web, and what was done."""
+@dataclass(frozen=True)
+class _Solid:
+    """A half throw of a STEP file in its place, or the `whole` one; its first web, what was done."""
+
+    body: DimTags
+    properties: SolidProperties
+    web_mm3: float
+    note: str
+    whole: bool
+
+
+def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
+    """Return the half throw of a STEP file in its place, or the whole one where its halves differ."""
     occ = gmsh.model.occ
     body = [step_solid(gmsh, path, f"'{path}'")]
     low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
     _check_unit(path, scene, low, high)
+    apart = ""
     if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
-        body = between_planes(occ, body, -1.0, scene.pitch_mm / 2, _REACH * scene.pitch_mm)
+        apart = _halves_apart(occ, body, scene)
+        if not apart:
+            body = between_planes(occ, body, -1.0, scene.pitch_mm / 2, _REACH * scene.pitch_mm)
     occ.synchronize()
     surface = solid_of(kernel_surface(gmsh), str(path))
-    motion, note = _placed(surface, scene, path, align)
+    if apart:
+        for half in _both(surface, scene):
+            _placed(half, scene, path, align=False)
+        motion, note = None, f"its halves differ: {apart}. The whole throw is taken"
+    else:
+        motion, note = _placed(surface, scene, path, align)
     if motion is not None:
         moved_rigidly(occ, body, motion.matrix, motion.shift_mm)
     web = between_planes(occ, occ.copy(body), *scene.web_z_mm, _REACH * scene.pitch_mm)
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
-    return body, solid_properties(occ, body), web_volume, note
+    return _Solid(body, solid_properties(occ, body), web_volume, note, bool(apart))
+
+
+def _both(throw: Manifold, scene: Scene) -> tuple[Manifold, Manifold]:
+    """Return both halves of a whole throw, each in the frame of a half throw."""
+    middle = scene.pitch_mm / 2
+    far = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
+    return throw.trim_by_plane((0.0, 0.0, -1.0), -middle), far.translate((0.0, 0.0, scene.pitch_mm))
+
+
+def _halves_apart(occ: Any, body: DimTags, scene: Scene) -> str:
+    """Tell by how much the halves of a whole throw differ; empty where they are mirror images."""
+    reach, found = _REACH * scene.pitch_mm, []
+    for start, sign in ((0.0, 1.0), (scene.pitch_mm / 2, -1.0)):
+        half = between_planes(occ, occ.copy(body), start, start + scene.pitch_mm / 2, reach)
+        volume = float(sum(occ.getMass(*pair) for pair in half))
+        x, y, z = np.average(
+            [occ.getCenterOfMass(*pair) for pair in half],
+            axis=0,
+            weights=[occ.getMass(*pair) for pair in half],
+        )
+        found.append([volume, x, y, sign * (z - scene.pitch_mm / 2) + scene.pitch_mm / 2])
+        occ.remove(half, recursive=True)
+    near, far = np.array(found)
+    share, moved = far[0] / near[0] - 1, float(np.linalg.norm(far[1:] - near[1:]))
+    if abs(share) < _HALVES and moved < _HALVES * scene.pitch_mm:
+        return ""
+    return f"the second has {100 * share:+.3g} % of volume, its centre of mass lies {moved:.3g} mm elsewhere"
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:
@@ -198,22 +251,41 @@ def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool =
     """Return the surface of a half throw, of the scene or the file, or of both where they differ."""
     if difference(scene):
         return list(half_surfaces(scene, facet_mm))
-    return [half_throw_surface(file, scene, align) if file else surface_of(scene, "half", facet_mm)]
+    if file is None:
+        return [surface_of(scene, "half", facet_mm)]
+    return _surfaces(file, scene, align)
 
 
 def half_throw_surface(path: Path, scene: Scene, align: bool = False) -> SurfaceMesh:
-    """Return the surface of the half throw in an STL or STEP file; raises as `mesh_file`."""
+    """Return the surface of the half throw in an STL or STEP file.
+
+    Raises:
+        CranktopoError: as `mesh_file`, or a whole throw whose halves differ.
+    """
+    found = _surfaces(path, scene, align)
+    if len(found) > 1:
+        raise CranktopoError(
+            f"'{path}': the halves of the throw differ, and this command or stage models half of it.",
+            hint="Give the half that is to be changed: `cranktopo import` cuts both. "
+            "`evaluate` and `fatigue` take the whole.",
+        )
+    return found[0]
+
+
+def _surfaces(path: Path, scene: Scene, align: bool) -> list[SurfaceMesh]:
+    """Return the surface of the half throw in a file, or of both halves where they differ."""
     if path.suffix.lower() not in STEP_SUFFIXES:
-        return read_half_throw(path, scene, align)
-    return by_kernel(f"'{path}'", _step_half_throw, path, scene, align)
+        return [read_half_throw(path, scene, align)]
+    return by_kernel(f"'{path}'", _step_surfaces, path, scene, align)
 
 
-def _step_half_throw(path: Path, scene: Scene, align: bool) -> SurfaceMesh:
+def _step_surfaces(path: Path, scene: Scene, align: bool) -> list[SurfaceMesh]:
     with cad_session(f"solid of {path}") as gmsh:
-        _solid(gmsh, path, scene, align)
+        whole = _solid(gmsh, path, scene, align).whole
         gmsh.model.occ.synchronize()
         surface = kernel_surface(gmsh)
-    return SurfaceMesh(_on_planes(surface.vertices_mm, scene, _ROUNDING), surface.faces)
+    found = [mesh_of(half) for half in _both(solid_of(surface), scene)] if whole else [surface]
+    return [SurfaceMesh(_on_planes(one.vertices_mm, scene, _ROUNDING), one.faces) for one in found]
 
 
 def _on_planes(points_mm: Array, scene: Scene, share: float) -> Array:

@@ -87,7 +87,13 @@ def placed(body: Manifold, scene: Scene, name: str, align: bool) -> Placement | 
         return where
     fits, hint = "", f"Is '{scene.name}' the design that it was made from?"
     if where is not None:
-        fits, hint = f" It {where.words}.", "Add --align to move it there."
+        fits, hint = (
+            f" It {where.words}.",
+            (
+                "`evaluate`, `fatigue`, `compare`, `shaft` and `vibration` move it there with --align; "
+                "`cranktopo import` writes it where it belongs."
+            ),
+        )
     raise CranktopoError(f"{name}: does not lie where the throw is: {found[0]}.{fits}", hint=hint)
 
 
@@ -113,8 +119,12 @@ def misfits(body: Manifold, scene: Scene) -> list[str]:
     end = scene.pitch_mm / 2
     if abs(low) > _EXTENT_MM or abs(high - end) > _EXTENT_MM:
         return [f"reaches from z = {low:.3f} to {high:.3f} mm, the half throw from 0 to {end:g} mm"]
-    found = [line for name, journal, y, z in _places(scene) for line in _misfit(body, name, journal, y, z)]
-    return found or list(_zones(body, scene))
+    return ring_misfits(body, scene) or list(_zones(body, scene))
+
+
+def ring_misfits(body: Manifold, scene: Scene) -> list[str]:
+    """Return cross-sections of the journals that are not their rings."""
+    return [line for name, journal, y, z in _places(scene) for line in _misfit(body, name, journal, y, z)]
 
 
 def _undrilled(body: Manifold, scene: Scene) -> Manifold:

@@ -137,6 +137,19 @@ def test_an_iges_file_is_no_target_either(tmp_path) -> None:
         load_scene(str(tmp_path / "body.iges"))
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("body.brep", r"is a BREP file; .* cranktopo import"),
+        ("body.FCStd", r"is a FreeCAD file; .* Export the body as STEP\."),
+    ],
+)
+def test_other_bodies_from_cad_are_named(tmp_path, name: str, words: str) -> None:
+    (tmp_path / name).touch()
+    with pytest.raises(CranktopoError, match=words):
+        load_scene(str(tmp_path / name))
+
+
 def test_the_line_that_is_no_toml_is_shown() -> None:
     message = error_of(("radius_mm = 48.0", "radius_mm = 48,0"))
     assert "not valid TOML" in message
