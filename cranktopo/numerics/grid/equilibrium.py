@@ -5,8 +5,6 @@ Nothing leaves this module whose true float64 residual misses its tolerance.
 
 from __future__ import annotations
 
-import ctypes
-import sys
 from collections.abc import Hashable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -18,6 +16,7 @@ import jax
 import jax.numpy as jnp
 
 from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.base.machine import give_back_memory
 from cranktopo.numerics.grid.conjugate_gradients import (
     CgResult,
     SharedSolve,
@@ -215,12 +214,4 @@ def _compile(structure: Hashable, shapes: tuple[jax.ShapeDtypeStruct, ...], prec
         jobs.append(pool.submit(void_energy_and_work.lower(system, system.forces).compile))
         for job in jobs:
             job.result()
-    _give_back_memory()
-
-
-def _give_back_memory() -> None:
-    """Hand what compilers freed to the system: the allocator would keep some 300 MiB (glibc)."""
-    if sys.platform == "linux":
-        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
-        if trim is not None:
-            trim(0)
+    give_back_memory()
