@@ -140,26 +140,29 @@ def _limits(scene: Scene, with_gap: bool) -> dict[str, ClearanceLimit]:
         return found
     gap = clearance.least_gap_mm if with_gap else 0.0
     if clearance.piston_skirt_mm is not None and _half_width_mm(scene):
-        found[PISTON] = ClearanceLimit(_ANGLES_RAD, _below_piston(scene, clearance.piston_skirt_mm + gap))
+        assert scene.engine is not None
+        lengths = scene.engine.rod_length_mm, scene.throw.radius_mm, clearance.piston_skirt_mm + gap
+        found[PISTON] = ClearanceLimit(_ANGLES_RAD, _below_piston(*lengths, _half_width_mm(scene)))
     if clearance.crankcase_radius_mm is not None:
         radius = np.full(len(_ANGLES_RAD), clearance.crankcase_radius_mm - gap)
         found[CRANKCASE] = ClearanceLimit(_ANGLES_RAD, radius)
     return found
 
 
-def _below_piston(scene: Scene, skirt_mm: float) -> Array:
-    """Largest radius in each direction that stays below an edge so far below the pin, (directions,)."""
-    engine, throw = scene.engine, scene.throw.radius_mm
-    assert engine is not None
+@lru_cache(maxsize=8)
+def _below_piston(rod_mm: float, throw_mm: float, skirt_mm: float, half_mm: float) -> Array:
+    """Largest radius in each direction that stays below an edge so far below the pin, (directions,).
+
+    It does not depend on the web: while that is dragged it is found once.
+    """
     crank = np.linspace(0.0, 2 * np.pi, _CRANK_ANGLES)
-    pin = throw * np.cos(crank) + np.sqrt(engine.rod_length_mm**2 - (throw * np.sin(crank)) ** 2)
+    pin = throw_mm * np.cos(crank) + np.sqrt(rod_mm**2 - (throw_mm * np.sin(crank)) ** 2)
     edge = pin - skirt_mm
-    half = _half_width_mm(scene)
     turned = _ANGLES_RAD[:, None] + crank
     along, across = np.cos(turned), np.abs(np.sin(turned))
     with np.errstate(divide="ignore"):
         radius = np.where(along > 1e-9, edge / np.maximum(along, 1e-9), np.inf)
-    return np.asarray(np.where(radius * across <= half, radius, np.inf).min(axis=1))
+    return np.asarray(np.where(radius * across <= half_mm, radius, np.inf).min(axis=1))
 
 
 def _half_width_mm(scene: Scene) -> float:

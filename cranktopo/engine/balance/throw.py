@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,6 +66,7 @@ class ThrowBalance:
         return sum(self.own_counterweights_kg_mm)
 
 
+@lru_cache(maxsize=8)
 def throw_balance(scene: Scene) -> ThrowBalance:
     """Return the mass properties of the scene's throw; the rod counts when the scene has an engine.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Any
 
@@ -19,6 +20,7 @@ class Answers:
         self._tell_all = tell_all
         self._workers = {
             "live": Worker(),
+            "picture": Worker(),
             "coarse": Worker(background=True),
             "settled": Worker(background=True),
         }
@@ -56,9 +58,7 @@ class Answers:
 
     async def checked(self, data: Data) -> list[dict[str, str]]:
         """Return the rules that a design breaks, each with its key; none where it is sound."""
-        from cranktopo.tasks.bench.live import broken_rules_of
-
-        found: list[dict[str, str]] = await self._workers["live"].ask(broken_rules_of, data)
+        found: list[dict[str, str]] = await self._workers["live"].ask("live.broken_rules_of", data)
         return found
 
     def known(self, text: str) -> dict[str, float]:
@@ -74,12 +74,17 @@ class Answers:
         tell({"type": "original", **await self._live_answer(data, text)})
 
     async def _live_answer(self, data: Data, text: str) -> dict[str, Any]:
-        from cranktopo.tasks.bench.live import live_answer
-
+        """Return numbers and picture, made side by side."""
+        work = (("live", "live.live_numbers"), ("picture", "live.live_picture"))
         try:
-            found: dict[str, Any] = await self._workers["live"].ask(live_answer, data)
+            parts = await asyncio.gather(
+                *(self._workers[name].ask(function, data) for name, function in work)
+            )
         except CranktopoError as error:
             return {"broken": [{"key": "", "message": str(error)}]}
+        found: dict[str, Any] = {**parts[0], **parts[1]}
+        if "broken" in found:
+            return {"broken": found["broken"]}
         if text and "gauges" in found:
             self._exact[text] = found["gauges"]
         return found
@@ -95,21 +100,17 @@ class Answers:
             tell({"type": "coarse", "seq": seq, "gauges": gauges})
 
     async def _coarse_values(self, data: Data) -> dict[str, float]:
-        from cranktopo.tasks.bench.coarse import coarse_stiffness
-
-        found: dict[str, float] = await self._workers["coarse"].ask(coarse_stiffness, data)
+        found: dict[str, float] = await self._workers["coarse"].ask("coarse.coarse_stiffness", data)
         return found
 
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
-        from cranktopo.tasks.bench.settled import settled_safety, settled_stiffness
-
         data_of, now, original = question
         for text in dict.fromkeys((now, original)):
-            for part, function in (("stiffness", settled_stiffness), ("safety", settled_safety)):
+            for part in ("stiffness", "safety"):
                 if part in self._settled.get(text, {}).get("parts", ()):
                     continue
                 try:
-                    found = await self._workers["settled"].ask(function, data_of(text))
+                    found = await self._workers["settled"].ask(f"settled.settled_{part}", data_of(text))
                 except CranktopoError as error:
                     found = {"gauges": {}, "missing": str(error)}
                 self._keep(text, part, found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -32,23 +32,32 @@ from cranktopo.tasks.fatigue.safety_field import load_kinds
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")
 
 
-def live_answer(data: dict[str, Any]) -> dict[str, Any]:
-    """Return numbers and picture of a design, or what of it is broken, by key.
+def live_numbers(data: dict[str, Any]) -> dict[str, Any]:
+    """Return what is known of a design in closed form, or what of it is broken, by key.
 
     Args:
         data: tables of the design, file names absolute.
     """
+    return _of_sound(data, lambda scene: {"gauges": exact_values(scene), "notes": notes(scene)})
+
+
+def live_picture(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the solid and the front view of a design, or what of it is broken."""
+    return _of_sound(
+        data,
+        lambda scene: {
+            "picture": packed(view_of(scene)),
+            "front": front_view(scene),
+            "turns_deg": _turns_deg(scene),
+        },
+    )
+
+
+def _of_sound(data: dict[str, Any], answer: Callable[[Scene], dict[str, Any]]) -> dict[str, Any]:
     try:
-        scene = scene_from_dict(data, "design", whole=True)
+        return answer(scene_from_dict(data, "design", whole=True))
     except CranktopoError as error:
         return {"broken": broken_rules(error)}
-    return {
-        "gauges": exact_values(scene),
-        "notes": notes(scene),
-        "picture": packed(view_of(scene)),
-        "front": front_view(scene),
-        "turns_deg": _turns_deg(scene),
-    }
 
 
 def broken_rules_of(data: dict[str, Any]) -> list[dict[str, str]]:

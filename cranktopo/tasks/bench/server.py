@@ -5,11 +5,11 @@ from __future__ import annotations
 import hmac
 import json
 import secrets
+import socket
 from pathlib import Path
 from typing import Any
 
 from tornado.httpserver import HTTPServer
-from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from typing_extensions import override
@@ -39,14 +39,8 @@ class Server:
 
     def __init__(self, bench: Bench, port: int = 0) -> None:
         self.bench, self.token = bench, secrets.token_urlsafe(24)
-        try:
-            sockets = bind_sockets(port, HOST)
-        except OSError as error:
-            raise CranktopoError(
-                f"--port {port}: cannot be used: {error.strerror}.",
-                hint="Leave --port out to take a free one.",
-            ) from None
-        self.port = int(sockets[0].getsockname()[1])
+        listening = _listening(port)
+        self.port = int(listening.getsockname()[1])
         self.address = f"http://{HOST}:{self.port}/{self.token}/"
         routes: list[Any] = [
             (r"/([^/]+)/", _File, {"name": "bench.html"}),
@@ -65,7 +59,7 @@ class Server:
             log_function=lambda handler: None,
         )
         self._http = HTTPServer(application, max_body_size=MOST_UPLOAD, max_buffer_size=MOST_UPLOAD)
-        self._http.add_sockets(sockets)
+        self._http.add_socket(listening)
 
     def close(self) -> None:
         """Stop listening, end the processes."""
@@ -76,6 +70,23 @@ class Server:
     def origins(self) -> tuple[str, str]:
         """Origins of the page itself."""
         return f"http://{HOST}:{self.port}", f"http://localhost:{self.port}"
+
+
+def _listening(port: int) -> socket.socket:
+    """Return a socket that listens on this machine alone; raises CranktopoError for a port that is taken."""
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind((HOST, port))
+        found.listen()
+    except OSError as error:
+        found.close()
+        raise CranktopoError(
+            f"--port {port}: cannot be used: {error.strerror}.",
+            hint="Leave --port out to take a free one.",
+        ) from None
+    found.setblocking(False)
+    return found
 
 
 class _Guarded(RequestHandler):
@@ -109,12 +120,12 @@ class _Guarded(RequestHandler):
 
     @override
     def set_default_headers(self) -> None:
-        socket = f"ws://{HOST}:{self.server.port} ws://localhost:{self.server.port}"
+        own = f"ws://{HOST}:{self.server.port} ws://localhost:{self.server.port}"
         for name, value in {
             "Server": "cranktopo",
             "Content-Security-Policy": (
                 "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-                f"connect-src 'self' {socket}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+                f"connect-src 'self' {own}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
             ),
             "Cache-Control": "no-store",
             "Cross-Origin-Opener-Policy": "same-origin",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import importlib
 import multiprocessing
 import os
 import signal
@@ -25,12 +26,16 @@ class Worker:
         self._background = background
         self._pool: ProcessPoolExecutor | None = None
 
-    async def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Return what a function of a module returns; raises CranktopoError as it, or if its process dies."""
+    async def ask(self, function: str, data: dict[str, Any]) -> Any:
+        """Return what a function says of a design; raises CranktopoError as it, or if its process dies.
+
+        Args:
+            function: module of this task and name, such as `live.live_numbers`: the server does not load it.
+        """
         for _ in range(2):
             pool = self._pool = self._pool or self._started()
             try:
-                return await asyncio.get_running_loop().run_in_executor(pool, function, *arguments)
+                return await asyncio.get_running_loop().run_in_executor(pool, _answer, function, data)
             except BrokenProcessPool:
                 if self._pool is pool:
                     self._pool = None
@@ -48,6 +53,11 @@ class Worker:
     def _started(self) -> ProcessPoolExecutor:
         context = multiprocessing.get_context("spawn")
         return ProcessPoolExecutor(1, context, initializer=_begin, initargs=(self._background,))
+
+
+def _answer(function: str, data: dict[str, Any]) -> Any:
+    module, _, name = function.rpartition(".")
+    return getattr(importlib.import_module(f"{__package__}.{module}"), name)(data)
 
 
 def _begin(background: bool) -> None:

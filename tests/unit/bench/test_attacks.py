@@ -35,7 +35,7 @@ class Running:
         self.server: Server = self.do(self._start)
 
     def do(self, work: Callable[[], Any]) -> Any:
-        return asyncio.run_coroutine_threadsafe(work(), self.loop).result(30)
+        return asyncio.run_coroutine_threadsafe(work(), self.loop).result(150)
 
     async def _start(self) -> Server:
         bench = Bench(self.folder)
@@ -48,7 +48,9 @@ class Running:
         address = f"http://127.0.0.1:{self.server.port}{path}"
 
         async def fetch() -> HTTPResponse:
-            return await AsyncHTTPClient().fetch(HTTPRequest(address, follow_redirects=False, **how))
+            return await AsyncHTTPClient().fetch(
+                HTTPRequest(address, follow_redirects=False, request_timeout=120, **how)
+            )
 
         found: HTTPResponse = self.do(fetch)
         return found

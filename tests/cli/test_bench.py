@@ -1,0 +1,113 @@
+"""The command `bench`: what it refuses, and that a killed server loses nothing and leaves no process."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+pytest.importorskip("tornado")
+from tornado.httpclient import HTTPRequest
+from tornado.websocket import websocket_connect
+
+from cranktopo.app.main import main
+
+PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
+CHANGES = {"web.width_mm": 52, "web.thickness_mm": 20}
+
+
+def started(folder: Path) -> tuple[subprocess.Popen[str], str]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    words = [*PROGRAM, "bench", "mikron-iiic-plain", "--no-browser"]
+    process = subprocess.Popen(
+        words, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    assert process.stdout is not None
+    return process, process.stdout.readline().strip()
+
+
+def state_after(address: str, *messages: dict[str, Any]) -> dict[str, Any]:
+    """Say something to a bench; return the state that it tells after it."""
+
+    async def talk() -> dict[str, Any]:
+        origin = address.rpartition("/")[0].rpartition("/")[0]
+        where = f"{address.replace('http:', 'ws:')}talk"
+        line = await websocket_connect(HTTPRequest(where, headers={"Origin": origin}, connect_timeout=90))
+        found: dict[str, Any] = {}
+        for message in messages:
+            await line.write_message(json.dumps(message))
+            while (told := json.loads(str(await asyncio.wait_for(line.read_message(), 60))))[
+                "type"
+            ] != "state":
+                assert told["type"] != "error", told
+            found = told["project"]
+        line.close()
+        return found
+
+    return asyncio.run(talk())
+
+
+@pytest.mark.slow
+def test_a_killed_bench_loses_nothing_and_leaves_no_process(tmp_path: Path) -> None:
+    process, address = started(tmp_path)
+    state = state_after(address, {"do": "hello"}, {"do": "edit", "changes": CHANGES, "what": "wider"})
+    assert [step["what"] for step in state["steps"]] == ["opened mikron-iiic-plain", "wider"]
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(signal.SIGKILL)
+    process.wait(10)
+    assert process.stdout is not None
+    process.stdout.close()
+    assert psutil.wait_procs(children, timeout=60)[1] == [], "what answers ends with the server"
+    process, address = started(tmp_path)
+    again = state_after(address, {"do": "hello"})
+    assert (again["at"], again["data"]["web"]["width_mm"]) == (1, 52.0)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 0, "Ctrl-C ends it well"
+    assert process.stdout is not None
+    process.stdout.close()
+
+
+def test_what_is_no_design_is_refused_before_anything_is_served(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["bench", "mikron-iic", "--no-browser"]) == 3
+    assert "Did you mean 'mikron-iiic'" in capsys.readouterr().err
+    (tmp_path / "bad.toml").write_text("name = 3\n", encoding="utf-8")
+    assert main(["bench", "bad.toml", "--no-browser"]) == 3
+    assert not (tmp_path / "bench").exists()
+
+
+def test_a_taken_port_is_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert main(["bench", "--no-browser", "--port", str(port)]) == 3
+    assert f"--port {port}: cannot be used" in capsys.readouterr().err
+
+
+def test_help_does_not_load_the_server(tmp_path: Path) -> None:
+    code = "from cranktopo.app.main import main; main(['--help']); sys.exit('tornado' in sys.modules)"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; {code}"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert "bench" in done.stdout
