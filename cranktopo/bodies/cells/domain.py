@@ -29,6 +29,7 @@ from cranktopo.bodies.envelope_file import bounds_mm, envelope_bounds_mm
 from cranktopo.design.checks.scene import check_envelope_reach
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, require_equal_halves, web_asymmetry
 from cranktopo.design.schema import Scene
+from cranktopo.throw.recess import require_no_recess
 from cranktopo.throw.web import web_bodies
 
 
@@ -102,6 +103,7 @@ def build_domain(
     Raises CranktopoError: no envelope, one that touches no journal, or halves of the throw that differ.
     """
     require_equal_halves(scene)
+    require_no_recess(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = half_throw_layers(scene, target)
