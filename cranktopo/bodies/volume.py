@@ -77,8 +77,10 @@ def _fillet_volume(scene: Scene, journal: Journal, y: float, face_z: float) -> f
     fillet, radius = journal.fillet_mm, journal.radius_mm
     nodes, weights = np.polynomial.legendre.leggauss(40)
     t = (nodes + 1) / 2
-    rho, jacobian = radius + fillet * t**2, 2 * fillet * t / 2
-    height = fillet - np.sqrt(np.maximum(fillet**2 - (radius + fillet - rho) ** 2, 0.0))
+    wide = fillet - journal.fillet.half_mouth_mm
+    rho, jacobian = radius + wide * t**2, 2 * wide * t / 2
+    above = fillet - journal.fillet.recess_mm
+    height = above - np.sqrt(np.maximum(fillet**2 - (radius + fillet - rho) ** 2, 0.0))
     height = height / journal.fillet.flattening
     low, high = y - radius - fillet, y + radius + fillet
     cuts = [

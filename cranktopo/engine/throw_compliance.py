@@ -71,9 +71,10 @@ def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
 def fillet_length_saving_mm(journal: Journal) -> float:
     """Length by which the fillets at both ends shorten a journal in torsion: integral of 1 - J / J(z)."""
     nodes, weights = np.polynomial.legendre.leggauss(16)
-    angle = np.pi / 4 * (nodes + 1)
+    turn = (np.pi / 2 - journal.fillet.start_rad) / 2
+    angle = journal.fillet.start_rad + turn * (nodes + 1)
     outer = journal.radius_mm + journal.fillet_mm * (1 - np.sin(angle))
-    dz = journal.fillet.axial_mm * np.sin(angle) * weights * np.pi / 4
+    dz = journal.fillet.axial_mm * np.sin(angle) * weights * turn
     polar = journal.radius_mm**4 - journal.bore_radius_mm**4
     return 2 * float(((1 - polar / (outer**4 - journal.bore_radius_mm**4)) * dz).sum())
 

@@ -106,11 +106,11 @@ class EndBevel(Feature):
         arc, (name, journal, axis) = self.arc(scene), _journals(scene.throw, self.face)[0]
         shoulder = least_shoulder_mm(scene.throw)
         room = arc.start_mm - arc.outward * axis - shoulder
-        if journal.radius_mm + journal.fillet_mm > room + ROUNDING_MM:
+        if journal.clear_radius_mm > room + ROUNDING_MM:
             raise scene.invalid(
                 f"{key}.y_mm",
                 f"starts {room + shoulder:.4g} mm from the axis of throw.{name}, which needs "
-                f"{journal.radius_mm + journal.fillet_mm + shoulder:.4g} mm for its radius and fillet",
+                f"{journal.clear_radius_mm + shoulder:.4g} mm for its radius and fillet",
                 "Move the bevel outward.",
             )
 
@@ -246,7 +246,7 @@ class FittedBevel(FittedToSections):
         arc = self.arc(named, around.points_mm[[0, -1], 1])
         (name, journal, axis), (under, other, far) = _journals(around.scene.throw, self.face)
         least = around.limits.min_wall_mm
-        reach = arc.outward * axis + journal.radius_mm + journal.fillet_mm
+        reach = arc.outward * axis + journal.clear_radius_mm
         shoulder = reach + least_shoulder_mm(around.scene.throw) + CLEAR_MM
         yield shoulder_rule(name.replace("_", " ")), shoulder - arc.start_mm
         yield f"least length of the {self.title}, {least:.3g} mm", least + arc.start_mm - arc.end_mm

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,11 +20,28 @@ ASPECT = (0.5, 2.5)
 class FilletSection:
     """Quarter of an ellipse that is tangent to the journal's cylinder and to the web's face.
 
-    Its semi-axes lie outward from the journal, where 0 is a sharp edge, and along the crank.
+    Its semi-axes lie outward from the journal, where 0 is a sharp edge, and along the crank. With a recess it
+    is a circle that goes on below the web's face, to that depth.
     """
 
     radial_mm: float
     axial_mm: float
+    recess_mm: float = 0.0
+
+    @property
+    def reach_mm(self) -> float:
+        """Length along the journal that it takes, from the web's face on."""
+        return self.axial_mm - self.recess_mm
+
+    @property
+    def half_mouth_mm(self) -> float:
+        """Half of the width of its recess at the web's face; 0 without one."""
+        return math.sqrt(self.recess_mm * (2 * self.radial_mm - self.recess_mm))
+
+    @property
+    def start_rad(self) -> float:
+        """Angle between the arc's lowest point and where it meets the web's face; 0 without a recess."""
+        return math.acos(1 - self.recess_mm / self.radial_mm) if self.recess_mm else 0.0
 
     @property
     def round(self) -> bool:
@@ -57,7 +75,7 @@ class FilletSection:
 
     def __str__(self) -> str:
         if self.round:
-            return f"R{self.radial_mm:g}"
+            return f"R{self.radial_mm:g}" + (f", recess {self.recess_mm:g}" if self.recess_mm else "")
         return f"ellipse {self.radial_mm:g} radial x {self.axial_mm:g} axial"
 
 
@@ -79,6 +97,9 @@ class Journal(SceneTable):
     fillet_axial_mm: Length | None = Field(default=None, examples=[4.0])
     """Makes the fillet an ellipse: its semi-axis along the crank, `fillet_mm` being that on the web's face;
     0.5 to 2.5 times `fillet_mm` and smaller than half the length. Left out, the fillet is round."""
+    recess_mm: Length | None = Field(default=None, examples=[0.8])
+    """Depth of an undercut fillet below the web's face, in which its arc goes on; smaller than `fillet_mm`.
+    The fillet takes so much less of the journal's length. T_H and T_G of IACS UR M53."""
 
     @property
     def radius_mm(self) -> float:
@@ -89,7 +110,12 @@ class Journal(SceneTable):
     def fillet(self) -> FilletSection:
         """Section of its fillets."""
         axial = self.fillet_mm if self.fillet_axial_mm is None else self.fillet_axial_mm
-        return FilletSection(self.fillet_mm, axial)
+        return FilletSection(self.fillet_mm, axial, self.recess_mm or 0.0)
+
+    @property
+    def clear_radius_mm(self) -> float:
+        """Radius about its axis that fillet and recess take of the web's face."""
+        return self.radius_mm + self.fillet_mm + self.fillet.half_mouth_mm
 
     @property
     def bore_radius_mm(self) -> float:
@@ -106,6 +132,14 @@ class Journal(SceneTable):
                 "Use 0 for a solid journal.",
             )
         self._check_fillet(key)
+        self._check_recess(key)
+
+    def _check_recess(self, key: str) -> None:
+        if self.recess_mm and self.fillet_axial_mm is not None:
+            raise invalid(f"{key}.recess_mm", self.recess_mm, "an ellipse (fillet_axial_mm) has no recess")
+        if self.recess_mm and self.recess_mm >= self.fillet_mm:
+            allowed = f"must be smaller than {key}.fillet_mm = {self.fillet_mm:g} mm"
+            raise invalid(f"{key}.recess_mm", self.recess_mm, allowed)
 
     def _check_fillet(self, key: str) -> None:
         fillet, given = self.fillet, self.fillet_axial_mm is not None

@@ -93,6 +93,14 @@ class Extrusion:
 
 
 @dataclass(frozen=True)
+class Revolution:
+    """A closed plane contour, turned once about an axis along z through a point."""
+
+    contour: tuple[Curve, ...]
+    on_axis: Point
+
+
+@dataclass(frozen=True)
 class RoundedOutlet:
     """What rounds the edge at which a hole leaves a cylinder along the crank axis.
 
@@ -110,7 +118,7 @@ class RoundedOutlet:
     rounding_mm: float
 
 
-Solid = Cylinder | Box | Frustum | Extrusion | RoundedOutlet
+Solid = Cylinder | Box | Frustum | Extrusion | Revolution | RoundedOutlet
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from cranktopo.throw.fitted import FittedFeature, FittedToSections
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder, FittedPocket
 from cranktopo.throw.hole import bore_holes
 from cranktopo.throw.primitives import Curve, Extrusion, Solid
+from cranktopo.throw.recess import recesses
 from cranktopo.throw.side_pocket import FittedSlot, SidePocket
 
 Pocket = Annotated[CylinderPocket | SidePocket | BoxPocket, Field(discriminator="shape")]
@@ -130,9 +131,9 @@ class _OutlineBody(Body):
 
 
 def web_bodies(scene: ThrowView) -> list[Body]:
-    """Return what the web is made of: its outline, the bores through it, its features."""
+    """Return what the web is made of: its outline, the bores through it, recesses of fillets, features."""
     outline = _OutlineBody("web.outline", scene.web_z_mm, scene.web, scene.throw.radius_mm)
-    return [outline, *bore_holes(scene), *_feature_bodies(scene)]
+    return [outline, *bore_holes(scene), *recesses(scene), *_feature_bodies(scene)]
 
 
 def _feature_bodies(scene: ThrowView) -> list[Body]:

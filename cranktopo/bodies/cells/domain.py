@@ -30,6 +30,7 @@ from cranktopo.design.checks.scene import check_envelope_reach
 from cranktopo.design.crank_throws import refuse_flying_web
 from cranktopo.design.halves import envelope_asymmetry, may_mirror, require_equal_halves, web_asymmetry
 from cranktopo.design.schema import Scene
+from cranktopo.throw.recess import require_no_recess
 from cranktopo.throw.web import web_bodies
 
 
@@ -104,6 +105,7 @@ def build_domain(
     """
     require_equal_halves(scene)
     refuse_flying_web(scene)
+    require_no_recess(scene)
     if extent is None:
         extent = "quarter" if laterally_symmetric(scene, target) else "half"
     layers = half_throw_layers(scene, target)

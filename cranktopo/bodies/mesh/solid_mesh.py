@@ -196,8 +196,8 @@ def _half_rings(scene: Scene) -> list[tuple[float, float, float, FilletSection]]
     throw, (start, end) = scene.throw, scene.web_z_mm
     main, pin = throw.main_journal, throw.crankpin
     return [
-        (0.0, main.radius_mm + main.fillet_mm, start - main.fillet.axial_mm, main.fillet),
-        (throw.radius_mm, pin.radius_mm + pin.fillet_mm, end + pin.fillet.axial_mm, pin.fillet),
+        (0.0, main.radius_mm + main.fillet_mm, start - main.fillet.reach_mm, main.fillet),
+        (throw.radius_mm, pin.radius_mm + pin.fillet_mm, end + pin.fillet.reach_mm, pin.fillet),
     ]
 
 

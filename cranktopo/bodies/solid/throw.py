@@ -34,6 +34,7 @@ from cranktopo.throw.primitives import (
     LineSegment,
     Point,
     Rectangle,
+    Revolution,
     RoundedOutlet,
     Solid,
 )
@@ -58,6 +59,11 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
             return [(3, _frustum(occ, floor, mouth) if not any(corner_radii) else _rounded(occ, solid))]
         case Extrusion(contour, path):
             made = occ.extrude([(2, _Contour(occ).face(contour))], *path)
+            return [(dim, tag) for dim, tag in made if dim == 3]
+        case Revolution(contour, on_axis):
+            section = (2, _Contour(occ).face(contour))
+            made = occ.revolve([section], *on_axis, 0, 0, 1, 2 * math.pi)
+            occ.remove([section], recursive=True)
             return [(dim, tag) for dim, tag in made if dim == 3]
         case RoundedOutlet():
             return _rounding(occ, solid)
@@ -320,11 +326,10 @@ def _add_journal(
 
 def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, toward: int) -> tuple[int, int]:
     radius, fillet = journal.radius_mm, journal.fillet
-    near, reach = face - toward * fillet.axial_mm, radius + fillet.radial_mm
-    axis_far, rim, top, foot, axis_face, centre = (
-        occ.addPoint(x, y, z)
-        for x, z in ((0.0, far), (radius, far), (radius, near), (reach, face), (0.0, face), (reach, near))
-    )
+    near, centre_radius = face - toward * fillet.reach_mm, radius + fillet.radial_mm
+    reach = centre_radius - fillet.half_mouth_mm
+    corners = (0.0, far), (radius, far), (radius, near), (reach, face), (0.0, face), (centre_radius, near)
+    axis_far, rim, top, foot, axis_face, centre = (occ.addPoint(x, y, z) for x, z in corners)
     longer = foot if fillet.axial_mm > fillet.radial_mm else top  # the kernel wants the major axis
     curves = [
         occ.addLine(axis_far, rim),
@@ -342,13 +347,14 @@ def _revolve(occ: Any, journal: Journal, y: float, far: float, face: float, towa
 def _under_fillet(occ: Any, scene: Scene, journal: Journal, y: float, face: float, toward: int) -> DimTags:
     """Columns over pockets and bores that open under the fillet ring, which would end in a knife edge."""
     reach = journal.radius_mm + journal.fillet_mm
-    along = journal.fillet.axial_mm
+    along = journal.fillet.reach_mm
     z = (face - along, face) if toward > 0 else (face, face + along)
     tools: DimTags = []
     cuts = [body for body in web_bodies(scene) if not body.adds and face in body.z_mm]
     for body in cuts if journal.bore_radius_mm < reach else ():
         if 0 < body.distance_mm(y, face) < reach:
             column = [pair for solid in body.continued(z) for pair in add_solid(occ, solid)]
-            core = [(3, occ.addCylinder(0, y, z[0], 0, 0, z[1] - z[0], journal.radius_mm))]
-            tools += occ.cut(column, core)[0] if column else []
+            if column:  # a recess has none: the fillet goes on in it
+                core = [(3, occ.addCylinder(0, y, z[0], 0, 0, z[1] - z[0], journal.radius_mm))]
+                tools += occ.cut(column, core)[0]
     return tools

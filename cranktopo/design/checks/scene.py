@@ -20,6 +20,7 @@ from cranktopo.throw.drilling.checks import check_across_pin, check_apart
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, least_shoulder_mm
 from cranktopo.throw.journal import ROUNDING_MM, Journal
+from cranktopo.throw.recess import check_recesses_apart
 from cranktopo.throw.web import check_inside
 
 
@@ -116,6 +117,7 @@ def _dimensions(scene: Scene) -> Iterator[tuple[str, float, float]]:
         yield f"throw.{name}.bore_diameter_mm", journal.bore_diameter_mm, SMALLEST
         yield f"throw.{name}.length_mm", journal.length_mm, SMALLEST
         yield f"throw.{name}.fillet_mm", journal.fillet_mm, SMALLEST_FILLET
+        yield f"throw.{name}.recess_mm", journal.recess_mm or 0.0, SMALLEST_FILLET
         yield f"throw.{name}.fillet_axial_mm", journal.fillet_axial_mm or 0.0, SMALLEST_FILLET
     for key, feature in throw.features():
         yield from feature.dimensions_mm(key)
@@ -177,8 +179,8 @@ def _check_journal(scene: Scene, key: str, journal: Journal, y: float) -> None:
             f"breaks through the web's rim; must be smaller than {2 * (edge - least):.4g} mm",
             "Reduce the bore or widen the web.",
         )
-    if journal.fillet_mm and journal.radius_mm + journal.fillet_mm > edge - least + ROUNDING_MM:
-        room = edge - least - journal.radius_mm
+    if journal.fillet_mm and journal.clear_radius_mm > edge - least + ROUNDING_MM:
+        room = edge - least - journal.radius_mm - journal.fillet.half_mouth_mm
         allowed = f"at most {room:.4g} mm fits" if room > 0 else "no fillet fits"
         raise scene.invalid(
             f"{key}.fillet_mm",
@@ -224,6 +226,7 @@ def _check_half(scene: Scene) -> None:
     scene.throw.main_journal.check("throw.main_journal")
     scene.throw.crankpin.check("throw.crankpin")
     _check_proportions(scene)
+    check_recesses_apart(scene)
     scene.throw.check_bores_apart()
     check_engine(scene)
     _check_supports(scene)

@@ -137,11 +137,12 @@ def _fillet_ring(journal: Journal) -> tuple[Array, Array, Array]:
     """Sections of a fillet ring for its integrals, mm: outer radius, height, distance from the web's face."""
     fillet = journal.fillet
     nodes, weights = np.polynomial.legendre.leggauss(32)
-    angle = np.pi / 4 * (nodes + 1)
+    turn = (np.pi / 2 - fillet.start_rad) / 2
+    angle = fillet.start_rad + turn * (nodes + 1)
     # Along the arc the ring reaches from the journal to `edge`, over the axial step dz = axial sin(a) da.
     edge = journal.radius_mm + fillet.radial_mm * (1 - np.sin(angle))
-    dz = fillet.axial_mm * np.sin(angle) * weights * np.pi / 4
-    return edge, dz, fillet.axial_mm * (1 - np.cos(angle))
+    dz = fillet.axial_mm * np.sin(angle) * weights * turn
+    return edge, dz, fillet.axial_mm * (1 - np.cos(angle)) - fillet.recess_mm
 
 
 def _fillets(journal: Journal, y: float) -> Moments:

@@ -12,7 +12,7 @@ from cranktopo.engine.plan.effect import PhysicsPlan
 Feature = Literal["bores", "fillets"]
 _WITHOUT: dict[Feature, dict[str, float | None]] = {
     "bores": {"bore_diameter_mm": 0.0},
-    "fillets": {"fillet_mm": 0.0, "fillet_axial_mm": None},
+    "fillets": {"fillet_mm": 0.0, "fillet_axial_mm": None, "recess_mm": None},
 }
 
 

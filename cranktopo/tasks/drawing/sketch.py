@@ -72,9 +72,8 @@ def _throw_names(axes: Any) -> None:
     mark_size(axes, (_START, low), (_STOP, low), (0, -2 * _GAP), "web.thickness_mm")
     mark_size(axes, (_STOP, high), (_END, high), (0, _GAP), "length_mm / 2")
     mark_leader(axes, (_START - 1.2, 21.2), (6, 34), "fillet_mm")
-    mark_leader(
-        axes, (_STOP + 1.2, _RADIUS - 19.2), (_END + 16, _RADIUS - 34), "fillet_mm, fillet_axial_mm along z"
-    )
+    round_or_not = "fillet_mm, fillet_axial_mm along z,\nrecess_mm into the web"
+    mark_leader(axes, (_STOP + 1.2, _RADIUS - 19.2), (_END + 16, _RADIUS - 34), round_or_not)
 
 
 def _obround_names(axes: Any) -> None:

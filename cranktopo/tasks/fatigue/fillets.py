@@ -27,8 +27,8 @@ class Place:
     Attributes:
         fillet: "journal" or "pin", or "" off the fillets.
         around_deg: angle about the journal's or the pin's axis from the throw direction +y toward +x, deg.
-        along_deg: angle along the fillet's arc, 0 at the cylinder, 90 at the web's face; of an ellipse, of
-            the circle that it is when stretched along the crank.
+        along_deg: angle along the fillet's arc, 0 at the cylinder, 90 at the web's face or the bottom of its
+            recess; of an ellipse, of the circle that it is when stretched along the crank.
         point_mm: (x, y, z) in the frame of `cranktopo.base.frames`.
         web: "first" or "second" of a throw with two different halves, else "".
         outlet: journal whose oil outlet it lies at, else "".
@@ -58,7 +58,7 @@ def fillet_nodes(scene: Scene, fillet: Fillet, points_mm: Array) -> NDArray[np.b
     """Return which points (3, n) of the near half throw lie on a fillet's surface, rims included, (n,)."""
     across, height, section = _section(scene, fillet, points_mm)
     on = np.abs(section.off_mm(across, height)) < _OFF_MM
-    return on & (across < _OFF_MM) & (height > -_OFF_MM)
+    return on & (across < section.half_mouth_mm + _OFF_MM) & (height > -_OFF_MM)
 
 
 def place(scene: Scene, point_mm: Array) -> Place:
@@ -96,7 +96,7 @@ def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array,
     journal = scene.throw.crankpin if pin else scene.throw.main_journal
     axis = scene.throw.radius_mm if pin else 0.0
     across = np.hypot(points[0], points[1] - axis) - (journal.radius_mm + journal.fillet_mm)
-    along = journal.fillet.axial_mm
+    along = journal.fillet.reach_mm
     centre = end + along if pin else start - along
     height = (centre - points[2]) if pin else (points[2] - centre)
     return across, height, journal.fillet

@@ -225,6 +225,8 @@ def dimensions(scene: Scene) -> Dimensions:
         journal_fillet=main.fillet_mm,
         pin_bore=pin.bore_diameter_mm,
         journal_bore=main.bore_diameter_mm,
+        pin_recess=pin.fillet.recess_mm,
+        journal_recess=main.fillet.recess_mm,
     )
 
 

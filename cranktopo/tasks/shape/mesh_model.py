@@ -58,6 +58,7 @@ from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
 from cranktopo.tasks.shape.start import kept_features
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.recess import require_no_recess
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,7 @@ class MeshModel:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
         """
         require_equal_halves(scene)
+        require_no_recess(scene)
         sized = scene_at(scene, layout, values)
         self.scene = scene_with_web(sized, exact_web_of(layout, values, sized))
         meshed = mesh_throw(self.scene, element_size_mm, fillet_fraction=fillet_fraction)
