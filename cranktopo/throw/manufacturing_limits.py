@@ -62,7 +62,23 @@ class ManufacturingLimits:
 
 @dataclass(frozen=True)
 class ProcessLimits(ManufacturingLimits):
-    """The same with the demands of a process, flat as a manifest keeps them."""
+    """The same with the demands of a process, flat as a manifest keeps them.
+
+    Attributes:
+        min_wall_mm: least wall between bores, pockets, bevels and the outline.
+        min_radius_mm: least radius of curvature of the outline, on either side of the curve.
+        min_draft_deg: least slope of the walls of a side pocket, so that a die releases it sideways.
+        max_stations: most stations of the profile, both round ends included; at least 5.
+        least_gain_percent: least gain in overlap (IoU, percentage points) that another station or feature
+            must bring.
+        cell_mm: cell size at which model and body are compared in the final fit.
+        starts: number of initial guesses for the final fit.
+        opens: which way pockets may open: from web faces, from the sides, or both.
+        pocket_draft_deg: draft of what opens at a web face.
+        pocket_radius_mm: least radius of the corners of a pocket.
+        floor_radius_mm: radius of the edge of a floor of what opens at a web face.
+        depth_share: most depth of what is cut from a face, over the web's thickness.
+    """
 
     opens: Literal["faces", "sides", "both"] = "both"
     pocket_draft_deg: float = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Self
 
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.schema import Process
 
 if TYPE_CHECKING:
     from cranktopo.bodies.undercuts import Undercuts
@@ -43,6 +44,22 @@ class UndercutMeasures(Result):
             released=found.negligible,
             by=found.by,
         )
+
+
+class ShapedUndercuts(UndercutMeasures):
+    """Voids of the web that its process cannot leave, by rays through the solid that was written."""
+
+    process: Process
+    """Of a `free` one a die that parts in x = 0 is looked at, but nobody asked for it."""
+    held_by: str | None
+    """Feature of the web at the deepest of them; None where none is held, or where no feature is."""
+    without_draft: tuple[str, ...] = ()
+    """Keys of what a die or mould with a draft releases along walls that have none."""
+
+    @property
+    def makeable(self) -> bool:
+        """True where the process that was asked for can make the web."""
+        return self.released or self.process == "free"
 
 
 class SurfaceQuality(Result):

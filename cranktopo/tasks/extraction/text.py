@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cranktopo.bodies.undercuts import LATERAL_DIE, Undercuts
 from cranktopo.report.result_table import Column, ResultTable, tabulate
-from cranktopo.tasks.extraction.result import UndercutMeasures, WallMeasures
+from cranktopo.tasks.extraction.result import ShapedUndercuts, UndercutMeasures, WallMeasures
 
 _KEPT = 0.9
 """Share of an asked length that counts as kept: cells and smoothing round the surface by about as much."""
@@ -72,6 +72,26 @@ def manufacturing_obstacles(cavities: int, undercuts: UndercutMeasures | None) -
         along = " along x" if lateral else ""
         found.append(f"{undercuts.volume_mm3:.0f} mm3 of undercuts{along}: {missed}")
     return found
+
+
+def release_text(undercuts: ShapedUndercuts | None) -> str:
+    """Tell whether the process can make the web, and the feature that is held."""
+    if undercuts is None:
+        return "not checked"
+    obstacles = "; ".join(manufacturing_obstacles(0, undercuts))
+    if not obstacles:
+        straight = ", ".join(undercuts.without_draft)
+        return f"{released_text(undercuts.by)} it" + f"; no draft: {straight}" * bool(straight)
+    held = f", held by {undercuts.held_by}" if undercuts.held_by else ""
+    asked = " (the process is free)" if undercuts.process == "free" else ""
+    return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{asked}"
+
+
+def release_verdict(undercuts: ShapedUndercuts | None) -> str:
+    """Return yes or no; "not checked" for results of an earlier version."""
+    if undercuts is None:
+        return "not checked"
+    return "yes" if undercuts.released else "no"
 
 
 def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:

@@ -17,12 +17,12 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.runs.kind import RESULT_FILES, SHAPE
+from cranktopo.tasks.extraction.text import release_text
 from cranktopo.tasks.iterate.one_step import transition_mm
 from cranktopo.tasks.iterate.result import LoopStep, Settings, ShapeOutcome
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
 from cranktopo.tasks.shape.search import HELD
-from cranktopo.tasks.shape.text import release_text
 
 
 class ShapeStep(NamedTuple):
@@ -61,7 +61,7 @@ def shape_step(
             raise
         return _none(str(error), asked)
     if not data.makeable:
-        return _none(release_text(data), data.goal)
+        return _none(release_text(data.undercuts), data.goal)
     if not data.held:
         return _none(data.stop_reason, data.goal)
     row = _row(number, data, load_scene(str(run.path / SHAPE / data.files["design"])))

@@ -52,7 +52,7 @@ def usual_limits(scene: Scene, **given: float | int | None) -> ManufacturingLimi
 
 def _scaled_limits(limits: ManufacturingLimits, factor: float) -> ManufacturingLimits:
     """Return the limits with their lengths multiplied."""
-    return ManufacturingLimits(**scaled_lengths(vars(limits), factor))
+    return replace(limits, **scaled_lengths(vars(limits), factor))
 
 
 def scaled_throw(scene: Scene, factor: float) -> Scene:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from cranktopo.report.page import Fact, Page, Section, pairs, versions_section
 from cranktopo.report.result_table import Column, ResultTable, labelled, tabulate, terminal
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
+from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.quantities import estimate_line
 from cranktopo.tasks.refit.result import RefitResult, RefitStiffness, UnrepresentedRegion
 from cranktopo.tasks.refit.select import FitTrial
@@ -55,7 +56,14 @@ def _shape_rows(data: RefitResult) -> list[tuple[str, str]]:
             "mass of the web",
             f"{mass.fitted:.3f} kg, body {mass.body:.3f} kg ({mass.difference_percent:+z.1f} %)",
         ),
+        *_release_rows(data),
     ]
+
+
+def _release_rows(data: RefitResult) -> list[tuple[str, str]]:
+    """Return whether the process makes the web; runs of an earlier version were not looked at."""
+    found = data.undercuts
+    return [("die releases it", f"{release_verdict(found)}, {release_text(found)}")] if found else []
 
 
 def _stiffness_rows(stiffness: RefitStiffness | None) -> list[tuple[str, str]]:
@@ -184,5 +192,8 @@ def _facts(data: RefitResult) -> tuple[Fact, ...]:
 
 
 def _limits(data: RefitResult) -> Section:
-    rows = [(name.replace("_", " "), f"{value:g}") for name, value in vars(data.rules).items()]
+    rows = [
+        (name.replace("_", " "), value if isinstance(value, str) else f"{value:g}")
+        for name, value in vars(data.rules).items()
+    ]
     return Section("limits", "Limits of the fit", tables=(("As it was asked for", pairs(rows)),))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.refit.select import FitTrial, ResidualRegion
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ProcessLimits
 
 _Point = tuple[float, float, float]
 
@@ -85,7 +86,10 @@ class RefitResult(Result):
     trials: list[FitTrial]
     overlap_by_start: list[float]
     not_represented: list[UnrepresentedRegion]
-    rules: ManufacturingLimits
+    rules: ProcessLimits
+    """Limits of the fit, with what the design's process asks of its features; a `free` one asks nothing."""
+    undercuts: ShapedUndercuts | None = UNLESS_NONE
+    """The check by rays through the solid that was written; None in results of an earlier version."""
     files: dict[str, FileName]
     seconds: dict[str, float]
     folder: str | None = UNLESS_NONE

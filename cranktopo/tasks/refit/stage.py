@@ -26,12 +26,15 @@ from cranktopo.runs.kind import interruptible
 from cranktopo.runs.manifest import timestamp, versions
 from cranktopo.tasks.drawing.sheet import write_drawing
 from cranktopo.tasks.drawing.views import Sheet
+from cranktopo.tasks.extraction.release import shaped_undercuts
+from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import Target, resolve_target
 from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
 from cranktopo.tasks.refit.page import refit_page
+from cranktopo.tasks.refit.process import process_limits
 from cranktopo.tasks.refit.result import (
     FittedParameter,
     Overlaps,
@@ -42,7 +45,7 @@ from cranktopo.tasks.refit.result import (
     WebMasses,
 )
 from cranktopo.tasks.refit.shape_error import ShapeError, shape_error
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ProcessLimits
 
 
 def remodel_run(
@@ -67,7 +70,7 @@ def remodel_run(
     folder = out or run.path / "remodel"
     check_destination(folder)
     scene = design_from_run(run)
-    limits = usual_limits(scene, **(given or {}))
+    limits = _limits(scene, given or {})
     surface = _surface(target, scene)
     note(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, limits)
@@ -77,12 +80,22 @@ def remodel_run(
         files = write_refit(fitted, near, half_throw, surface, unfinished, run.started())
         check()
         stiffness = _evaluated(target, fitted.scene) if evaluated else None
-        result = _result(run.name, fitted, near, limits, stiffness, files, time.perf_counter() - began)
+        undercuts = shaped_undercuts(half_throw, fitted.scene)
+        total_s = time.perf_counter() - began
+        result = _result(run.name, fitted, near, limits, undercuts, stiffness, files, total_s)
         write_json(unfinished / files["json"], result.as_json())
         _write_page(result, fitted.scene, half_throw, surface, unfinished)
         check()
         moved(unfinished, folder)
     return result.model_copy(update={"folder": str(folder)})
+
+
+def _limits(scene: Scene, given: Mapping[str, float | None]) -> ProcessLimits:
+    """Return the limits of a fit with the demands of the scene's process; a free one has none."""
+    limits = usual_limits(scene, **given)
+    return (
+        ProcessLimits(**vars(limits)) if scene.optimise.process == "free" else process_limits(scene, limits)
+    )
 
 
 def write_refit(
@@ -161,7 +174,8 @@ def _result(
     run: str,
     fitted: FittedWeb,
     near: ShapeError,
-    limits: ManufacturingLimits,
+    limits: ProcessLimits,
+    undercuts: ShapedUndercuts,
     stiffness: RefitStiffness | None,
     files: dict[str, str],
     total_s: float,
@@ -190,6 +204,7 @@ def _result(
         overlap_by_start=list(fitted.overlaps),
         not_represented=[UnrepresentedRegion.of(region, body_mm3) for region in fitted.residual_regions],
         rules=limits,
+        undercuts=undercuts,
         files=files,
         seconds={"total": total_s},
     )

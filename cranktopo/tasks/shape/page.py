@@ -20,6 +20,7 @@ from cranktopo.report.page import (
 from cranktopo.report.plot import picture, plain
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.text import bound_sections
+from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.quantities import Quantity
 from cranktopo.tasks.fea.section import clearance_sections
@@ -33,8 +34,6 @@ from cranktopo.tasks.shape.text import (
     multiplier_doubt,
     multiplier_table,
     named_first,
-    release_text,
-    release_verdict,
     rounds_table,
     shape_headline,
     value_words,
@@ -82,7 +81,7 @@ def release_fact(found: ShapeResult) -> Fact:
     status: FactStatus = "unknown"
     if found.undercuts is not None:
         status = "good" if found.undercuts.released else "neutral" if found.makeable else "bad"
-    return Fact("Released by a die", release_verdict(found), release_text(found), status)
+    return Fact("Released by a die", release_verdict(found.undercuts), release_text(found.undercuts), status)
 
 
 def _change_error_percent(found: ShapeResult, key: str) -> float:

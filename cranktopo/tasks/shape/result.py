@@ -10,9 +10,8 @@ from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
-from cranktopo.design.schema import Process
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
-from cranktopo.tasks.extraction.result import UndercutMeasures
+from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
 
 
@@ -101,20 +100,6 @@ class RoundValues(Result):
     values: dict[str, float]
     excess_percent: tuple[float, ...]
     """Violation of each limit by the evaluation, %; 0 or less is kept."""
-
-
-class ShapedUndercuts(UndercutMeasures):
-    """Voids of the web that its process cannot leave, by rays through the solid that was written."""
-
-    process: Process
-    """Of a `free` one a die that parts in x = 0 is looked at, but nobody asked for it."""
-    held_by: str | None
-    """Feature of the web at the deepest of them; None where none is held, or where no feature is."""
-
-    @property
-    def makeable(self) -> bool:
-        """True where the process that was asked for can make the web."""
-        return self.released or self.process == "free"
 
 
 class ShapeResult(Result):

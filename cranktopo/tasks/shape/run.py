@@ -41,14 +41,15 @@ from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, shown_results
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.sheet import export_drawing
+from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.refit.family import free_dimensions, parameter_unit, with_free
 from cranktopo.tasks.refit.fit import usual_limits
+from cranktopo.tasks.refit.process import process_limits
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.refit.stage import remodel_run
 from cranktopo.tasks.shape.page import shape_page
-from cranktopo.tasks.shape.release import shaped_undercuts
 from cranktopo.tasks.shape.result import (
     LimitPrice,
     RoundValues,
@@ -63,7 +64,7 @@ from cranktopo.tasks.shape.search import HELD
 from cranktopo.tasks.shape.search_goal import goal_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
-from cranktopo.tasks.shape.start import process_limits, scene_start
+from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 

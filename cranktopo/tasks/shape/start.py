@@ -19,17 +19,14 @@ from cranktopo.design.free_dimensions import (
 )
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.tasks.density.manufacturing import tool_radius_mm
 from cranktopo.tasks.refit.family import free_dimensions, own_values, station_shares
 from cranktopo.tasks.refit.parametric_web import reaches_mm
 from cranktopo.tasks.refit.read_web import WebRead, read_web
 from cranktopo.throw.fitted import FittedFeature
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 STATIONS = 7
 _SAME_MM = 1e-6
-_FLOOR_SHARE = 0.5
-"""Most radius of a floor's edge over the depth that a pocket may have."""
 
 
 def outline_start(scene: Scene, limits: ManufacturingLimits, stations: int = STATIONS) -> Array:
@@ -64,36 +61,6 @@ def scene_start(scene: Scene, limits: ManufacturingLimits, begun: Scene | None =
         if name not in free
     ]
     return replace(found, left_out=(*found.left_out, *lost), sizes=free)
-
-
-def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
-    """Return limits with what the scene's process asks of pockets: way, draft, corners, and depth.
-
-    A die with a flat parting plane in mid-web cuts no deeper than that. The edges of floors have the radius
-    of the mill or the die, but no more than half of the depth that a pocket may have.
-    """
-    settings, own = scene.optimise, vars(limits)
-    if settings.process == "free":
-        return ProcessLimits(**{**own, "pocket_radius_mm": limits.min_radius_mm})
-    if settings.process == "milled":
-        radius = max(limits.min_radius_mm, tool_radius_mm(scene))
-        return _with_floors(scene, ProcessLimits(**{**own, "pocket_radius_mm": radius}))
-    draft, lateral = max(limits.min_draft_deg, settings.draft_deg), settings.parting == "lateral"
-    asked = {
-        "min_draft_deg": draft,
-        "opens": "sides" if lateral else "faces",
-        "pocket_draft_deg": 0.0 if lateral else draft,
-        "pocket_radius_mm": limits.min_radius_mm,
-        "depth_share": 1.0 if lateral or settings.process == "cast" else 0.5,
-    }
-    made = ProcessLimits(**{**own, **asked})
-    return made if lateral else _with_floors(scene, made)
-
-
-def _with_floors(scene: Scene, limits: ProcessLimits) -> ProcessLimits:
-    thinnest, _ = free_range_mm(scene, "web_thickness") or (scene.web.thickness_mm, 0.0)
-    most = _FLOOR_SHARE * limits.deepest_mm(thinnest)
-    return replace(limits, floor_radius_mm=min(limits.pocket_radius_mm, most))
 
 
 def _made(found: WebRead, limits: ManufacturingLimits) -> WebRead:

@@ -9,7 +9,7 @@ from cranktopo.base.units import plain_number
 from cranktopo.report.goal_table import broken_limits, limits_table
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
-from cranktopo.tasks.extraction.text import manufacturing_obstacles, released_text
+from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.quantities import COMPARED, SAFETY
 from cranktopo.tasks.shape.result import (
     DimensionSensitivity,
@@ -148,28 +148,8 @@ def shape_headline(found: ShapeResult) -> str:
     change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
     said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+z.1f} %" for name in names)
     judged = f"NOT MET: {'; '.join(missed)};" if missed else "Every limit holds:"
-    unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found)}. "
+    unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
     return f"{unmade}{judged} {said} against the original web."
-
-
-def release_text(found: ShapeResult) -> str:
-    """Tell whether the process can make the web, and the feature that is held."""
-    undercuts = found.undercuts
-    if undercuts is None:
-        return "not checked"
-    obstacles = "; ".join(manufacturing_obstacles(0, undercuts))
-    if not obstacles:
-        return f"{released_text(undercuts.by)} it"
-    held = f", held by {undercuts.held_by}" if undercuts.held_by else ""
-    asked = " (the process is free)" if undercuts.process == "free" else ""
-    return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{asked}"
-
-
-def release_verdict(found: ShapeResult) -> str:
-    """Return yes or no; "not checked" for results of an earlier version."""
-    if found.undercuts is None:
-        return "not checked"
-    return "yes" if found.undercuts.released else "no"
 
 
 def shape_summary(found: ShapeResult, folder: Path) -> str:
@@ -177,7 +157,11 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
     lines = [
         shape_headline(found),
         found.stop_reason,
-        *([f"die releases it: {release_verdict(found)}, {release_text(found)}"] if found.undercuts else []),
+        *(
+            [f"die releases it: {release_verdict(found.undercuts)}, {release_text(found.undercuts)}"]
+            if found.undercuts
+            else []
+        ),
         *bound_lines(found.bound),
         "",
         terminal(changes_table(found)),

@@ -10,6 +10,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.report_file import html, markdown_text
 from cranktopo.report.viewer.scene3d import ShownBody
+from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.refit.page import refit_page, refit_section, refit_text
 from cranktopo.tasks.refit.result import RefitResult
 from tests.told_evaluation import told_evaluation
@@ -71,3 +72,13 @@ def test_without_evaluation_and_without_rest(data: RefitResult) -> None:
     assert [row["what"] for row in shape.rows] == ["overlap (IoU)", "surface distance", "mass of the web"]
     assert len(trials.rows) == 2
     assert "represents the whole body" in refit_text(bare)
+
+
+def test_text_and_page_say_what_is_not_released(data: RefitResult) -> None:
+    found = {"volume_mm3": 812.0, "deepest_mm": 6.5, "released": False, "process": "forged"}
+    looked = ShapedUndercuts(**found, held_by="web.pocket[0]")
+    held = data.model_copy(update={"undercuts": looked})
+    words = "no, 812 mm3 of undercuts along x: no die that parts in x = 0 releases it, held by web.pocket[0]"
+    assert words in " ".join(refit_text(held).split())
+    (_, shape), *_ = refit_section(held).tables
+    assert next(row["value"] for row in shape.rows if row["what"] == "die releases it").startswith(words)

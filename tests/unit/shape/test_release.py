@@ -10,10 +10,12 @@ import pytest
 from cranktopo.bodies.solid.files import surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.compare.stage import design_undercuts
+from cranktopo.tasks.extraction.release import shaped_undercuts
+from cranktopo.tasks.extraction.result import ShapedUndercuts
+from cranktopo.tasks.extraction.text import release_text
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.shape.page import release_fact
-from cranktopo.tasks.shape.release import shaped_undercuts
-from cranktopo.tasks.shape.result import ShapedUndercuts, ShapeResult
+from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import shape_headline, shape_summary
 from tests.unit.refit.remodel_cases import table
 from tests.unit.shape.shape_results import invented_data
@@ -51,6 +53,25 @@ def test_the_process_decides_and_the_pocket_is_named(
     assert (found.released, found.makeable) == (released, released)
     assert found.held_by == (None if released else "web.pocket[0]")
     assert design_undercuts("same", surface_of(scene, "half"), scene).free == released
+
+
+@pytest.mark.parametrize(
+    ("asked", "straight"),
+    [
+        ({"process": "forged", "draft_deg": 5.0}, ("web.bevel[0]",)),
+        ({"process": "cast", "parting": "web_faces", "draft_deg": 5.0}, ("web.outline",)),
+        ({"process": "forged", "draft_deg": 0.0}, ()),
+        ({"process": "milled", "draft_deg": 5.0}, ()),
+    ],
+)
+def test_what_a_die_releases_without_draft_is_named(
+    mikron: Scene, asked: dict[str, Any], straight: tuple[str, ...]
+) -> None:
+    bevel = {"face": "journal", "y_mm": 54.0, "depth_mm": 9.0}
+    found = looked_at(scene_with_web(mikron, table(bevel=[bevel])).with_optimise(**asked))
+    assert found.without_draft == straight
+    ends = f" it; no draft: {', '.join(straight)}" if straight else " it"
+    assert release_text(found.model_copy(update={"released": True})).endswith(ends)
 
 
 def told(undercuts: ShapedUndercuts | None) -> ShapeResult:

@@ -7,8 +7,8 @@ import numpy as np
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.tasks.extraction.result import UndercutMeasures
-from cranktopo.tasks.shape.result import ShapedUndercuts
+from cranktopo.tasks.extraction.result import ShapedUndercuts, UndercutMeasures
+from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.primitives import Point
 
 
@@ -18,7 +18,18 @@ def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
     at_mm = None if found.negligible else found.deepest_at_mm
     holder = None if at_mm is None else _feature_at(scene, at_mm)
     measures = dict(UndercutMeasures.of(found))
-    return ShapedUndercuts(**measures, process=scene.optimise.process, held_by=holder)
+    process = scene.optimise.process
+    return ShapedUndercuts(**measures, process=process, held_by=holder, without_draft=_without_draft(scene))
+
+
+def _without_draft(scene: Scene) -> tuple[str, ...]:
+    """Return what has no draft by its kind: bevels across the web and a web's outline are straight."""
+    settings = scene.optimise
+    if settings.process not in ("forged", "cast") or not settings.draft_deg:
+        return ()
+    if settings.parting == "web_faces":
+        return ("web.outline",)
+    return tuple(key for key, feature in scene.web.features() if isinstance(feature, EndBevel))
 
 
 def _feature_at(scene: Scene, at_mm: Point) -> str | None:
