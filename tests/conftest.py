@@ -41,6 +41,14 @@ def compilations(shared: Path) -> Iterator[None]:
         os.environ["XDG_CACHE_HOME"] = before
 
 
+@pytest.fixture(scope="session", autouse=True)
+def patient() -> Iterator[None]:
+    """No lines about waits, which depend on what else the machine does."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("cranktopo.cli.verbosity._QUIET_S", 3600.0)
+        yield
+
+
 @pytest.fixture(scope="session")
 def default_run(shared: Path) -> Path:
     """The default run on coarse cells to its end, one for all test processes, not to be changed."""

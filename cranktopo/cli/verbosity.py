@@ -14,7 +14,8 @@ from typing import Any
 
 import click
 
-from cranktopo.base.notes import QUIET_S, duration_text, running
+from cranktopo.base.notes import QUIET_S as _QUIET_S
+from cranktopo.base.notes import duration_text, running
 
 _LEVEL = "cranktopo.verbosity"
 QUIET, NORMAL, VERBOSE = -1, 0, 1
@@ -64,20 +65,20 @@ class _Stderr(logging.Handler):
             if self.told != last:
                 last, wait = self.told, quiet_s
                 continue
+            took = time.monotonic() - last
             bars: Any = sys.modules.get("tqdm")
             if not (bars and getattr(bars.tqdm, "_instances", None)):  # a bar shows that the work goes on
-                took = duration_text(time.monotonic() - last)
-                click.echo(f"{running() or command}: {took} so far", err=True)
-            wait *= 2
+                click.echo(f"{running() or command}: {duration_text(took)} so far", err=True)
+            wait = 2 * took
 
 
 @contextmanager
-def _notes_on_stderr(quiet_s: float = QUIET_S) -> Iterator[None]:
+def _notes_on_stderr() -> Iterator[None]:
     logger, handler, ended = logging.getLogger("cranktopo"), _Stderr(), threading.Event()
     before = logger.level
     logger.addHandler(handler)
     logger.setLevel(_LOGGED[level()])
-    waits = threading.Thread(target=handler.tell_waits, args=(_command(), ended, quiet_s), daemon=True)
+    waits = threading.Thread(target=handler.tell_waits, args=(_command(), ended, _QUIET_S), daemon=True)
     if level() == QUIET:
         ended.set()
     waits.start()

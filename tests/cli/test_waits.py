@@ -17,10 +17,11 @@ class _Clock:
     """An event that is never set before some waits have passed, each as long as was asked for."""
 
     def __init__(self, waits: int, between: Callable[[int], Any] = lambda _: None) -> None:
+        self.held = 0.0
         self.now, self.waited, self._waits, self._between = 100.0, 0, waits, between
 
     def wait(self, seconds: float) -> bool:
-        self.now += seconds
+        self.now, self.held = self.now + seconds + self.held, 0.0
         self.waited += 1
         self._between(self.waited)
         return self.waited > self._waits
@@ -42,23 +43,37 @@ def test_a_wait_is_told_with_what_runs(
     assert running() == ""
 
 
+def test_a_wait_in_which_no_thread_ran_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    clock = _Clock(2)
+    clock.held = 30.0
+    assert _told(clock, monkeypatch, capsys) == [
+        f"solving 3 columns: {seconds} s so far" for seconds in (33, 66)
+    ]
+
+
 def test_work_that_tells_its_own_lines_has_few_others(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     handler: list[_Stderr] = []
     record = logging.LogRecord("cranktopo", logging.INFO, "", 0, "step", (), None)
-    monkeypatch.setattr(_Stderr, "__init__", lambda self: (handler.append(self), _init(self))[1])
+
+    def begin(self: _Stderr) -> None:
+        logging.Handler.__init__(self)
+        self.told = time.monotonic()
+        handler.append(self)
+
+    monkeypatch.setattr(_Stderr, "__init__", begin)
     clock = _Clock(5, lambda _: handler[0].emit(record))
     assert _told(clock, monkeypatch, capsys) == 6 * ["step"]
 
 
-def _init(handler: _Stderr) -> None:
-    logging.Handler.__init__(handler)
-    handler.told = time.monotonic()
-
-
-def test_the_lines_end_with_the_command(capsys: pytest.CaptureFixture[str]) -> None:
-    with _notes_on_stderr(quiet_s=0.01):
+def test_the_lines_end_with_the_command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("cranktopo.cli.verbosity._QUIET_S", 0.01)
+    with _notes_on_stderr():
         time.sleep(0.2)
     assert capsys.readouterr().err.startswith("at work: 0 s so far\n")
     time.sleep(0.1)

@@ -66,7 +66,7 @@ def test_what_never_ends_is_ended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, is_read: bool
 ) -> None:
     caplog.set_level(logging.INFO, logger="cranktopo.notes")
-    limits = {"_TELL_S": 1.5, "_READING_S": 60 if is_read else 2, "_WORKING_S": 2 if is_read else 60}
+    limits = {"_TELL_S": 0.3, "_READING_S": 60 if is_read else 2, "_WORKING_S": 2 if is_read else 60}
     for name, seconds in limits.items():
         monkeypatch.setattr(child, name, seconds)
     began = time.monotonic()
