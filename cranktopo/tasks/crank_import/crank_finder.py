@@ -7,6 +7,7 @@ parallel to it carries crankpins. A web lies between a pin and the main journal 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from cranktopo.tasks.crank_import.faces import (
     same_axis,
     span_along,
 )
-from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal
+from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf, FoundJournal, FoundStep
 
 _Spans = Callable[[CylinderFace], tuple[float, float]]
 _NEAR = 1e-5
@@ -52,13 +53,36 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
     origin = main_line[0].point_mm - (main_line[0].point_mm @ direction) * direction
     found = _Finder(faces, origin, direction)
     pins = found.pins([line for line in lines if line is not main_line], main_line, name)
+    main_line = found.welded(main_line)
     journals, unread = found.mains(main_line, pins)
+    steps = [found.steps_beyond(main_line, journals[side], side) for side in (0, -1)]
+    if ends == "auto" and len(journals) == 2 and any(steps):
+        ends = "whole"
     halves, told = _halves(journals, pins, ends)
     if not halves:
         raise _no_crank(name, "no crankpin lies next to a main journal")
+    beyond = [
+        None if half.main_plane_mm in half.main.faces_mm or not any(half.main.free) else own
+        for half, own in zip((halves[0], halves[-1]), steps, strict=True)
+    ]
+    taken = {words for own in beyond for step in own or () for words in _step_words(step)}
+    left = [words for words in unread if words not in taken]
     return FoundCrank(
-        origin, direction, journals, pins, halves, tuple(assumed + told), tuple(unread + found.spare)
+        origin,
+        direction,
+        journals,
+        pins,
+        halves,
+        (beyond[0], beyond[1]),
+        tuple(assumed + told),
+        tuple(left + found.spare),
     )
+
+
+def _step_words(step: FoundStep) -> tuple[str, str]:
+    """Return a step as `mains` names what it does not take."""
+    size = f"{2 * step.radius_mm:.5g}"
+    return f"step of {size} x {step.length_mm:.4g} mm on the crank axis", f"disc or flange of {size} mm"
 
 
 def _no_crank(name: str, what: str) -> CranktopoError:
@@ -178,6 +202,46 @@ class _Finder:
                 if face is not chosen
             ]
         return tuple(journals), unread
+
+    def welded(self, line: Sequence[CylinderFace]) -> list[CylinderFace]:
+        """Return the cylinders of the crank axis, those of one radius that follow each other as one."""
+        whole: list[CylinderFace] = []
+        for face in sorted(line, key=self._span):
+            near = _NEAR * face.radius_mm
+            last = whole[-1] if whole else None
+            if (
+                last is None
+                or abs(last.radius_mm - face.radius_mm) > near
+                or abs(self._span(last)[1] - self._span(face)[0]) > near
+            ):
+                whole.append(face)
+                continue
+            more = self._span(face)[1] - self._span(last)[1]
+            low, high = last.span_mm
+            same = float(last.axis @ self.axis) > 0
+            whole[-1] = replace(last, span_mm=(low, high + more) if same else (low - more, high))
+        return whole
+
+    def steps_beyond(
+        self, line: Sequence[CylinderFace], journal: FoundJournal, side: int
+    ) -> tuple[FoundStep, ...]:
+        """Return the cylinders that follow outwards on the first (0) or the last (-1) main journal."""
+        at, near = journal.faces_mm[side], _NEAR * journal.radius_mm
+        order = -1 if side == 0 else 1
+        steps: list[FoundStep] = []
+        for face in sorted(line, key=lambda one: order * sum(self._span(one))):
+            inner, outer = self._span(face)[::order]
+            if abs(inner - at) < near:
+                bores = [
+                    2 * bore.radius_mm
+                    for bore in self.bores
+                    if same_axis(bore, face)
+                    and bore.full
+                    and self._span(bore)[0] < (inner + outer) / 2 < self._span(bore)[1]
+                ]
+                steps.append(FoundStep(face.radius_mm, max(bores, default=0.0), abs(outer - inner)))
+                at = outer
+        return tuple(steps)
 
     def _long(self, face: CylinderFace) -> bool:
         return face.span_mm[1] - face.span_mm[0] > _SHORTEST * face.radius_mm

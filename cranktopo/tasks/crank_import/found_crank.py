@@ -40,6 +40,15 @@ class FoundJournal:
 
 
 @dataclass(frozen=True)
+class FoundStep:
+    """A cylinder of an end of the crank, beyond an outer main journal."""
+
+    radius_mm: float
+    bore_mm: float
+    length_mm: float
+
+
+@dataclass(frozen=True)
 class FoundHalf:
     """One web with the halves of both its journals: main and pin plane, mm along the axis.
 
@@ -84,6 +93,7 @@ class FoundCrank:
     Attributes:
         origin_mm, axis: of the crank axis.
         halves: from the low end of the axis on.
+        ends: steps of the low and of the high end outwards; None where the journal is cut.
         assumed: what the faces leave open, in words.
         unread: what was seen and is not in the halves, in words.
     """
@@ -93,6 +103,7 @@ class FoundCrank:
     journals: tuple[FoundJournal, ...]
     pins: tuple[FoundJournal, ...]
     halves: tuple[FoundHalf, ...]
+    ends: tuple[tuple[FoundStep, ...] | None, tuple[FoundStep, ...] | None]
     assumed: tuple[str, ...]
     unread: tuple[str, ...]
 

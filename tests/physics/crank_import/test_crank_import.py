@@ -143,6 +143,41 @@ def test_a_solid_of_an_assembly(tmp_path: Path) -> None:
         import_crank(both, None, tmp_path / "again", solid="rod")
 
 
+def with_ends(cylinders: int, **crank: Any) -> Scene:
+    """The plain Mikron with a nose and a seat at the free end, and a flange at the output."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
+    order = list(range(1, cylinders + 1)) if cylinders < 4 else [1, 3, 4, 2]
+    data["engine"] |= {"cylinders": cylinders, "firing_order": order}
+    seat = {"kind": "cylinder", "diameter_mm": 36.0, "length_mm": 16.0, "bore_diameter_mm": 10.0}
+    nose = {"kind": "cylinder", "diameter_mm": 28.0, "length_mm": 22.0, "bore_diameter_mm": 0.0}
+    flange = {"kind": "cylinder", "diameter_mm": 140.0, "length_mm": 12.0, "bore_diameter_mm": 16.0}
+    ends = [{"side": "free", "step": [seat, nose]}, {"side": "output", "step": [flange]}]
+    return scene_from_dict({**data, "crank": {"end": ends, **crank}}, "ends")
+
+
+def test_the_ends_of_a_crank_come_back(tmp_path: Path) -> None:
+    scene = with_ends(1)
+    export_solid(scene, "crankshaft", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "ends", tmp_path / "out")
+    assert [journal.length_mm for journal in result.main_journals] == pytest.approx([40.0, 40.0])
+    found, wanted = load_scene(result.halves[0].design).crank, scene.crank
+    assert found is not None
+    assert wanted is not None
+    assert flat(found.model_dump(mode="json")) == pytest.approx(flat(wanted.model_dump(mode="json")))
+    assert not [line for line in result.unread if line.startswith("step of")]
+
+
+@pytest.mark.slow
+def test_a_main_journal_of_its_own_comes_back(tmp_path: Path) -> None:
+    scene = with_ends(4, main_journal=[{"number": 2, "length_mm": 50.0}])
+    result = imported(scene, tmp_path)
+    found = load_scene(result.halves[0].design, whole=True).crank
+    assert found is not None
+    assert [(own.number, own.length_mm) for own in found.main_journal] == [(2, pytest.approx(50.0))]
+    assert found.throws == ("throw",) * 4
+    assert len(found.end) == 2
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in builtin_designs() if "variant" not in name])
 def test_built_in_cranks(tmp_path: Path, name: str) -> None:

@@ -1,0 +1,58 @@
+"""Ends and main journals that an import found, as the [crank] of its design."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from cranktopo.base.notes import redirected
+from cranktopo.design.crank import Crank
+from cranktopo.design.loading import load_scene, parse_scene
+from cranktopo.tasks.crank_import.design_text import design_text
+from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundJournal, FoundStep
+
+STEPS = (FoundStep(18.0, 10.0, 16.0), FoundStep(14.0, 0.0, 22.0))
+
+
+def found(lengths_mm: tuple[float, ...], radius_mm: float = 21.0) -> FoundCrank:
+    """The plain Mikron's crank of two throws; its outer journals are whole."""
+    at, journals, pins, axis = 0.0, [], [], np.array([0.0, 0.0, 1.0])
+    for number, length in enumerate(lengths_mm):
+        free = number == 0, number == len(lengths_mm) - 1
+        radius = radius_mm if number == 1 else 21.0
+        journals.append(FoundJournal(radius, 24.0, (at, at + length), free, np.zeros(3)))
+        at += length + 19.0
+        pin = np.array([0.0, 48.0 if number else -48.0, 0.0])
+        pins.append(FoundJournal(21.0, 24.0, (at, at + 36.0), (False, False), pin))
+        at += 36.0 + 19.0
+    return FoundCrank(np.zeros(3), axis, tuple(journals), tuple(pins[:-1]), (), (STEPS, ()), (), ())
+
+
+def crank_of(found_crank: FoundCrank) -> Crank | None:
+    text = design_text(load_scene("mikron-iiic-plain"), found_crank, "half-1.step", ("x.step",))
+    return parse_scene(text).crank
+
+
+def test_ends_and_a_longer_journal_are_written() -> None:
+    crank = crank_of(found((40.0, 44.0, 40.0)))
+    assert crank is not None
+    assert crank.throws == ("throw", "throw")
+    assert [(own.number, own.length_mm, own.outer_diameter_mm) for own in crank.main_journal] == [
+        (1, 44.0, None)
+    ]
+    assert [end.side for end in crank.end] == ["free", "output"]
+    assert [step.length_mm for step in crank.end[0].step] == [16.0, 22.0]
+    assert [step.bore_radius_mm for step in crank.end[0].step] == [5.0, 0.0]
+    assert crank.end[1].step == ()
+
+
+def test_what_was_cut_has_no_crank() -> None:
+    assert crank_of(replace(found((20.0, 40.0, 20.0)), ends=(None, None))) is None
+
+
+def test_a_journal_that_the_web_cannot_take_is_left_out() -> None:
+    notes: list[str] = []
+    with redirected(notes.append):
+        assert crank_of(found((40.0, 44.0, 40.0), radius_mm=26.0)) is None
+    assert "are left out: " in notes[0]
