@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
-from cranktopo.base.machine import give_back_memory
 
 _TRIANGLE = 2
 _RESET = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM)
@@ -56,7 +55,6 @@ def _session(what: str) -> Iterator[Any]:
         ) from None
     finally:
         gmsh.finalize()
-        give_back_memory()
 
 
 @contextmanager
