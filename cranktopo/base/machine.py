@@ -130,16 +130,6 @@ def peak_memory_MiB() -> float:
     return round(peak / (1024.0**2 if sys.platform == "darwin" else 1024.0), 1)
 
 
-def give_back_memory() -> None:
-    """Hand freed memory to the system: the allocator would keep some 100 to 300 MiB of others (glibc)."""
-    if sys.platform == "linux":
-        import ctypes
-
-        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
-        if trim is not None:
-            trim(0)
-
-
 def forget_peak_memory() -> None:
     """Start the peak anew; only Linux can, elsewhere it stays that of the whole process."""
     with suppress(OSError):

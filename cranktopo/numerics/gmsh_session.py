@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory, solver_error
-from cranktopo.base.machine import give_back_memory
 from cranktopo.base.notes import at_work
 
 _TRIANGLE = 2
@@ -57,7 +56,6 @@ def _session(what: str) -> Iterator[Any]:
         ) from None
     finally:
         gmsh.finalize()
-        give_back_memory()
 
 
 @contextmanager
