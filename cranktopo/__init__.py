@@ -9,7 +9,7 @@ What a command does is one call as well: `optimise_design`, `resume_optimisation
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`,
 `study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
-`report_run`, `report_comparison`, `export_solid`,
+`report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
 
 A design is a `Scene`, the path of a file or a name, whatever the function; a target may be a `Target` too.
@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.compare.result import Comparison, ComparisonResult, Entry, compare
     from cranktopo.tasks.compare.stage import ComparedTargets, compare_targets, report_comparison
+    from cranktopo.tasks.crank_drawing.sheet import draw_crank
     from cranktopo.tasks.crank_import.result import CrankImport
     from cranktopo.tasks.crank_import.stage import import_crank
     from cranktopo.tasks.density.stage import Optimum, Prepared, optimise_density, prepare
@@ -148,6 +149,7 @@ _HOMES = {
     "balance_result": "tasks.balance.result",
     "report_balance": "tasks.balance.stage",
     "export_solid": "bodies.solid.files",
+    "draw_crank": "tasks.crank_drawing.sheet",
     "Target": "tasks.fea.targets",
     "resolve_target": "tasks.fea.targets",
     "resolve_targets": "tasks.fea.targets",
@@ -237,6 +239,7 @@ __all__ = [
     "compare_targets",
     "continue_loop",
     "double_precision",
+    "draw_crank",
     "engine_balance",
     "evaluate_sensitivities",
     "evaluate_shaft",

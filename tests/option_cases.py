@@ -95,6 +95,9 @@ TABLE: dict[str, dict[str, Case]] = {
         "--end-journals": Shown(
             "physics/crank_import/test_crank_import.py::test_end_journals_are_what_the_user_says"
         ),
+        "--unit": Shown(
+            "physics/crank_import/test_mesh_import.py::test_the_unit_is_asked_where_none_is_told"
+        ),
         "--material": Shown(
             "physics/crank_import/test_crank_import.py::test_the_design_has_the_name_asked_for"
         ),

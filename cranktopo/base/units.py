@@ -76,6 +76,7 @@ UNITS = {
     "per_mm": "1/mm",
     "s": "s",
     "h": "h",
+    "HRC": "HRC",
     "m_per_s": "m/s",
     "m_per_s2": "m/s²",
     "MiB": "MiB",

@@ -14,16 +14,18 @@ import argparse
 import ctypes
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra import elasticity
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement, symmetric_solver
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
+from cranktopo.numerics.tetrahedra.solver import Equations, largest_eigenvalue
 
 SHARES = (1.5, 1.0, 0.5, 0.3)
 """Element sizes over the default one."""
@@ -43,24 +45,51 @@ def main() -> None:
         return
     print("| unknowns | solver | first solve s | second solve s | residual |\n|---|---|---|---|---|")
     for file in sorted(Path(options.folder).glob("*.npz")):
-        matrix, prolongation, loads = system(file)
-        for name, build in methods(matrix, prolongation, options.cudss).items():
-            print(f"| {matrix.shape[0]:,} | {name} | {timed(build, matrix, loads)} |", flush=True)
+        body = system(file)
+        for name, build in methods(body, options.cudss).items():
+            print(f"| {body.matrix.shape[0]:,} | {name} | {timed(build, body)} |", flush=True)
 
 
-def methods(matrix: Any, prolongation: Any, library: str | None) -> dict[str, Callable[[], Solver]]:
+@dataclass(frozen=True)
+class Body:
+    """A body held at its lower end, and three loads.
+
+    Attributes:
+        free: unknowns that are not held; matrix, prolongation and loads are over these.
+    """
+
+    equations: Equations
+    free: NDArray[np.intp]
+    matrix: sp.csr_matrix
+    prolongation: sp.csr_matrix
+    loads: Array
+
+
+def methods(body: Body, library: str | None) -> dict[str, Callable[[], Solver]]:
     """Return what builds each solver, by name; those of the GPU where its library is given."""
-    found: dict[str, Callable[[], Solver]] = {
-        "CPU, own": lambda: symmetric_solver(matrix, prolongation, residual=RELATIVE_RESIDUAL * 100)
-    }
+    found: dict[str, Callable[[], Solver]] = {"CPU, own": lambda: on_cpu(body)}
     if library:
-        found["GPU, same cycle"] = lambda: on_gpu_by_cycle(library, matrix, prolongation)
-        found["GPU, cuDSS"] = lambda: Factor(library, matrix).on_host
+        found["GPU, same cycle"] = lambda: on_gpu_by_cycle(library, body.matrix, body.prolongation)
+        found["GPU, cuDSS"] = lambda: Factor(library, body.matrix).on_host
     return found
 
 
-def timed(build: Callable[[], Solver], matrix: Any, loads: Array) -> str:
+def on_cpu(body: Body) -> Solver:
+    """Return the evaluation's own solver."""
+    unknowns = body.equations.stiffness.shape[0]
+    solver = body.equations.solver(np.setdiff1d(np.arange(unknowns), body.free), 100 * RELATIVE_RESIDUAL)
+
+    def solve(loads: Array) -> Array:
+        forces = np.zeros((unknowns, loads.shape[1]))
+        forces[body.free] = loads
+        return solver(forces)[body.free]
+
+    return solve
+
+
+def timed(build: Callable[[], Solver], body: Body) -> str:
     """Return seconds with and without what is made once, and the largest relative residual."""
+    matrix, loads = body.matrix, body.loads
     began = time.perf_counter()
     try:
         solve = build()
@@ -90,16 +119,17 @@ def write_meshes(folder: str, engine: str) -> None:
         print(f"{folder}/mesh-{number}.npz: {3 * mesh.points_mm.shape[1]:,} unknowns", flush=True)
 
 
-def system(file: Path) -> tuple[Any, Any, Array]:
-    """Return matrix, prolongation and three loads of a body held at its lower end."""
+def system(file: Path) -> Body:
+    """Return the body of a mesh with its loads."""
     stored = np.load(file)
     model = assemble(TetMesh(stored["points_mm"], stored["cells"], mirrored=False), *STEEL)
     heights = np.repeat(model.nodes_mm[2], 3)
     free = np.flatnonzero(heights > heights.min() + 1e-6)
     loads = np.stack([_end_load(model, axis) for axis in range(3)], axis=1)
-    corners = np.unique(model.prolongation[free].indices)
-    coarse = corners[np.isin(corners, free)]
-    return model.stiffness[free][:, free].tocsr(), model.prolongation[free][:, coarse].tocsr(), loads[free]
+    prolongation = sp.kron(model.equations.prolongation, sp.eye(3)).tocsr()
+    coarse = free[free < prolongation.shape[1]]
+    matrix = model.stiffness.tocsr()[free][:, free]
+    return Body(model.equations, free, matrix, prolongation[free][:, coarse], loads[free])
 
 
 def _end_load(model: Elasticity, axis: int) -> Array:
@@ -116,7 +146,7 @@ def on_gpu_by_cycle(library: str, matrix: Any, prolongation: Any) -> Solver:
     down = up.T.tocsr()
     coarse = Factor(library, (prolongation.T @ matrix @ prolongation).tocsr())
     inverse = 1.0 / matrix.diagonal()[:, None]
-    upper = 1.1 * elasticity.largest_eigenvalue(matrix, inverse)
+    upper = 1.1 * largest_eigenvalue(matrix, inverse)
     scale = cp.asarray(inverse)
 
     def smooth(residual: Any) -> Any:

@@ -56,7 +56,9 @@ def test_a_torus_is_known_by_its_points() -> None:
     found = ring_of(points, 48.0)
     assert found is not None
     assert (found.centre_radius_mm, found.centre_z_mm) == pytest.approx((23.0, 41.5), abs=1e-9)
-    assert vars(found.section) == pytest.approx({"radial_mm": 2.5, "axial_mm": 2.5}, abs=1e-9)
+    assert vars(found.section) == pytest.approx(
+        {"radial_mm": 2.5, "axial_mm": 2.5, "recess_mm": 0.0}, abs=1e-9
+    )
     assert found.section.round
     assert ring_of(points, 0.0) is None
     assert ring_of(points * [1.0, 1.0, 0.0], 48.0) is None
@@ -69,7 +71,9 @@ def test_an_ellipse_is_known_by_its_points() -> None:
     found = ring_of(np.stack([out * np.sin(v), 48.0 + out * np.cos(v), z], axis=1), 48.0)
     assert found is not None
     assert (found.centre_radius_mm, found.centre_z_mm) == pytest.approx((23.0, 41.5), abs=1e-6)
-    assert vars(found.section) == pytest.approx({"radial_mm": 2.5, "axial_mm": 4.0}, abs=1e-6)
+    assert vars(found.section) == pytest.approx(
+        {"radial_mm": 2.5, "axial_mm": 4.0, "recess_mm": 0.0}, abs=1e-6
+    )
     tilted = out + 0.3 * (z - 41.5)
     assert ring_of(np.stack([tilted * np.sin(v), 48.0 + tilted * np.cos(v), z], axis=1), 48.0) is None
 
@@ -80,7 +84,9 @@ def test_elliptical_fillets_are_the_body_s(step_of: Callable[..., Path], mikron:
     scene = round_.model_copy(update={"throw": round_.throw.model_copy(update={"crankpin": pin})})
     found = fillets_of_step(step_of(scene, "flat"), mikron).throw
     assert (found.main_journal.fillet_mm, found.main_journal.fillet_axial_mm) == (3.25, None)
-    assert vars(found.crankpin.fillet) == pytest.approx({"radial_mm": 1.75, "axial_mm": 3.0}, abs=1e-6)
+    assert vars(found.crankpin.fillet) == pytest.approx(
+        {"radial_mm": 1.75, "axial_mm": 3.0, "recess_mm": 0.0}, abs=1e-6
+    )
 
 
 def test_fillets_are_the_body_s_and_not_the_design_s(step_of: Callable[..., Path], mikron: Scene) -> None:

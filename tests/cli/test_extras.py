@@ -98,8 +98,9 @@ def test_nothing_else_imports_packages_of_extras() -> None:
 def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [(check.name, check.state) for check in checks.extras()] == [
         ("extra bench", "ok"),
-        ("extra sweep", "ok"),
+        ("extra dxf", "ok"),
         ("extra fatigue", "ok"),
+        ("extra sweep", "ok"),
     ]
     version = checks.metadata.version
 
@@ -109,7 +110,7 @@ def test_doctor_lists_the_extras(monkeypatch: pytest.MonkeyPatch) -> None:
         return version(name)
 
     monkeypatch.setattr(checks.metadata, "version", without_pylife)
-    _, sweep, fatigue = checks.extras()
+    *_, fatigue, sweep = checks.extras()
     assert (sweep.state, sweep.value) == ("ok", "all 5 installed")
     assert (fatigue.state, fatigue.value) == ("absent", "missing: pylife")
     assert fatigue.remedy == "pip install 'cranktopo[fatigue]'"

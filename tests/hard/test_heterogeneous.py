@@ -12,7 +12,7 @@ from tests.studies.heterogeneous import CONTRASTS, LENGTHS, SIZES, answer
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("cells", "contrast", "length"), product(SIZES, CONTRASTS, LENGTHS))
+@pytest.mark.parametrize(("cells", "contrast", "length"), tuple(product(SIZES, CONTRASTS, LENGTHS)))
 def test_every_case_converges_within_the_cap(cells: Cells, contrast: float, length: float) -> None:
     with double_precision():
         found = answer(cells, contrast, length, SIZES[cells])

@@ -17,6 +17,7 @@ from cranktopo.base.units import MM_PER_INCH, stem_and_unit
 from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference
+from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.balance.throw import throw_balance
@@ -59,10 +60,11 @@ _END_LETTERS = 56
 _LETTERS = "KLMNPRSTUVWXYZ"
 
 
-def draw_crank(scene: Scene, path: Path, started: datetime | None = None) -> Layout:
+def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = None) -> Layout:
     """Write the drawing of a design's crank (.pdf, .svg, .png or .dxf) and return its layout."""
     import matplotlib as mpl
 
+    scene, path = as_scene(design), Path(path)
     written = time_of_writing(started)
     figure, found = crank_figure(scene, crank_shape(scene), written)
     with replacing(path) as temporary:

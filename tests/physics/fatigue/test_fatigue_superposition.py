@@ -66,7 +66,7 @@ def direct(model: Elasticity, scene: Scene, pin: Array) -> Array:
     basis = sp.hstack([select, sp.csr_matrix(motions)]).tocsr()
     springs = np.zeros(basis.shape[1])
     springs[free.size : free.size + 4] = SPRING
-    matrix = (basis.T @ model.stiffness @ basis + sp.diags(springs)).tocsc()
+    matrix = (basis.T @ model.stiffness.tocsr() @ basis + sp.diags(springs)).tocsc()
     density = density_tonne_per_mm3(scene.material.density_kg_m3)
     loads = basis.T @ (pin + SPEED2 * centrifugal_force(model, density))
     loads[-1] += 2 * TORQUE_NMM  # on the near section, its opposite on the far one
