@@ -75,7 +75,9 @@ def test_the_bench_without_its_package(tmp_path: Path) -> None:
         "plan",
         "fatigue --fillet-fraction 0.5",
         "evaluate --element-size-mm 8",
-        "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1",
+        pytest.param(
+            "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_the_core_does_without_extras(tmp_path: Path, line: str) -> None:

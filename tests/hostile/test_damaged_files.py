@@ -146,7 +146,9 @@ def _no_work() -> Iterator[None]:
         yield
 
 
-@pytest.mark.parametrize("kind", list(QUICK))
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "optimise")) for kind in QUICK]
+)
 def test_damaged_files(kind: str, tmp_path: Path) -> None:
     faults, codes, _ = faults_of(kind, range(QUICK[kind]), tmp_path)
     assert not faults, "\n".join(faults)

@@ -40,5 +40,5 @@ def command(design: str, file: Path, force: bool) -> None:
     assumed = assumptions(scene, (THROW,))
     if assumed:
         click.echo(assumed_text(assumed), err=True)
-    found = draw_crank(scene, file)
-    click.echo(f"{file}: workshop drawing of the crank, {found.sheet}, {scale_text(found.scale)}")
+    sheet, scale = draw_crank(scene, file)
+    click.echo(f"{file}: workshop drawing of the crank, {sheet}, {scale_text(scale)}")

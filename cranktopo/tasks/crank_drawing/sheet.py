@@ -60,8 +60,8 @@ _END_LETTERS = 56
 _LETTERS = "KLMNPRSTUVWXYZ"
 
 
-def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = None) -> Layout:
-    """Write the drawing of a design's crank (.pdf, .svg, .png or .dxf) and return its layout."""
+def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = None) -> tuple[str, float]:
+    """Write the drawing of a design's crank (.pdf, .svg, .png, .dxf); return its sheet, such as A2, and scale."""
     import matplotlib as mpl
 
     scene, path = as_scene(design), Path(path)
@@ -74,7 +74,7 @@ def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = 
             date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
             with mpl.rc_context({"svg.hashsalt": scene.name}):
                 save_figure(figure, temporary, dpi=100, metadata=date.get(path.suffix.lower()))
-    return found
+    return found.sheet, found.scale
 
 
 def crank_figure(scene: Scene, shape: CrankShape, written: datetime) -> tuple[Figure, Layout]:

@@ -68,6 +68,7 @@ def check_same(scene: Scene, result: CrankImport, but: tuple[str, ...] = ()) -> 
     assert len(result.halves) == 1
 
 
+@pytest.mark.slow
 def test_a_whole_crank_with_bevels(tmp_path: Path) -> None:
     scene = load_scene("mikron-iiic")
     result = imported(scene, tmp_path)
@@ -93,6 +94,7 @@ def test_a_half_throw_with_a_counterweight(tmp_path: Path) -> None:
     assert any("nearer to the file's origin" in line for line in result.assumed)
 
 
+@pytest.mark.slow
 def test_unlike_halves_become_a_design_each(tmp_path: Path) -> None:
     """A web 22 mm thick beyond the pin, and a longer main journal there."""
     scene = load_scene("mikron-iiic-plain", whole=True)
@@ -126,6 +128,7 @@ def test_the_design_has_the_name_asked_for(
     assert load_scene("mine/mine.toml").material.name == "34CrNiMo6"
 
 
+@pytest.mark.slow
 def test_a_solid_of_an_assembly(tmp_path: Path) -> None:
     """A throw beside a block: the throw is taken, and a name that is not there is refused."""
     export_solid(load_scene("mikron-iiic-plain"), "throw", tmp_path / "throw.step")

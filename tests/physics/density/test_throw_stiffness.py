@@ -64,6 +64,7 @@ def test_extents_agree(
     assert small == pytest.approx(large, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_half_and_full_agree_on_an_asymmetric_web(float64: None, mikron: Scene) -> None:
     """A pocket beside the mirror plane: both load cases then move the section in all six motions."""
     data = mikron.model_dump()

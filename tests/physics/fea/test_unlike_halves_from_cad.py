@@ -27,6 +27,7 @@ def bevelled_far_web() -> tuple[Scene, Scene]:
     return scene, scene_from_dict({**data, "second_web": {**data["web"], "bevel": bevel}}, "pair", whole=True)
 
 
+@pytest.mark.slow
 def test_the_whole_is_taken_where_halves_differ(tmp_path: Path) -> None:
     scene, pair = bevelled_far_web()
     file = tmp_path / "throw.step"

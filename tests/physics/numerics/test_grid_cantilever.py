@@ -15,6 +15,7 @@ MODULUS_MPA, LOAD_N = 210e3, 1000.0
 WIDTH, DEPTH, LENGTH = 4, 8, 64
 
 
+@pytest.mark.slow
 def test_a_rigid_end_face_sinks_as_a_beam_does(float64: None) -> None:
     """F L^3 / (3 E I) + F L / (k G A), the first face clamped, the last one free to sink, tilt and slide."""
     lattice = Lattice((WIDTH, DEPTH, LENGTH), 1.0, 1.0, (1.0,) * LENGTH, 0.0)

@@ -77,6 +77,7 @@ def test_gradients_are_those_of_finite_differences(mikron: Scene, body: Manifold
         assert slopes[:, i] == pytest.approx(change, rel=1e-4, abs=1e-6), name
 
 
+@pytest.mark.slow
 def test_known_web_is_recovered_from_cross_sections(mikron: Scene, body: Manifold) -> None:
     """Initial guesses are read from the body; lengths come back to 1 % or 0.06 mm on cells of 1.25 mm.
 

@@ -202,7 +202,13 @@ def test_a_mill_reaches_every_void(float64: None, mikron: Scene, radius_mm: floa
         assert np.all(reached[void])
 
 
-@pytest.mark.parametrize("radius_mm", [6.0, 40.0], ids=["usual", "wider than the web"])
+@pytest.mark.parametrize(
+    "radius_mm",
+    [
+        pytest.param(6.0, id="usual"),
+        pytest.param(40.0, id="wider than the web", marks=pytest.mark.slow),
+    ],
+)
 def test_the_mill_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scene, radius_mm: float) -> None:
     (_, quarter), (_, half) = (
         chain_of(mikron, extent, process="milled", tool_radius_mm=radius_mm) for extent in ("quarter", "half")

@@ -10,6 +10,7 @@ from cranktopo.numerics.grid.multigrid import build_tables
 from tests.studies.parts import TOLERANCE, in_own_process
 
 
+@pytest.mark.slow
 def test_parts_find_the_displacements_of_the_whole() -> None:
     """Two parts of the grid cut every level but the coarsest, eight the finest alone."""
     rows = in_own_process("8x12x24", (2, 8))

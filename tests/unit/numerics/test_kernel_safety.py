@@ -263,6 +263,7 @@ def test_the_note_obeys_quiet(caplog: pytest.LogCaptureFixture) -> None:
         assert len(caplog.records) == count
 
 
+@pytest.mark.slow
 def test_switched_off() -> None:
     """The same solve, without kernels."""
     found = []

@@ -39,9 +39,9 @@ def looked_at(scene: Scene) -> ShapedUndercuts:
     [
         (BOX, {"process": "forged"}, False),
         (BOX, {"process": "forged", "parting": "web_faces"}, True),
-        (SIDE, {"process": "forged"}, True),
+        pytest.param(SIDE, {"process": "forged"}, True, marks=pytest.mark.slow),
         (SIDE, {"process": "cast", "parting": "web_faces"}, False),
-        (SIDE, {"process": "milled"}, True),
+        pytest.param(SIDE, {"process": "milled"}, True, marks=pytest.mark.slow),
     ],
 )
 def test_the_process_decides_and_the_pocket_is_named(
