@@ -61,7 +61,7 @@ _LETTERS = "KLMNPRSTUVWXYZ"
 
 
 def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = None) -> tuple[str, float]:
-    """Write the drawing of a design's crank (.pdf, .svg, .png, .dxf); return its sheet, such as A2, and scale."""
+    """Write the drawing of a crank (.pdf, .svg, .png or .dxf); return its sheet, such as A2, and scale."""
     import matplotlib as mpl
 
     scene, path = as_scene(design), Path(path)
