@@ -73,7 +73,7 @@ def test_the_bench_without_its_package(tmp_path: Path) -> None:
     [
         "loads",
         "plan",
-        "fatigue --fillet-fraction 0.5",
+        pytest.param("fatigue --fillet-fraction 0.5", marks=pytest.mark.slow),
         "evaluate --element-size-mm 8",
         pytest.param(
             "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1", marks=pytest.mark.slow

@@ -109,6 +109,7 @@ def test_unlike_halves_become_a_design_each(tmp_path: Path) -> None:
     assert len(lengths) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ends", "length"), [("whole", 20.0), ("cut", 40.0)])
 def test_end_journals_are_what_the_user_says(tmp_path: Path, ends: Any, length: float) -> None:
     export_solid(load_scene("mikron-iiic-plain"), "throw", tmp_path / "throw.step")

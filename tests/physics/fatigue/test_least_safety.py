@@ -64,6 +64,7 @@ def outlet_safety(size: float) -> float:
     return field.critical.safety
 
 
+@pytest.mark.slow
 def test_the_outlet_is_the_worst_place() -> None:
     assert outlet_safety(0.5) == pytest.approx(1.56, rel=0.03)
 

@@ -177,7 +177,7 @@ def test_transfers(
         _close(one, other, precision)
 
 
-@pytest.mark.parametrize("operator", ["stiffness", "stencil"])
+@pytest.mark.parametrize("operator", ["stiffness", pytest.param("stencil", marks=pytest.mark.slow)])
 def test_threads_do_not_change_a_digit(operator: str, float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
     smoother = _smoother(GRIDS[-1], operator, "float64")
     results = []
