@@ -1,4 +1,4 @@
-"""What an interrupted program still says where it cannot come to its own end."""
+"""Last words of an interrupted program that cannot come to its own end."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ _Note = Annotated[str, Field(pattern=r"^[^\n]{1,90}$")]
 
 
 class Drawing(SceneTable):
-    """What the workshop drawing of `cranktopo drawing` says beside dimensions; it changes no result."""
+    """Words and tolerances of `cranktopo drawing` beside its dimensions; it changes no result."""
 
     main_journal_fit: _Fit = Field(default="h6", examples=["h6"])
     """Tolerance of the main journals' diameter (ISO 286): position `f`, `g`, `h`, `js`, `k`, `m`, `n` or `p`
@@ -61,9 +61,9 @@ class Drawing(SceneTable):
     owner: _Words = ""
     """Legal owner."""
     drawn_by: _Words = ""
-    """Who made it."""
+    """Name of whom it was made by."""
     approved_by: _Words = ""
-    """Who approved it."""
+    """Name of whom it was approved by."""
     notes: tuple[_Note, ...] = Field(default=(), max_length=12, examples=[("Magnetic particle test.",)])
     """Lines that are added to the notes."""
 

@@ -21,14 +21,14 @@ _UPPER_UM = {
     "g": (2, 4, 5, 6, 7, 9, 10, 12, 14, 15, 17, 18, 20, 22, 24, 26, 28, 30, 32),
     "h": (0,) * len(_STEPS_MM),
 }
-"""How far the upper limit lies below the nominal size."""
+"""Distance of the upper limit below the nominal size."""
 _LOWER_UM = {
     "k": (0, 1, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 5, 0, 0, 0, 0, 0, 0),
     "m": (2, 4, 6, 7, 8, 9, 11, 13, 15, 17, 20, 21, 23, 26, 30, 34, 40, 48, 58),
     "n": (4, 8, 10, 12, 15, 17, 20, 23, 27, 31, 34, 37, 40, 44, 50, 56, 66, 78, 92),
     "p": (6, 12, 15, 18, 22, 26, 32, 37, 43, 50, 56, 62, 68, 78, 88, 100, 120, 140, 170),
 }
-"""How far the lower limit lies above the nominal size; `k` of the grades 4 to 7, of others 0."""
+"""Distance of the lower limit above the nominal size; `k` of the grades 4 to 7, of others 0."""
 FIT = r"^(f|g|h|js|k|m|n|p)([4-9]|10)$"
 
 

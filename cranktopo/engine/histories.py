@@ -109,14 +109,17 @@ def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHis
             "engine.gas: is missing, so there is no cycle to follow.",
             hint="Add [engine.gas], or take the extreme states.",
         )
-    angle = cycle.forces.angle_deg[
-        :: max(1, round(_STEP_DEG / float(np.diff(cycle.forces.angle_deg[:2])[0])))
-    ]
+    angle = cycle.forces.angle_deg[:: every_degree(cycle.forces.angle_deg)]
     parts = [_throw(engine, cycle, angle, rods.throw, forces) for rods, forces in cycle.pins]
     radial, tangential, torque = (np.concatenate([part[i] for part in parts]) for i in range(3))
     labels = tuple(f"{rods.name}, {a:g} deg" for rods, _ in cycle.pins for a in angle)
     speed = np.full(len(radial), angular_speed_rad_s(engine.speed_rpm))
     return LoadHistory(radial, tangential, torque, speed, labels)
+
+
+def every_degree(angle_deg: Array) -> int:
+    """Return the stride through even angles that leaves about one a degree."""
+    return max(1, round(_STEP_DEG / float(np.diff(angle_deg[:2])[0])))
 
 
 def _throw(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -40,9 +41,9 @@ class EndStep(SceneTable):
     """Length along the crank."""
 
     @property
+    @abstractmethod
     def radii_mm(self) -> tuple[float, float]:
         """Outer radius at its inner and at its outer face, mm."""
-        raise NotImplementedError
 
     @property
     def bore_radius_mm(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -89,18 +89,18 @@ def _put(tables: Any, key: str, value: Any) -> None:
             tables.append(value)
         else:
             tables[last] = value
-    elif not isinstance(tables, Mapping):
+    elif not isinstance(tables, MutableMapping):
         raise CranktopoError(f"{key}: is asked of {quoted(tables)}, which is no table.")
     else:
-        tables[last] = _as_written(last, value)  # type: ignore[index]
+        tables[last] = _as_written(last, value)
 
 
 def _remove(tables: Any, last: str | int) -> None:
     if isinstance(last, int):
         if isinstance(tables, list) and last < len(tables):
             del tables[last]
-    elif isinstance(tables, Mapping) and last in tables:
-        del tables[last]  # type: ignore[attr-defined]
+    elif isinstance(tables, MutableMapping) and last in tables:
+        del tables[last]
 
 
 def _as_written(name: str, value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What the forms of the page are made of, and designs that begin here: by six answers, or a dropped file."""
+"""Tables behind the forms of the page, and designs that begin here: by six answers, or a dropped file."""
 
 from __future__ import annotations
 

@@ -25,7 +25,6 @@ from cranktopo.base.result import Result
 
 JobState = Literal["running", "done", "stopped", "failed"]
 _JOB, _NOTES, _CODE, _OUT = "job.json", "notes.txt", "code", "out"
-_RUN = "import sys; from cranktopo.app.launch import main; main()"
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
 _TAIL = 4000
 
@@ -43,6 +42,11 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 RESUMABLE = ("optimise", "shape", "sweep")
 _PARTLY = (0, 5, 6)
 """Exit codes with a result."""
+
+
+def own_command(*words: str) -> list[str]:
+    """Return the command line, by this interpreter, of the program itself."""
+    return [sys.executable, "-c", "from cranktopo.app.launch import main; main()", *words]
 
 
 class _Job(Result):
@@ -86,7 +90,7 @@ class Job:
 
     @property
     def state(self) -> JobState:
-        """What became of it."""
+        """State of its process, or how that ended."""
         code = self.code
         if code is None:
             return "running" if self.alive else "stopped"
@@ -190,7 +194,7 @@ class Jobs:
         return self._run(job.place, id_, job.known.kind, [job.known.kind, "--resume", _OUT])
 
     def _run(self, place: Path, id_: str, kind: str, words: Sequence[str]) -> Job:
-        line = ["/bin/sh", "-c", _SHELL, "sh", sys.executable, "-c", _RUN, *words]
+        line = ["/bin/sh", "-c", _SHELL, "sh", *own_command(*words)]
         process = subprocess.Popen(
             line,
             cwd=place,

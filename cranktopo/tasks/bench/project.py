@@ -1,4 +1,4 @@
-"""What a bench session holds, all of it in files: a crash loses at most the drag in hand.
+"""Design, history and variants of a bench, all of it in files: a crash loses at most the drag in hand.
 
 A folder `bench/NAME` beside the design: every step as a design, kept variants, and `state.json`, which is
 replaced whole.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from difflib import unified_diff
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -119,8 +120,13 @@ class Project:
         return read_text_file(self.place / self._state.steps[number].file, "design")
 
     def data(self, text: str | None = None) -> dict[str, Any]:
-        """Return the tables of the design, or of another text, file names absolute."""
-        return with_resolved_files(parse_toml(self._text if text is None else text, "design"), self.folder)
+        """Return the tables of the design, or of another text, file names absolute; not to be changed."""
+        return _tables(self._text if text is None else text, self.folder)
+
+    @cached_property
+    def opened_data(self) -> dict[str, Any]:
+        """Tables of the design as it was opened, whose files are trusted."""
+        return self.data(self.text_of(0))
 
     def as_steps(self, first: int, last: int) -> tuple[Step, ...]:
         """Return the steps after one up to another."""
@@ -142,7 +148,7 @@ class Project:
 
     def replace(self, text: str, what: str, command: str) -> None:
         """Take a step to another text; what was undone before is given up."""
-        check_files_inside(self.data(text), self.folder, self.data(self.text_of(0)))
+        check_files_inside(self.data(text), self.folder, self.opened_data)
         if text == self._text:
             return
         kept = self._state.steps[: self._state.at + 1]
@@ -205,6 +211,12 @@ class Project:
         state = self._state.model_copy(update=changes)
         write_json(self.place / _STATE, state.as_json())
         self._state = state
+
+
+@lru_cache(maxsize=4)
+def _tables(text: str, folder: Path) -> dict[str, Any]:
+    """Tables of a text: every move of a drag asks for those of the same one."""
+    return with_resolved_files(parse_toml(text, "design"), folder)
 
 
 def file_in(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:

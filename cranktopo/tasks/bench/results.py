@@ -1,17 +1,16 @@
-"""What finished jobs found, as numbers of gauges and as designs to be kept."""
+"""Results of finished jobs, as numbers of gauges and as designs to be kept."""
 
 from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, read_text_file
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.tasks.bench.jobs import Job
+from cranktopo.tasks.bench.jobs import Job, own_command
 
 _REMODEL_S = 3600
 
@@ -34,7 +33,7 @@ def variant_of(job: Job) -> str | None:
     if job.known.kind != "optimise":
         return None
     if not (job.out / "remodel").is_dir():
-        line = [sys.executable, "-c", "from cranktopo.app.launch import main; main()", "remodel", "out"]
+        line = own_command("remodel", "out")
         subprocess.run(line, cwd=job.place, capture_output=True, check=False, timeout=_REMODEL_S)
     return next((_design(file) for file in sorted(job.out.glob("remodel/*.toml"))), None)
 

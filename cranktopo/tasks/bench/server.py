@@ -90,7 +90,7 @@ def _listening(port: int) -> socket.socket:
 
 
 class _Guarded(RequestHandler):
-    """What every request must keep: host, token, and for whatever changes something the origin."""
+    """Rules that every request must keep: host, token, and for whatever changes something the origin."""
 
     @property
     def server(self) -> Server:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import re
 import shlex
-import sys
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -21,7 +20,7 @@ from cranktopo.design.loading import builtin_designs, design_text, load_scene, r
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside
 from cranktopo.tasks.bench.forms import form_reference, new_design, read_upload
-from cranktopo.tasks.bench.jobs import Job, Jobs, reap
+from cranktopo.tasks.bench.jobs import Job, Jobs, own_command, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.results import job_numbers, variant_of
 
@@ -112,7 +111,7 @@ class Bench:
         return {"opened": name}
 
     def made(self, name: str) -> Path:
-        """Return a file that this session wrote; raises CranktopoError for any other."""
+        """Return a file that the bench wrote; raises CranktopoError for any other."""
         if name not in self._made:
             raise CranktopoError("file: was not made here.")
         return file_in(self.folder, name, _GIVEN)
@@ -245,9 +244,8 @@ class Bench:
         if path.suffix.lower() in (".step", ".stl"):
             words += [f"--part={part}"]
         tell({"type": "busy", "what": f"writing {path.name}"})
-        command = [sys.executable, "-c", "from cranktopo.app.launch import main; main()", *words]
         process = await asyncio.create_subprocess_exec(
-            *command, stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE
+            *own_command(*words), stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE
         )
         try:
             _, said = await asyncio.wait_for(process.communicate(), _EXPORT_S)
@@ -289,7 +287,7 @@ class Bench:
     def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         project = self._required
         data = changed_data(project.data(), changes)
-        check_files_inside(data, project.folder, project.data(project.text_of(0)))
+        check_files_inside(data, project.folder, project.opened_data)
         return data
 
     def _portable(self) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 
 _NICE = 5
-"""What is in the background leaves the cores to the drag."""
+"""Of processes in the background, which leave the cores to the drag."""
 
 
 class Worker:

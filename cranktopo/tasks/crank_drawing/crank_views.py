@@ -46,7 +46,7 @@ _FROM_FREE_END = np.array([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
 
 @dataclass(frozen=True)
 class Lengthwise:
-    """What the lengthwise view shows: visible edges and the cut upper half, (z, y)."""
+    """Lines of the lengthwise view: visible edges and the cut upper half, (z, y)."""
 
     chains: list[Array]
     cut: list[Array]

@@ -45,14 +45,15 @@ def trimmed_circle(points: Array, weights: Array, least_mm: float) -> tuple[Circ
     for _ in range(_TRIMMED):
         found = circle(points[on], weights[on])
         off = np.linalg.norm(points - found.centre, axis=1) - found.radius
-        near = np.abs(off) <= max(least_mm, _BAND * _median(np.abs(off), weights))
+        near = np.abs(off) <= max(least_mm, _BAND * weighted_median(np.abs(off), weights))
         if near.sum() < 3 or (near == on).all():
             break
         on = near
     return Circle(found.centre, found.radius, off), on
 
 
-def _median(values: Array, weights: Array) -> float:
+def weighted_median(values: Array, weights: Array) -> float:
+    """Return the value (n,) up to which half of the weight lies."""
     order = np.argsort(values)
     sums = np.cumsum(weights[order])
     return float(values[order][np.searchsorted(sums, sums[-1] / 2)])
@@ -77,6 +78,17 @@ def tangent_fillet(out: Array, z: Array, radius: float) -> tuple[float, float]:
         slope = np.column_stack([-(out - radius - tube) / away - 1, -(z - height) / away])
         found = found - np.linalg.lstsq(slope, away - tube, rcond=None)[0]
     return float(found[0]), float(found[1])
+
+
+def tilt(unit: Array, heights: Array, off_mm: Array) -> Array:
+    """Return the slopes (2,) of a cylinder's axis, from distances of points beside one that is nearly it.
+
+    Args:
+        unit: directions of the points from its axis, (n, 2).
+        heights: of the points along it, from their mean.
+    """
+    slope = np.column_stack([unit, unit * heights[:, None], np.ones(len(heights))])
+    return np.asarray(np.linalg.lstsq(slope, off_mm, rcond=None)[0][2:4])
 
 
 def across(axis: Array) -> Array:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.solid.throw import SolidProperties
 from cranktopo.tasks.crank_import.faces import Faces
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
@@ -84,6 +85,15 @@ def frame_of(crank: FoundCrank, half: FoundHalf) -> tuple[Array, Array]:
     matrix = np.stack([np.cross(y, z), y, z])
     origin = crank.origin_mm + half.main_plane_mm * crank.axis
     return matrix, -matrix @ origin
+
+
+def check_one_body(count: int, half: FoundHalf) -> None:
+    """Refuse a half throw that is cut into several bodies, or none."""
+    if count != 1:
+        raise CranktopoError(
+            f"throw {half.throw}: {count} bodies between the middles of its journals, not one.",
+            hint="Join loose parts in CAD, or leave them out.",
+        )
 
 
 @dataclass(frozen=True)

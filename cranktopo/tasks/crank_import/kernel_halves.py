@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.step import kernel_surface
 from cranktopo.bodies.solid.throw import DimTags, solid_properties
@@ -25,6 +24,7 @@ from cranktopo.tasks.crank_import.half_body import (
     HalfGroup,
     alike_halves,
     bulk_of,
+    check_one_body,
     frame_of,
 )
 from cranktopo.tasks.crank_import.solids import read_crank
@@ -60,11 +60,7 @@ def _cut(gmsh: Any, body: DimTags, crank: FoundCrank, half: FoundHalf) -> DimTag
     x0, y0, _, x1, y1, _ = occ.getBoundingBox(*own[0])
     reach = 2 * max(abs(v) for v in (x0, y0, x1, y1))
     cut = between_planes(occ, own, 0.0, abs(half.pin_plane_mm - half.main_plane_mm), reach)
-    if len(cut) != 1:
-        raise CranktopoError(
-            f"throw {half.throw}: {len(cut)} bodies between the middles of its journals, not one.",
-            hint="Join loose parts in CAD, or leave them out.",
-        )
+    check_one_body(len(cut), half)
     return cut
 
 

@@ -14,7 +14,15 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.crank_import.faces import CylinderFace, Faces, PlaneFace, TorusFace, from_line_mm
-from cranktopo.tasks.crank_import.fits import across, circle, covered_rad, tangent_fillet, trimmed_circle
+from cranktopo.tasks.crank_import.fits import (
+    across,
+    circle,
+    covered_rad,
+    tangent_fillet,
+    tilt,
+    trimmed_circle,
+    weighted_median,
+)
 from cranktopo.tasks.crank_import.mesh_skin import Chosen, Numbers, Skin
 from cranktopo.tasks.crank_import.mesh_walls import FULL_RAD, Wall, walls
 
@@ -101,7 +109,7 @@ def _straightened(skin: Skin) -> Array:
     matrix = np.eye(3)
     for _ in range(3):
         turned = skin.turned(matrix)
-        tilt, total = np.zeros(2), 0.0
+        leaning, total = np.zeros(2), 0.0
         for region in turned.regions(np.abs(turned.normals[:, 2]) < _UPRIGHT, _BENT_RAD[1]):
             points, weights = turned.mesh.corners_mm[region].reshape(-1, 3), turned.areas[region].repeat(3)
             found, near = trimmed_circle(points[:, :2], weights, turned.near_mm)
@@ -110,13 +118,11 @@ def _straightened(skin: Skin) -> Array:
                 continue
             z = points[near, 2] - points[near, 2].mean()
             unit = (points[near, :2] - found.centre) / found.radius
-            slope = np.column_stack([unit, unit * z[:, None], np.ones(len(z))])
-            solved, *_ = np.linalg.lstsq(slope, found.off_mm[near], rcond=None)
             weight = float(turned.areas[region].sum()) * float(np.ptp(z)) ** 2
-            tilt, total = tilt + weight * solved[2:4], total + weight
+            leaning, total = leaning + weight * tilt(unit, z, found.off_mm[near]), total + weight
         if total == 0:
             return matrix
-        axis = np.array([*(tilt / total), 1.0])
+        axis = np.array([*(leaning / total), 1.0])
         axis /= np.linalg.norm(axis)
         matrix = np.vstack([across(axis), axis]) @ matrix
     return matrix
@@ -211,11 +217,10 @@ def _along(points: Array, axis: Array) -> Array:
         frame = across(axis)
         found, heights = circle(points @ frame.T), points @ axis
         unit = (points @ frame.T - found.centre) / found.radius
-        slope = np.column_stack([unit, unit * (heights - heights.mean())[:, None], np.ones(len(points))])
-        tilt = np.linalg.lstsq(slope, found.off_mm, rcond=None)[0][2:4]
-        if np.linalg.norm(tilt) > 0.2:
+        slopes = tilt(unit, heights - heights.mean(), found.off_mm)
+        if np.linalg.norm(slopes) > 0.2:
             break
-        axis = axis + tilt @ frame
+        axis = axis + slopes @ frame
         axis = axis / np.linalg.norm(axis)
     return axis
 
@@ -224,8 +229,7 @@ def _plane(skin: Skin, region: Numbers) -> PlaneFace:
     """Return a face across the crank: its height is that of most of its corners."""
     areas = skin.areas[region]
     heights = np.median(skin.mesh.corners_mm[region][:, :, 2], axis=1)
-    order = np.argsort(heights)
-    middle = heights[order][np.searchsorted(np.cumsum(areas[order]), areas.sum() / 2)]
+    middle = weighted_median(heights, areas)
     x, y = np.average(skin.mesh.corners_mm[region].mean(axis=1)[:, :2], axis=0, weights=areas)
     normal = (skin.normals[region] * areas[:, None]).sum(axis=0)
     normal /= np.linalg.norm(normal)

@@ -25,6 +25,7 @@ from cranktopo.tasks.crank_import.half_body import (
     HalfGroup,
     alike_halves,
     bulk_of,
+    check_one_body,
     frame_of,
 )
 from cranktopo.tasks.crank_import.mesh_faces import mesh_faces, turned_faces
@@ -132,11 +133,7 @@ def _cut(body: Manifold, crank: FoundCrank, half: FoundHalf) -> Manifold:
     end = abs(half.pin_plane_mm - half.main_plane_mm)
     cut = turned.trim_by_plane((0.0, 0.0, 1.0), 0.0).trim_by_plane((0.0, 0.0, -1.0), -end)
     parts = [part for part in cut.decompose() if part.volume() > _CRUMB * cut.volume()]
-    if len(parts) != 1:
-        raise CranktopoError(
-            f"throw {half.throw}: {len(parts)} bodies between the middles of its journals, not one.",
-            hint="Join loose parts in CAD, or leave them out.",
-        )
+    check_one_body(len(parts), half)
     return parts[0]
 
 

@@ -133,7 +133,7 @@ def _refuse_for_bodies(design: str | None, align: bool) -> None:
 
 @dataclass(frozen=True)
 class _Kept:
-    """What a design keeps as a target: fillets that its plan leaves out, different halves, all its throws."""
+    """Parts that a target keeps of a design: fillets that its plan leaves out, both halves, all throws."""
 
     fillets: bool
     whole: bool

@@ -1,4 +1,4 @@
-"""What the process of a scene asks of pockets, as limits of a fit or a search."""
+"""Demands of a scene's process on pockets, as limits of a fit or a search."""
 
 from __future__ import annotations
 

@@ -59,9 +59,15 @@ def throw_blocks(
     Raises:
         CranktopoError: a failed solve.
     """
+    found = symmetries(mirrored, whole)
+    return [(span, condense(model, scene, span, lateral)) for span, lateral in found]
+
+
+def symmetries(mirrored: bool, whole: bool) -> list[tuple[Span, Lateral]]:
+    """Return the symmetries in which a model is condensed, of the arguments of `throw_blocks`."""
     laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
     spans: tuple[Span, ...] = ("whole",) if whole else ("symmetric", "antisymmetric")
-    return [(span, condense(model, scene, span, lateral)) for span in spans for lateral in laterals]
+    return [(span, lateral) for span in spans for lateral in laterals]
 
 
 def throw_matrix(blocks: Sequence[tuple[Span, Superelement]], forms: Sequence[Array] | None = None) -> Array:

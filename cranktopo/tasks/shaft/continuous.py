@@ -7,7 +7,6 @@ along its axis.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,16 +21,17 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.layout import engine_layout
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.histories import every_degree
 from cranktopo.engine.kinematics import phase_shift
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
 
-_STEP_DEG = 1.0
 _UM_PER_MM = 1000.0
 _MRAD_PER_RAD = 1000.0
 
@@ -83,13 +83,12 @@ def cycle_forces(scene: Scene) -> CycleForces:
             "engine.gas", None, "must be given for forces over the cycle", "Add an [engine.gas] table."
         )
     rod = throw_forces(engine, scene.throw.radius_mm, curve, throw_balance(scene), engine.speed_rpm)
-    stride = max(1, round(_STEP_DEG / float(np.diff(curve.angle_deg[:2])[0])))
+    stride, layout = every_degree(curve.angle_deg), engine_layout(scene)
     radial, tangential = (
         _by_cylinder(engine, curve.angle_deg, force)[:, ::stride]
         for force in (rod.web_force_N, rod.tangential_force_N)
     )
-    side = np.array([1.0 if number <= engine.throws else -1.0 for number in range(1, engine.cylinders + 1)])
-    aside = side[:, None] * (scene.rod_offset_mm / 2 if engine.rods_per_pin > 1 else 0.0)
+    aside = (layout.throw_z_mm[list(layout.throw_of)] - layout.cylinder_z_mm)[:, None]
 
     def by_throw(forces: Array) -> Array:
         return np.asarray(forces.reshape(-1, engine.throws, forces.shape[1]).sum(axis=0))
@@ -237,9 +236,7 @@ def _main_bearings(
     size = np.hypot(cycle.bearing_N[:, 0], cycle.bearing_N[:, 1])
     added = np.zeros_like(cycle.bearing_N)
     for index, (one, angle) in enumerate(zip(single, angles_deg, strict=True)):
-        turn = math.radians(about_z_deg(angle))
-        rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
-        added[index : index + 2] += np.einsum("ab,sbn->san", rotation, one.bearing_N)
+        added[index : index + 2] += turned(about_z_deg(angle))[:2, :2] @ one.bearing_N
     halves_N = np.hypot(added[:, 0], added[:, 1]).max(axis=1)
     motion = cycle.motion.reshape(sections, 6, -1)
     tilt = np.hypot(motion[:, RX], motion[:, RY]).max(axis=1) * _MRAD_PER_RAD

@@ -13,7 +13,7 @@ from cranktopo.base.units import density_tonne_per_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
 from cranktopo.tasks.fea.condense import RX, UY, Lateral, Superelement, condense, loaded_mm
-from cranktopo.tasks.shaft.assembly import SPLITS, throw_matrix
+from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
 
 _PIN = ("radial", "tangential")
 
@@ -66,9 +66,7 @@ def loaded_blocks(
     Raises:
         CranktopoError: a failed solve.
     """
-    laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
-    spans: tuple[Span, ...] = ("whole",) if whole else ("symmetric", "antisymmetric")
-    return [_condensed(model, scene, span, lateral) for span in spans for lateral in laterals]
+    return [_condensed(model, scene, span, lateral) for span, lateral in symmetries(mirrored, whole)]
 
 
 def _condensed(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> LoadedBlock:

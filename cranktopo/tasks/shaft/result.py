@@ -1,4 +1,4 @@
-"""What webs and main bearings of a whole shaft carry, as `shaft --json` has it."""
+"""Moments in the webs and forces on the main bearings of a whole shaft, as `shaft --json` has them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ShaftBearing(Result):
 
 
 class ContinuousShaft(Result):
-    """What the shaft carries on all its bearings, at one speed."""
+    """Moments and forces of the shaft on all its bearings, at one speed."""
 
     speed_rpm: float
     spring_N_per_mm: float | None

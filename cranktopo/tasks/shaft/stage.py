@@ -93,7 +93,7 @@ class ShaftEvaluation(Result):
     natural_frequencies_Hz: tuple[float, ...]
     opentorsion: OpenTorsion
     on_bearings: tuple[ContinuousShaft, ...] = ()
-    """What the shaft carries on all its bearings, by speed; empty without pressures or with free bearings."""
+    """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
     assumed: tuple[Assumption, ...]
     """Keys that the design does not give and the shaft depends on."""
     throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)

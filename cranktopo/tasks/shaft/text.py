@@ -75,23 +75,11 @@ def _on_bearings(speeds: tuple[ContinuousShaft, ...]) -> list[str]:
         "of each web, largest less smallest over the cycle, beside a throw alone:",
         _table({"web": 0, "throw": 0, "moment_range_Nm": 1, "throw_alone_Nm": 1, "share_percent": 1}, webs),
         "Main bearings, beside the sum of throws alone:",
-        _table(
-            {
-                "bearing": 0,
-                "largest_kN": 2,
-                "at_deg": 0,
-                "throws_alone_kN": 2,
-                "tilt_mrad": 2,
-                "offset_um": 1,
-            },
-            bearings,
-        ),
+        _table(_BEARING_DIGITS, bearings),
     ]
-    return (
-        told
-        if len(speeds) == 1
-        else [*told, "Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
-    )
+    if len(speeds) > 1:
+        told += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
+    return told
 
 
 def _over_speeds(speeds: tuple[ContinuousShaft, ...]) -> str:
