@@ -11,6 +11,8 @@ import sys
 import threading
 import time
 from contextlib import suppress
+from importlib.machinery import ExtensionFileLoader
+from types import FrameType
 from typing import Any, NoReturn
 
 _ENDING = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
@@ -36,7 +38,7 @@ def main() -> NoReturn:
 
     sys.unraisablehook = _raise_again
     for number in ours:
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, interrupt)
     _watch(ours)
     code: int | str | None = 0
     try:
@@ -89,11 +91,31 @@ def _end(code: int) -> NoReturn:
     os._exit(code)
 
 
+def interrupt(_number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt; where a native module is loaded, after that: some end the process by it."""
+    if _loads_native(frame):
+        _later()
+    else:
+        raise KeyboardInterrupt
+
+
+def _loads_native(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if isinstance(frame.f_locals.get("self"), ExtensionFileLoader):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _later() -> None:
+    again = threading.Timer(_AGAIN_S, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
+
+
 def _raise_again(dropped: Any) -> None:
     """Interrupt once more where a KeyboardInterrupt fell into a destructor or callback, which drops it."""
     if dropped.exc_type is KeyboardInterrupt:
-        again = threading.Timer(_AGAIN_S, _thread.interrupt_main)
-        again.daemon = True
-        again.start()
+        _later()
     else:
         sys.__unraisablehook__(dropped)

@@ -192,3 +192,28 @@ def test_a_main_thread_that_is_held_is_cut_off(number: signal.Signals, tmp_path:
     assert "cranktopo iterate --resume run" in stderr
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "interrupted"
     assert [path.name for path in tmp_path.iterdir()] == ["run"], "what was half written is gone"
+
+
+_BEGINNING = """
+import os, signal, time
+from importlib.machinery import ExtensionFileLoader
+from cranktopo.app.launch import interrupt
+
+def begin(self):
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.3)
+    print("begun")
+
+signal.signal(signal.SIGINT, interrupt)
+try:
+    begin(ExtensionFileLoader("native", "native.so"))
+    time.sleep(10)
+except KeyboardInterrupt:
+    print("ended")
+"""
+
+
+def test_a_native_module_begins_before_the_end() -> None:
+    """jaxlib ended by signal 11 where Ctrl-C fell into its beginning."""
+    done = subprocess.run([sys.executable, "-c", _BEGINNING], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["begun", "ended"]
