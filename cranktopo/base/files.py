@@ -104,6 +104,7 @@ TEMPORARY = ".tmp"
 """In the names of files and folders that a process is still writing."""
 _JSON_LIMIT_MIB = 64
 _MOST_DIGITS = 18
+_MOST_LEVELS = 100
 """Of an integer in a file of the program; longer ones overflow where they are computed with."""
 ARRAYS_LIMIT_MIB = 2048
 """A checkpoint has 8 to 40 bytes per cell: 50 million cells."""
@@ -206,8 +207,18 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def from_json(text: str) -> Any:
-    """Return what JSON holds; raises ValueError for a number that no computer number is, as NaN or 1e999."""
-    return json.loads(text, parse_constant=_no_number, parse_int=_integer, parse_float=_finite)
+    """Return what JSON holds; raises ValueError for a number that no computer number is, as NaN or 1e999.
+
+    What lies deeper than anything that we write is refused too: what walks it would not come to its end.
+    """
+    data = json.loads(text, parse_constant=_no_number, parse_int=_integer, parse_float=_finite)
+    level = [data]
+    for _ in range(_MOST_LEVELS):
+        nested = [one for one in level if isinstance(one, dict | list)]
+        level = [value for one in nested for value in (one.values() if isinstance(one, dict) else one)]
+        if not level:
+            return data
+    raise ValueError(f"it has more than {_MOST_LEVELS} levels")
 
 
 def inside(folder: Path, name: str) -> Path:

@@ -14,6 +14,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from cranktopo.base.errors import CranktopoError
+
 _OURS_ALONE = 0o700
 _MIB = 1024.0**2
 
@@ -81,6 +83,25 @@ def addresses_left_MiB() -> float:
     import psutil
 
     return max(limit - int(psutil.Process().memory_info().vms), 0) / _MIB
+
+
+_PER_CORE_MIB = 70.0
+"""Addresses of a thread: its stack, and a heap of its own by the C library (64 MiB)."""
+
+
+def addresses_of_threads_MiB() -> float:
+    """Return the addresses that one thread per core takes, MiB: libraries begin one each."""
+    return _PER_CORE_MIB * usable_cores()
+
+
+def check_addresses(what: str, needed_MiB: float) -> None:
+    """Check that so many addresses are left (`ulimit -v`): a library that finds none ends the process."""
+    left = addresses_left_MiB()
+    if left < needed_MiB:
+        raise CranktopoError(
+            f"memory: {what} needs {needed_MiB / 1024:.1f} GiB of addresses, {left / 1024:.1f} left.",
+            hint="Allow more (ulimit -v).",
+        )
 
 
 _OWN_CGROUPS, _CGROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")

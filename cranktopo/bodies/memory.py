@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.base.machine import addresses_left_MiB, container_memory_left_MiB
+from cranktopo.base.machine import addresses_left_MiB, addresses_of_threads_MiB, container_memory_left_MiB
 from cranktopo.bodies.cells.domain import throw_ranges_mm
 from cranktopo.bodies.cells.layers import GridContent
 from cranktopo.bodies.volume import web_volume_mm3
@@ -18,9 +18,9 @@ WALL_CELLS = 2
 _BASE_MIB = 1250.0
 _PER_CELL_KIB = 0.5
 _MIB = 1024.0**2
-_ADDRESSED_MIB = 2200.0
-"""Addresses that a process takes beyond the memory that it uses (libraries, stacks and heaps of threads).
-Measured: 1050 (evaluate) to 2130 (fatigue)."""
+_ADDRESSED_MIB = 2060.0
+"""Addresses that a process takes beyond the memory that it uses and its threads (libraries, heaps).
+Measured with the threads of two cores: 1050 (evaluate) to 2130 (fatigue)."""
 _RAISE = "Close other programs, or allow more memory (container, ulimit -v)."
 
 
@@ -87,7 +87,7 @@ def available_memory_MiB() -> float:
     import psutil
 
     of_machine = float(psutil.virtual_memory().available) / _MIB
-    addresses = addresses_left_MiB() - _ADDRESSED_MIB
+    addresses = addresses_left_MiB() - _ADDRESSED_MIB - addresses_of_threads_MiB()
     return max(min(of_machine, container_memory_left_MiB(), addresses), 0.0)
 
 

@@ -14,12 +14,12 @@ def _ascending(value: Any, most: float = LARGEST_MM, unit: str = "mm", example: 
     numbers = isinstance(value, list | tuple) and len(value) == 2
     if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
         raise refused(f"must be the least and the greatest value in {unit}", f"Write {example}, for example.")
-    low, high = map(float, value)
-    if not 0 <= low <= most or not 0 <= high <= most:
+    low, high = value
+    if not 0 <= low <= most or not 0 <= high <= most:  # before they are floats: an integer may be too large
         raise refused(f"both must be >= 0 and <= {most:g} {unit}", "Correct that value, or its unit.")
     if low >= high:
         raise refused("the least must be smaller than the greatest", "Exchange them, or leave the key out.")
-    return low, high
+    return float(low), float(high)
 
 
 Range = Annotated[

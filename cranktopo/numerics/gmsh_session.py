@@ -15,9 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory, solver_error
+from cranktopo.base.machine import check_addresses
 from cranktopo.base.notes import at_work
 
 _TRIANGLE = 2
+_ADDRESSES_MIB = 300.0
+"""What its library and a small model take; where they cannot be had, it may end the process."""
 _RESET = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM)
 _SIGACTION = 512
 """Bytes that hold a `struct sigaction` of any platform."""
@@ -36,6 +39,7 @@ def cad_session(what: str) -> Iterator[Any]:
 
 
 def _session(what: str) -> Iterator[Any]:
+    check_addresses(what, _ADDRESSES_MIB)
     gmsh = _gmsh()
     with _kept_handlers():
         gmsh.initialize(readConfigFiles=False, interruptible=False)

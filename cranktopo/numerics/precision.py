@@ -14,13 +14,13 @@ from typing import Literal
 from weakref import WeakSet
 
 from cranktopo.base.errors import CranktopoError, ExitCode, quoted
-from cranktopo.base.machine import addresses_left_MiB, private_cache
+from cranktopo.base.machine import addresses_of_threads_MiB, check_addresses, private_cache
 from cranktopo.base.notes import note
 
 Precision = Literal["float32", "float64"]
 
-_XLA_ADDRESSES_MIB = 1536.0
-"""Stacks and heaps of its threads; where one cannot be had, XLA aborts the process."""
+_XLA_ADDRESSES_MIB = 1400.0
+"""What XLA takes beside its threads (1000 to 1250 measured); where it cannot be had, it aborts."""
 _FOLDER_SETTING, _KEEPING = "jax_compilation_cache_dir", "jax_enable_compilation_cache"
 
 
@@ -44,12 +44,7 @@ def check_device() -> None:
     """Check that JAX has something to compute on; raises CranktopoError where it has not, or cannot begin."""
     import jax
 
-    left = addresses_left_MiB()
-    if left < _XLA_ADDRESSES_MIB:
-        raise CranktopoError(
-            f"memory: JAX needs {_XLA_ADDRESSES_MIB / 1024:.1f} GiB of addresses, {left / 1024:.1f} left.",
-            hint="Allow more (ulimit -v).",
-        )
+    check_addresses("JAX", _XLA_ADDRESSES_MIB + addresses_of_threads_MiB())
     try:
         jax.devices()
     except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it

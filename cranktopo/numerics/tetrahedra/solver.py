@@ -19,12 +19,15 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
+from cranktopo.base.machine import addresses_of_threads_MiB, check_addresses
 from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
 DIRECT_LIMIT = 12_000
 """Most unknowns for the direct solver."""
+_BLAS_ADDRESSES_MIB = 300.0
+"""Buffers of OpenBLAS (200 measured); where they cannot be had, it ends the process."""
 RESIDUAL_LIMIT = 1e-6
 """Largest accepted relative residual: the relative error of a stiffness is its square, that of the fatigue
 safety stays below it (5e-8 on `mikron-iiic`)."""
@@ -49,6 +52,7 @@ def cholesky(matrix: sp.spmatrix) -> Callable[[Array], Array]:
     from cvxopt import cholmod, spmatrix
     from cvxopt import matrix as dense
 
+    check_addresses("the factorisation", _BLAS_ADDRESSES_MIB + addresses_of_threads_MiB())
     upper = sp.triu(matrix).tocoo()
     numbers = [dense(np.asarray(part, dtype=np.int64)) for part in (upper.col, upper.row)]
     lower = spmatrix(dense(upper.data), *numbers, matrix.shape)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import check_input, read_bytes, read_text_file
+from cranktopo.base.files import check_input, from_json, read_bytes, read_text_file
 
 
 @pytest.mark.parametrize("content", [b"a = 1", b"\xef\xbb\xbfa = 1"], ids=["plain", "byte-order mark"])
@@ -76,3 +76,11 @@ def test_values_in_messages() -> None:
     assert len(quoted("x" * 10_000)) < 130
     assert quoted(16**5000) == "a number of about 6021 digits"
     assert quoted([1, 16**5000]) == "a number of thousands of digits"
+
+
+@pytest.mark.parametrize("text", ["[" * 101 + "]" * 101, '{"a": ' * 101 + "1" + "}" * 101])
+def test_json_of_too_many_levels(text: str) -> None:
+    """Some versions of Python read 2000 levels, and what walks them ends by a RecursionError."""
+    with pytest.raises(ValueError, match="more than 100 levels"):
+        from_json(text)
+    assert from_json("[" * 99 + "1" + "]" * 99)

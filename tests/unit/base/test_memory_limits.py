@@ -10,12 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import scipy.sparse
 
 from cranktopo.app import main
 from cranktopo.base import machine
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies import memory
 from cranktopo.numerics import precision
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.tetrahedra import solver
 
 PROGRAM = f"{sys.executable} -c 'from cranktopo.app.launch import main; main()'"
 MIB = 2**20
@@ -96,7 +99,25 @@ def test_memory_that_is_not_there_is_one_line(
     assert capsys.readouterr().err == f"error: not enough memory. {hint}\n"
 
 
-def test_jax_is_not_begun_where_it_would_abort(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(precision, "addresses_left_MiB", lambda: 800.0)
-    with pytest.raises(CranktopoError, match=r"memory: JAX needs 1\.5 GiB of addresses, 0\.8 left"):
-        precision.check_device.__wrapped__()
+@pytest.mark.parametrize(
+    ("begins", "told"),
+    [
+        (precision.check_device.__wrapped__, "JAX needs 2.5 GiB"),
+        (lambda: solver.cholesky(scipy.sparse.identity(3)), "the factorisation needs 1.4 GiB"),
+    ],
+    ids=["JAX", "OpenBLAS"],
+)
+def test_a_library_that_would_end_the_process_is_not_begun(
+    begins: Callable[[], None], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it takes grows with the cores: one thread each, with a stack and a heap."""
+    monkeypatch.setattr(machine, "usable_cores", lambda: 16)
+    monkeypatch.setattr(machine, "addresses_left_MiB", lambda: 800.0)
+    with pytest.raises(CranktopoError, match=rf"memory: {told} of addresses, 0\.8 left"):
+        begins()
+
+
+def test_a_mesh_is_not_begun_without_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "addresses_left_MiB", lambda: 100.0)
+    with pytest.raises(CranktopoError, match=r"memory: a box needs 0\.3 GiB"), cad_session("a box"):
+        pass

@@ -30,6 +30,7 @@ def scene(free: str) -> Scene:
         ("pin_fillet_mm = [2.5, true]", "the least and the greatest value in mm"),
         ("pin_fillet_mm = [5.0, 2.5]", "the least must be smaller than the greatest"),
         ("pin_bore_mm = [-1.0, 30.0]", "both must be >= 0"),
+        (f"pin_bore_mm = [0, 1{'0' * 400}]", "both must be >= 0 and <= "),
         ("pin_fillet_mm = [3.0, 5.0]", "own value, throw.crankpin.fillet_mm = 2.5 mm"),
         ("journal_bore_mm = [0, 20]", "own value, throw.main_journal.bore_diameter_mm = 24 mm"),
         ("journal_fillet_mm = [1.2, 5.0]", "within 1.26 and 5.46 mm, 0.03 to 0.13 of the pin's diameter"),
