@@ -100,7 +100,7 @@ def killed(name: str, moment: float, number: signal.Signals, folder: Path) -> tu
         faults.append(f"does not end in {WAIT_S:.0f} s")
     shutil.rmtree(folder / "remodelled", ignore_errors=True)  # where it was faster
     code = process.returncode
-    faults += ["Traceback"] if "Traceback" in stderr else []
+    faults += [f"Traceback: {stderr[-3000:]}"] if "Traceback" in stderr else []
     loading = code == -number and not stderr.strip()  # before the program is loaded, nothing is to be saved
     if code not in _ENDED and not loading and number != signal.SIGKILL:
         faults.append(f"exit code {code}: {stderr[-3000:]}")

@@ -1,0 +1,53 @@
+"""Results that others published, from their inputs: nothing is tuned, and the page shows what is computed."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.validation import free_moments, page, shafts
+
+PERCENT_OF_ORDER = {"rotating": 1e-4, "1st": 0.01, "2nd": 0.01, "4th": 0.1}
+"""Largest difference, percent: the other program's series and whole degrees."""
+
+
+@pytest.mark.parametrize("name", free_moments.CASES)
+def test_free_moments_of_a_v16(name: int) -> None:
+    rows = free_moments.rows(name)
+    assert len(rows) >= 4
+    for row in rows:
+        most = next(limit for word, limit in PERCENT_OF_ORDER.items() if word in row.what)
+        assert abs(100 * row.off) <= most, row
+
+
+def test_what_vanishes_there_vanishes_here() -> None:
+    assert free_moments.largest_of_what_vanishes() < 1e-6
+
+
+def test_another_arrangement_would_be_seen() -> None:
+    """Two throws exchanged change every moment that is compared."""
+    case = free_moments.CASES[8207]
+    other = free_moments.Case((*case.throws_deg[1::-1], *case.throws_deg[2:]), *[0.0] * 3, (0.0, 0.0), 0.0)
+    ours, exchanged = (free_moments.oscillating_force(free_moments.masses(c), 1) for c in (case, other))
+    assert abs(ours.moment.largest / exchanged.moment.largest - 1) > 0.05
+
+
+def test_crank_of_a_motorcycle() -> None:
+    for row in shafts.cbr600_rows():
+        assert round(row.ours) == row.printed
+
+
+def test_torque_of_a_diesel() -> None:
+    """The peaks, and the curves where the pressure curve's shape does not decide."""
+    torque_off = [abs(row.off) for row in shafts.mwm_rows() if row.unit == "N m"]
+    speed_off = [abs(row.off) for row in shafts.mwm_rows() if row.unit == "rpm"]
+    assert max(torque_off) < 0.03
+    assert max(speed_off) < 0.015
+    for section in shafts.SECTIONS:
+        assert shafts.mwm_curve(section).mean_off() < 0.05
+        assert shafts.mwm_curve(section).mean_off(from_rpm=1400.0) < 0.03
+
+
+def test_the_page_has_these_tables() -> None:
+    """Written by `python -m tests.validation.page`."""
+    stored = (page.PAGES / "validation.md").read_text(encoding="utf-8")
+    assert page.filled(stored) == stored
