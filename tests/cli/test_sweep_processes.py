@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -18,6 +19,7 @@ import pandas as pd
 import pytest
 
 from cranktopo import sweep
+from cranktopo.tasks.sweep import executor
 from tests import sweep_cases
 from tests.sweep_cases import FILLET, HELD, WIDTH
 
@@ -257,3 +259,20 @@ def test_ten_thousand_empty_points(tmp_path: Path, workers: int) -> None:
     assert (~frame["original"]).sum() == 10_000
     assert set(frame["status"]) == {"done", "impossible"}
     assert (tmp_path / "out" / "report.html").stat().st_size < 10_000_000
+
+
+def test_what_dask_cannot_close_after_an_interrupt_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C while its workers begin: its own end of the process would show an AssertionError."""
+    from distributed.deploy import spec
+
+    closed = []
+
+    def fails() -> None:
+        logging.getLogger("asyncio").error("Future exception was never retrieved")
+        closed.append(logging.getLogger("asyncio").isEnabledFor(logging.ERROR))
+        raise AssertionError("Status.init")
+
+    monkeypatch.setattr(spec, "close_clusters", fails)
+    executor._close_clusters()
+    assert closed == [False]
+    assert logging.getLogger("asyncio").isEnabledFor(logging.ERROR)

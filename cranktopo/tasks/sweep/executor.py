@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import logging
 import os
@@ -162,6 +163,8 @@ def _client(engine: WorkerPool, patience_s: float) -> Iterator[Any]:
     import distributed
 
     with dask.config.set(_SETTINGS), _quiet(), contextlib.ExitStack() as stack:
+        atexit.unregister(distributed.deploy.spec.close_clusters)
+        atexit.register(_close_clusters)
         if engine.scheduler is None:
             # without a limit of memory, because the number of workers was chosen by it
             cluster = distributed.LocalCluster(
@@ -184,10 +187,19 @@ def _client(engine: WorkerPool, patience_s: float) -> Iterator[Any]:
         yield client
 
 
+def _close_clusters() -> None:
+    """Close at the end of the process what was interrupted while it began; Dask would show why it cannot."""
+    import distributed
+
+    with _quiet(), contextlib.suppress(Exception):
+        distributed.deploy.spec.close_clusters()
+
+
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Silence what Dask logs of connections that break; what it means is told by the sweep."""
-    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    names = "distributed", "distributed.client", "asyncio", "tornado.application"
+    loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL)
