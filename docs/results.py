@@ -17,6 +17,7 @@ ROOTS = {
     "plan": ("`plan --json`", "cranktopo.tasks.plan.result:DesignPlan"),
     "loads": ("`loads --json`", "cranktopo.tasks.loads.result:Loads"),
     "balance": ("`balance --json`", "cranktopo.tasks.balance.result:Balance"),
+    "film": ("`film --json`", "cranktopo.tasks.film.result:FilmResult"),
     "vibration": ("`vibration --json`", "cranktopo.tasks.vibration.result:ShaftVibration"),
     "shaft": ("`shaft --json`", "cranktopo.tasks.shaft.stage:ShaftEvaluation"),
     "fatigue": ("`fatigue --json` and `fatigue.json`", "cranktopo.tasks.fatigue.result:FatigueResult"),

@@ -83,6 +83,11 @@ TABLE: dict[str, dict[str, Case]] = {
         "--plot": Acts("", "--plot p.png"),
         "--json": Acts("", "--json"),
     },
+    "film": {
+        **_THROW,
+        "--speed": Acts("car-diesel", "--speed 1000"),
+        "--json": Acts("car-diesel", "--json"),
+    },
     "balance": {
         "--report": Acts("", "--report b.md"),
         "--propose": Acts("", "--propose 50%"),

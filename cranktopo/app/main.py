@@ -124,6 +124,7 @@ _SHOWN_FIRST = (
     "report",
     "fatigue",
     "shaft",
+    "film",
     "vibration",
     "extract",
     "remodel",

@@ -70,6 +70,8 @@ UNITS = {
     "Hz": "Hz",
     "rpm": "rpm",
     "deg": "deg",
+    "C": "°C",
+    "mPas": "mPa s",
     "um": "µm",
     "mm": "mm",
     "mm3": "mm3",

@@ -16,6 +16,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.goal.limit import GoalTable
 from cranktopo.design.material import Fatigue, Material
 from cranktopo.design.messages import explain, register_root
+from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.published import Published
 from cranktopo.design.shaft import ShaftTable, Supports
 from cranktopo.design.shape import ShapeTable
@@ -208,6 +209,7 @@ class Scene(SceneTable):
     engine: Engine | None = None
     shaft: ShaftTable | None = None
     crank: Crank | None = None
+    bearings: PlainBearings | None = None
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
     original: Original | None = None

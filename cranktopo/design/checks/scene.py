@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.checks.engine import check_engine, check_shaft
+from cranktopo.design.checks.plain_bearings import check_plain_bearings
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.free_dimensions import check_free_dimensions
 from cranktopo.design.goal.wanted import check_goal
@@ -230,6 +231,7 @@ def _check_half(scene: Scene) -> None:
     scene.throw.check_bores_apart()
     check_engine(scene)
     _check_supports(scene)
+    check_plain_bearings(scene)
     check_shaft(scene)
     _check_drawing(scene)
     for key, feature in scene.throw.features():

@@ -71,7 +71,7 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     both sides by the lever rule; so is what turns with the throw. Its couple is a pair of forces on them.
     """
     layout, engine = masses.layout, engine_of(scene)
-    angle, rod, gas = _rod_force(scene, engine)
+    angle, rod, gas = rod_force(scene, engine)
     load = np.zeros((len(layout.bearing_z_mm), len(angle)), dtype=np.complex128)
     directions = unit_vectors(layout.throw_deg)
     for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
@@ -93,7 +93,7 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     return _MainBearings(angle, load * unit_vectors(angle), gas)
 
 
-def _rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
+def rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
     """Crank angles after a cylinder's firing, the force of its rod on the pin, and whether gas is in it.
 
     Gas, and the inertia of all that oscillates; real along the throw, imaginary ahead of it.

@@ -24,6 +24,7 @@ TASKS = (
     "plan",
     "loads",
     "balance",
+    "film",
     "drawing",
     "crank_drawing",
     "designs",

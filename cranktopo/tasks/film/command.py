@@ -1,0 +1,45 @@
+"""`cranktopo film`
+
+Least oil film and largest film pressure of the plain bearings over the cycle.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+import click
+
+from cranktopo.base.notes import redirected
+from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
+
+
+@click.command(name="film")
+@click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
+@click.option("--speed", "speeds", type=Speeds(), help="Speed or sweep of speeds instead of the scene's.")
+@throw_option
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def command(design: str, speeds: list[float] | None, throw: int | None, as_json: bool) -> None:
+    """Oil film of main and big-end bearings over the cycle: least thickness, largest pressure, friction.
+
+    DESIGN is a TOML file with `[bearings]` (clearance and oil), or the name of a built-in design. Journals
+    move as the mobility method has it, for bearings of finite width; loads are those of throws that stand
+    alone between two bearings.
+
+    Example: cranktopo film car-diesel --speed 1000:4000:500
+    """
+    from cranktopo.design.assumed import assumed_text
+    from cranktopo.design.loading import load_scene
+    from cranktopo.engine.one_throw import one_throw
+    from cranktopo.tasks.film.stage import films
+    from cranktopo.tasks.film.text import film_text
+
+    with redirected(partial(click.echo, err=True)):
+        scene = one_throw(load_scene(design, whole=True), throw)
+    result = films(scene, speeds)
+    if as_json:
+        click.echo(json.dumps(result.as_json(), indent=2))
+        return
+    click.echo(film_text(result))
+    if result.assumed:
+        click.echo(assumed_text(result.assumed), err=True)

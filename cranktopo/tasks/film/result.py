@@ -1,0 +1,76 @@
+"""The oil film of the bearings: the JSON object of `film --json`."""
+
+from __future__ import annotations
+
+from cranktopo.base.result import Result
+from cranktopo.design.assumed import Assumption
+
+
+class BearingFilm(Result):
+    """The film of one bearing over the cycle.
+
+    Attributes:
+        bearing: "main 1" is at the free end; the big-end bearings are all alike but for their time.
+        number: how many bearings are like it.
+        max_N: largest load, at the crank angle `deg`.
+        film_um: least thickness; where it is `below_um` it is below what is resolved.
+        pressure_MPa: largest pressure of the film.
+        eccentricity: largest, over the radial clearance.
+        friction_W: mean power that the film of one of them takes.
+    """
+
+    bearing: str
+    number: int
+    diameter_mm: float
+    width_mm: float
+    films: int
+    max_N: float
+    deg: float
+    film_um: float
+    film_deg: float
+    below_um: float
+    pressure_MPa: float
+    pressure_deg: float
+    eccentricity: float
+    friction_W: float
+
+
+class FilmsAtSpeed(Result):
+    """The films of all bearings at a speed."""
+
+    rpm: float
+    bearings: tuple[BearingFilm, ...]
+
+    @property
+    def thinnest(self) -> BearingFilm:
+        """The bearing of the least film, of equal ones the first."""
+        return min(self.bearings, key=lambda one: round(one.film_um, 6))
+
+    @property
+    def friction_W(self) -> float:
+        """Mean power that the films of all bearings take."""
+        return sum(one.number * one.friction_W for one in self.bearings)
+
+
+class FilmResult(Result):
+    """Oil films of a design.
+
+    Attributes:
+        viscosity_mPas: dynamic, of the oil in the film.
+        loads: what the bearings carry.
+        gas: whether the pressure of the gas is among the loads.
+        permitted_film_um, permitted_pressure_MPa: null where the scene gives none.
+        holds: whether all films are within what is permitted; null where nothing is.
+    """
+
+    design: str
+    oil: str | None
+    temperature_C: float | None
+    viscosity_mPas: float
+    loads: str
+    gas: bool
+    speeds: tuple[FilmsAtSpeed, ...]
+    permitted_film_um: float | None
+    permitted_pressure_MPa: float | None
+    holds: bool | None
+    assumed: tuple[Assumption, ...]

@@ -1,0 +1,202 @@
+"""Films of main and big-end bearings over the cycle, under the forces of throws that stand alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
+from cranktopo.design.assumed import Assumption, assumptions
+from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.plain_bearings import PlainBearings
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import at_speed, engine_of
+from cranktopo.engine.balance.free_forces import Complex, turning_masses
+from cranktopo.engine.balance.layout import unit_vectors
+from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
+from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, Orbit, orbit
+from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
+from cranktopo.throw.journal import Journal
+
+BEARINGS = "bearings"
+ALONE = "throws that stand alone between two bearings"
+_UM_PER_MM = 1e3
+_STEP_DEG = 1.0
+
+
+@dataclass(frozen=True)
+class LoadedBearing:
+    """A bearing with its load over the cycle.
+
+    Attributes:
+        load_N: on the journal, toward where it moves, in a frame that stands still.
+        sleeve: angular speed of what is around the journal, over that of the shaft.
+        number: how many bearings are like it.
+    """
+
+    name: str
+    bearing: JournalBearing
+    load_N: Complex
+    sleeve: Array
+    number: int = 1
+
+
+def films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
+    """Return the oil films of a design at some speeds, by default at the engine's.
+
+    Raises:
+        CranktopoError: no `[bearings]`, no engine, or an engine that stands still.
+    """
+    scene = as_scene(scene)
+    table, engine = plain_bearings(scene), engine_of(scene)
+    speeds = speeds_rpm or [engine.speed_rpm]
+    if min(speeds) <= 0:
+        raise CranktopoError(
+            f"{scene.name}: a film carries only where the engine turns.", hint="Give a speed."
+        )
+    gas = rod_force(scene, engine)[2]
+    found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films_at(at_speed(scene, rpm))) for rpm in speeds)
+    return FilmResult(
+        design=scene.name,
+        oil=None if table.viscosity_mPas else table.oil,
+        temperature_C=None if table.viscosity_mPas else table.temperature_C,
+        viscosity_mPas=1e3 * table.dynamic_viscosity_Pas,
+        loads=ALONE,
+        gas=gas,
+        speeds=found,
+        permitted_film_um=table.permitted_film_um,
+        permitted_pressure_MPa=table.permitted_pressure_MPa,
+        holds=_holds(table, (one for at in found for one in at.bearings)),
+        assumed=_assumed(scene, table),
+    )
+
+
+def plain_bearings(scene: Scene) -> PlainBearings:
+    """Return the scene's bearings; raises CranktopoError where it gives none."""
+    if scene.bearings is None:
+        raise CranktopoError(
+            f"{scene.name}: [bearings] is missing; clearance and oil make the film.",
+            hint='Add [bearings] with clearance_mm = 0.05 and oil = "ISO VG 46", for example.',
+        )
+    return scene.bearings
+
+
+def films_at(scene: Scene) -> tuple[BearingFilm, ...]:
+    """Return the films at the scene's speed: main bearings from the free end, then a big end."""
+    loads = main_bearings(scene, turning_masses(scene))
+    step = round(_STEP_DEG / float(loads.angle_deg[1] - loads.angle_deg[0]))
+    angle = loads.angle_deg[::step]
+    still = np.zeros_like(angle)
+    main = main_bearing(scene)
+    every = [
+        LoadedBearing(f"main {number}", main, load[::step], still)
+        for number, load in enumerate(loads.load_N, start=1)
+    ]
+    every.append(_loaded_big_end(scene, step))
+    return tuple(film_of(one, angle, scene) for one in every)
+
+
+def film_of(loaded: LoadedBearing, angle_deg: Array, scene: Scene) -> BearingFilm:
+    """Return the film of a bearing at the speed of a scene."""
+    speed = angular_speed_rad_s(engine_of(scene).speed_rpm)
+    surfaces = np.full_like(angle_deg, speed), loaded.sleeve * speed
+    steady = orbit(loaded.bearing, angle_deg, loaded.load_N, speed, surfaces)
+    return _film(loaded, steady)
+
+
+def _film(loaded: LoadedBearing, steady: Orbit) -> BearingFilm:
+    load, bearing = np.abs(loaded.load_N), loaded.bearing
+    angle = steady.angle_deg
+
+    def at(values: Array, index: int) -> tuple[float, float]:
+        return float(values[index]), float(angle[index])
+
+    most, most_deg = at(load, int(load.argmax()))
+    film, film_deg = at(steady.film_mm, int(steady.film_mm.argmin()))
+    pressure, pressure_deg = at(steady.pressure_MPa, int(steady.pressure_MPa.argmax()))
+    return BearingFilm(
+        bearing=loaded.name,
+        number=loaded.number,
+        diameter_mm=bearing.diameter_mm,
+        width_mm=bearing.width_mm,
+        films=bearing.films,
+        max_N=most,
+        deg=most_deg,
+        film_um=film * _UM_PER_MM,
+        film_deg=film_deg,
+        below_um=LEAST_SHARE * bearing.clearance_mm * _UM_PER_MM,
+        pressure_MPa=pressure,
+        pressure_deg=pressure_deg,
+        eccentricity=float(np.abs(steady.eccentricity).max()),
+        friction_W=float(steady.friction_W.mean()),
+    )
+
+
+def main_bearing(scene: Scene) -> JournalBearing:
+    """Return a main bearing of a scene; a groove parts its film."""
+    table, journal = plain_bearings(scene), scene.throw.main_journal
+    width = table.width_mm or _between_fillets_mm(journal)
+    films = 2 if table.groove_mm else 1
+    own = (width - table.groove_mm) / films
+    return _bearing(journal, own, films, table.clearance_mm, table)
+
+
+def big_end(scene: Scene) -> JournalBearing:
+    """Return a big-end bearing of a scene."""
+    table, pin = plain_bearings(scene), scene.throw.crankpin
+    width = table.big_end_width_mm or _between_fillets_mm(pin) / engine_of(scene).rods_per_pin
+    return _bearing(pin, width, 1, table.big_end_clearance_mm or table.clearance_mm, table)
+
+
+def _bearing(
+    journal: Journal, width_mm: float, films: int, clearance_mm: float, table: PlainBearings
+) -> JournalBearing:
+    """A bearing by the clearance of its diameters."""
+    return JournalBearing(
+        journal.outer_diameter_mm, width_mm, films, clearance_mm / 2, table.dynamic_viscosity_Pas
+    )
+
+
+def _between_fillets_mm(journal: Journal) -> float:
+    return journal.length_mm - 2 * (journal.fillet_axial_mm or journal.fillet_mm)
+
+
+def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
+    """The big end of the first cylinder, its axis real; the rod swings against the crank at dead centre."""
+    engine = engine_of(scene)
+    angle_deg, rod, _ = rod_force(scene, engine)
+    angle = np.radians(angle_deg[::step])
+    w2 = angular_speed_rad_s(engine.speed_rpm) ** 2
+    spinning = engine.rod_rotating_kg * scene.throw.radius_mm / MM_PER_M * w2
+    on_pin = (rod[::step] + spinning) * unit_vectors(angle_deg[::step])
+    ratio = scene.throw.radius_mm / engine.rod_length_mm
+    swing = -ratio * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2)
+    return LoadedBearing("big end", big_end(scene), -on_pin, swing, engine.cylinders)
+
+
+def _holds(table: PlainBearings, every: Iterable[BearingFilm]) -> bool | None:
+    least, most = table.permitted_film_um, table.permitted_pressure_MPa
+    if least is None and most is None:
+        return None
+    return all(
+        one.film_um >= (least or 0.0) and one.pressure_MPa <= (math.inf if most is None else most)
+        for one in every
+    )
+
+
+def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:
+    widths = [
+        Assumption(f"bearings.{key}", round(bearing.width_mm, 3), "the journal between its fillets")
+        for key, bearing in (("width_mm", main_bearing(scene)), ("big_end_width_mm", big_end(scene)))
+        if getattr(table, key) is None
+    ]
+    unused = {"bearings.groove_mm"}
+    if table.viscosity_mPas:
+        unused |= {"bearings.oil", "bearings.temperature_C"}
+    found = [one for one in assumptions(scene, (BEARINGS, "engine")) if one.key not in unused]
+    return (*found, *widths)

@@ -1,0 +1,78 @@
+"""The oil films as text for the terminal."""
+
+from __future__ import annotations
+
+from cranktopo.report.result_table import text_table
+from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
+
+
+def film_text(result: FilmResult) -> str:
+    """Return what is worse than permitted, the oil, and a table of bearings or of speeds."""
+    oil = f"{result.oil} at {result.temperature_C:g} degC, " if result.oil else ""
+    heading = f"{result.design}: oil film, {oil}{result.viscosity_mPas:.2f} mPa s\nloads: {result.loads}"
+    gas = "" if result.gas else "\nthe scene tells no gas pressure: inertia alone loads the bearings"
+    parts = [_verdict(result), heading + gas]
+    parts += [_one_speed(result.speeds[0]) if len(result.speeds) == 1 else _by_speed(result.speeds)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _verdict(result: FilmResult) -> str:
+    least, most = result.permitted_film_um, result.permitted_pressure_MPa
+    lines = [
+        f"below the permitted {least:g} um: {one.bearing} {_film(one)} um at {at.rpm:g} rpm"
+        for at, one in _every(result)
+        if least is not None and one.film_um < least
+    ]
+    lines += [
+        f"above the permitted {most:g} MPa: {one.bearing} {one.pressure_MPa:.1f} MPa at {at.rpm:g} rpm"
+        for at, one in _every(result)
+        if most is not None and one.pressure_MPa > most
+    ]
+    return "\n".join(lines)
+
+
+def _every(result: FilmResult) -> list[tuple[FilmsAtSpeed, BearingFilm]]:
+    return [(at, one) for at in result.speeds for one in at.bearings]
+
+
+def _film(one: BearingFilm) -> str:
+    """Least film; below what is resolved it has no value of its own."""
+    return f"< {one.below_um:.2g}" if one.film_um <= one.below_um else f"{one.film_um:.2f}"
+
+
+def _one_speed(at: FilmsAtSpeed) -> str:
+    header = ["bearing", "diameter\nmm", "width\nmm", "load\nN", "at\ndeg", "film\num", "at\ndeg"]
+    header += ["pressure\nMPa", "at\ndeg", "friction\nW"]
+    rows = [
+        [
+            one.bearing,
+            f"{one.diameter_mm:g}",
+            f"{'2 x ' if one.films == 2 else ''}{one.width_mm:.4g}",
+            f"{one.max_N:.0f}",
+            f"{one.deg:g}",
+            _film(one),
+            f"{one.film_deg:g}",
+            f"{one.pressure_MPa:.1f}",
+            f"{one.pressure_deg:g}",
+            f"{one.friction_W:.0f}",
+        ]
+        for one in at.bearings
+    ]
+    return f"at {at.rpm:g} rpm, over the cycle\n" + text_table("l" + "r" * (len(header) - 1), header, rows)
+
+
+def _by_speed(speeds: tuple[FilmsAtSpeed, ...]) -> str:
+    header = [
+        "speed\nrpm",
+        "least film\num",
+        "bearing",
+        "largest pressure\nMPa",
+        "bearing",
+        "friction of all\nW",
+    ]
+    rows = []
+    for at in speeds:
+        thin, hard = at.thinnest, max(at.bearings, key=lambda one: round(one.pressure_MPa, 6))
+        cells = [f"{at.rpm:g}", _film(thin), thin.bearing, f"{hard.pressure_MPa:.1f}", hard.bearing]
+        rows.append([*cells, f"{at.friction_W:.0f}"])
+    return text_table("rrlrlr", header, rows)

@@ -1,0 +1,125 @@
+"""Films of a design: bearings and oil of the scene, loads of the engine, what is told."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.plain_bearings import PlainBearings
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import analyse, engine_of
+from cranktopo.tasks.film.stage import _loaded_big_end, films, main_bearing
+from cranktopo.tasks.film.text import film_text
+
+MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+OIL = 'clearance_mm = 0.05\noil = "ISO VG 46"\n'
+
+
+def scene(bearings: str = OIL, text: str = MIKRON) -> Scene:
+    return parse_scene(f"{text}\n[bearings]\n{bearings}")
+
+
+def test_viscosity_of_a_grade() -> None:
+    """ISO 3448 at 40 degC; Walther's equation is a straight line, so that 70 degC is between."""
+
+    def kinematic(temperature_C: float) -> float:
+        table = PlainBearings(clearance_mm=0.05, oil="ISO VG 46", temperature_C=temperature_C)
+        density = 880.0 - 0.64 * (temperature_C - 15.0)
+        return table.dynamic_viscosity_Pas / density * 1e6
+
+    assert kinematic(40.0) == pytest.approx(46.0, rel=1e-12)
+    assert kinematic(100.0) == pytest.approx(6.8, rel=1e-12)
+    middle = kinematic(math.sqrt(313.15 * 373.15) - 273.15)  # middle of the logarithm of T
+
+    def double(viscosity: float) -> float:
+        return math.log10(math.log10(viscosity + 0.7))
+
+    assert double(middle) == pytest.approx((double(46.0) + double(6.8)) / 2, rel=1e-12)
+    assert PlainBearings(clearance_mm=0.05, viscosity_mPas=8.0).dynamic_viscosity_Pas == 0.008
+
+
+@pytest.mark.parametrize(
+    ("bearings", "message"),
+    [
+        ('clearance_mm = 0.05\noil = "SAE 30"', "bearings.oil = 'SAE 30': must be 'ISO VG 22', "),
+        (OIL + "width_mm = 45", "bearings.width_mm = 45.0: must be at most the journal's 40 mm"),
+        (OIL + "big_end_width_mm = 37", "must be at most the journal's 36 mm"),
+        ('clearance_mm = 0.5\noil = "ISO VG 46"', "must be at most 0.42 mm, 1 % of the journal's diameter"),
+        (OIL + "width_mm = 20\ngroove_mm = 20", "must be smaller than the 20 mm of the bearing"),
+        ("", "bearings.clearance_mm is missing"),
+    ],
+)
+def test_what_cannot_be_is_refused(bearings: str, message: str) -> None:
+    with pytest.raises(CranktopoError) as refused:
+        scene(bearings)
+    assert message in str(refused.value)
+
+
+def test_every_bearing_has_its_film() -> None:
+    result = films(scene())
+    (at,) = result.speeds
+    assert [one.bearing for one in at.bearings] == [*(f"main {n}" for n in range(1, 6)), "big end"]
+    first, last = at.bearings[0], at.bearings[4]
+    assert (first.film_um, first.pressure_MPa) == pytest.approx((last.film_um, last.pressure_MPa), rel=1e-3)
+    assert all(0 < one.film_um < 25 and one.pressure_MPa > 5 for one in at.bearings)
+    assert result.holds is None
+    # The firing order is the same from either end, two bearings of its crank are the mirrored ones.
+    assert at.bearings[1].film_um == pytest.approx(at.bearings[3].film_um, rel=1e-3)
+
+
+def test_the_big_end_has_the_force_of_the_loads() -> None:
+    base = scene()
+    loaded, forces = _loaded_big_end(base, 1), analyse(base).cycle.forces
+    assert np.abs(loaded.load_N) == pytest.approx(forces.crankpin_force_N, rel=1e-9)
+    ratio = base.throw.radius_mm / engine_of(base).rod_length_mm
+    turned = np.cumsum(loaded.sleeve) * np.radians(forces.angle_deg[1])
+    assert np.ptp(turned) == pytest.approx(2 * math.asin(ratio), rel=1e-3)
+    assert loaded.sleeve[0] == pytest.approx(-ratio)
+
+
+def test_a_groove_takes_film() -> None:
+    whole, parted = main_bearing(scene()), main_bearing(scene(OIL + "groove_mm = 5"))
+    assert (whole.width_mm, whole.films) == (35.0, 1)
+    assert (parted.width_mm, parted.films) == (15.0, 2)
+    thinner = [films(scene(OIL + f"groove_mm = {g}")).speeds[0].bearings[1].film_um for g in (0, 5)]
+    assert thinner[1] < 0.8 * thinner[0]
+
+
+def test_what_is_worse_than_permitted_is_said_first() -> None:
+    result = films(scene(OIL + "permitted_film_um = 2\npermitted_pressure_MPa = 40"))
+    assert result.holds is False
+    lines = film_text(result).splitlines()
+    assert lines[0] == "below the permitted 2 um: big end 1.59 um at 2100 rpm"
+    assert lines[1].startswith("above the permitted 40 MPa: main 2 4")
+    assert all(len(line) <= 80 for line in lines)
+    assert films(scene(OIL + "permitted_film_um = 0.5")).holds is True
+
+
+def test_the_oil_is_assumed_where_none_is_given() -> None:
+    told = {one.key: one.value for one in films(scene("clearance_mm = 0.05")).assumed}
+    assert (told["bearings.oil"], told["bearings.temperature_C"]) == ("ISO VG 46", 100.0)
+    given = films(scene("clearance_mm = 0.05\nviscosity_mPas = 8"))
+    assert (given.oil, given.viscosity_mPas) == (None, 8.0)
+    assert not {"bearings.oil", "bearings.temperature_C"} & {one.key for one in given.assumed}
+
+
+def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(f"{MIKRON}\n[bearings]\n{OIL}", encoding="utf-8")
+    assert main(["film", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["viscosity_mPas"] == pytest.approx(5.61, abs=0.01)
+    assert {one["key"] for one in found["assumed"]} >= {"bearings.width_mm", "bearings.temperature_C"}
+    assert main(["film", str(file), "--speed", "1000:2000:1000"]) == 0
+    assert "least film" in capsys.readouterr().out
+    assert main(["film", "mikron-iiic-plain"]) == 3
+    assert "[bearings] is missing" in capsys.readouterr().err
+    assert main(["film", str(file), "--speed", "0"]) == 3
+    assert "only where the engine turns" in capsys.readouterr().err
