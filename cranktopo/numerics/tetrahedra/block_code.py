@@ -10,7 +10,8 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-_INDEX, _POINTER, _NUMBER = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double
+_INDEX, _POINTER = ctypes.c_int64, ctypes.c_void_p
+_KINDS = {"double": ctypes.c_double, "float": ctypes.c_float}
 _engines: list[Any] = []  # machine code lives as long as its engine
 
 _PRODUCT = """
@@ -73,13 +74,13 @@ exit:
 
 
 @cache
-def product(width: int) -> Callable[..., None]:
+def product(width: int, kind: str = "double") -> Callable[..., None]:
     """Return `product(rows, factor, start, column, value, field, total)`: total += factor * matrix @ field.
 
-    Arrays by address; field and total have `width` columns.
+    Arrays by address; field and total have `width` columns, all numbers are of a kind, "double" or "float".
     """
-    arguments = _INDEX, _NUMBER, *(_POINTER,) * 5
-    return _compiled(_product_text(width), "product", arguments)
+    arguments = _INDEX, _KINDS[kind], *(_POINTER,) * 5
+    return _compiled(_product_text(width).replace("double", kind), "product", arguments)
 
 
 @cache

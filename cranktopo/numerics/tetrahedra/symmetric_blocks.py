@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -30,8 +32,8 @@ class SymmetricBlocks:
     order: NDArray[np.intp]
     start: Index
     column: Index
-    value: Array
-    root: Array
+    value: NDArray[Any]
+    root: NDArray[Any]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -52,12 +54,17 @@ class SymmetricBlocks:
         result[self.unknowns] = self.root * found
         return result.reshape(field.shape)
 
-    def add_product(self, field: Array, total: Array, factor: float = 1.0) -> None:
+    def add_product(self, field: NDArray[Any], total: NDArray[Any], factor: float = 1.0) -> None:
         """Add a factor times the scaled matrix times fields (unknowns, k), in its own order, to a total."""
         given = np.ascontiguousarray(field)
         arrays = (self.start, self.column, self.value, given, total)
-        code = product(given.shape[1])
+        code = product(given.shape[1], "float" if self.value.dtype == np.float32 else "double")
         code(len(self.order), factor, *(array.ctypes.data for array in arrays))
+
+    @cached_property
+    def single(self) -> SymmetricBlocks:
+        """The same matrix in single precision, for fields of that precision."""
+        return replace(self, value=self.value.astype(np.float32), root=self.root.astype(np.float32))
 
     def upper(self) -> sp.csr_matrix:
         """Return the scaled matrix in its own order, its diagonal blocks and those above."""
