@@ -212,7 +212,8 @@ def _entry(vector: str, width: int, r: int, c: int) -> list[str]:
 
 
 def _assembly_text() -> str:
-    own, add = [], []
+    own: list[str] = []
+    add: list[str] = []
     for axis in range(3):
         for node, lines in (("a", own), ("b", add)):
             at = f"%{node}{axis}"
