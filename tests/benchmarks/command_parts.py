@@ -28,7 +28,7 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "factorisation": ((f"{_TETRAHEDRA}.solver", ("cholesky",)),),
     "largest eigenvalue": ((f"{_TETRAHEDRA}.solver", ("largest_eigenvalue",)),),
     "cycles": ((f"{_TETRAHEDRA}.solver", ("_conjugate_gradients",)),),
-    "stress": ((f"{_TETRAHEDRA}.stress", ("_strain", "_averaged", "_depth", "_jumps", "_normals")),),
+    "stress": ((f"{_TETRAHEDRA}.stress", ("nodal_stress", "_depth", "_jumps", "_normals")),),
     "error estimate": ((f"{_FEA}.discretisation_error", ("_part", "_answered", "_added", "_volume")),),
 }
 """By part the functions whose time is its own: each runs in one thread, and none in another one."""
