@@ -1,6 +1,7 @@
-"""Where the processor time of commands goes: `python -m tests.benchmarks.command_parts [COMMAND...]`.
+"""Where processor time and memory of commands go: `python -m tests.benchmarks.command_parts [COMMAND...]`.
 
-One process per command, on the default design: CPU seconds of each part in whatever thread it runs.
+One process per command, on the default design: CPU seconds of each part in whatever thread it runs, without
+those of parts inside it, and the memory that the process holds at its end, the most of all its calls.
 """
 
 from __future__ import annotations
@@ -10,14 +11,18 @@ import os
 import resource
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from typing import Any
 
-COMMANDS = ("evaluate mikron-iiic", "fatigue mikron-iiic")
-_TETRAHEDRA, _FEA = "cranktopo.numerics.tetrahedra", "cranktopo.tasks.fea"
+import psutil
+
+COMMANDS = ("evaluate mikron-iiic", "fatigue mikron-iiic", "shape mikron-iiic")
+_TETRAHEDRA, _FEA, _SHAPE = "cranktopo.numerics.tetrahedra", "cranktopo.tasks.fea", "cranktopo.tasks.shape"
 PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "mesh": (("cranktopo.bodies.mesh.solid_mesh", ("add_half_throw", "positive_x", "_generate")),),
     "assembly": (
@@ -28,34 +33,57 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "factorisation": ((f"{_TETRAHEDRA}.solver", ("cholesky",)),),
     "largest eigenvalue": ((f"{_TETRAHEDRA}.solver", ("largest_eigenvalue",)),),
     "cycles": ((f"{_TETRAHEDRA}.solver", ("_conjugate_gradients",)),),
-    "stress": ((f"{_TETRAHEDRA}.stress", ("_strain", "_averaged", "_depth", "_jumps", "_normals")),),
+    "stress": (
+        ("cranktopo.tasks.fatigue.stress_model", ("nodal_stress", "outer_surface", "surface_stress")),
+        ("cranktopo.tasks.fatigue.safety_field", ("safety_field",)),
+    ),
     "error estimate": ((f"{_FEA}.discretisation_error", ("_part", "_answered", "_added", "_volume")),),
+    "moved mesh, gradients": (
+        (f"{_SHAPE}.moved_mesh:MovedMesh", ("__init__", "velocities")),
+        (f"{_SHAPE}.mesh_model:MeshModel", ("responses",)),
+        (f"{_SHAPE}.mesh_fatigue:FilletFatigue", ("_smooth", "_through_field")),
+    ),
+    "cells": ((f"{_SHAPE}.search", ("minimise",)), (f"{_SHAPE}.stage", ("web_model",))),
+    "bound": ((f"{_SHAPE}.run", ("bound_for_goal",)),),
+    "writing": ((f"{_SHAPE}.run", ("_write", "_bodies", "shaped_undercuts", "shape_page", "write_report")),),
 }
-"""By part the functions whose time is its own: each runs in one thread, and none in another one."""
+"""By part the functions whose time is its own. Threads of JAX count as all else."""
 ELSE = "imports and all else"
+_MIB = 2**20
+_inner = threading.local()
 
 
-def _timed(part: str, function: Callable[..., Any], spent: Counter[str]) -> Callable[..., Any]:
+def _timed(
+    part: str, function: Callable[..., Any], spent: Counter[str], held: dict[str, float]
+) -> Callable[..., Any]:
+    process = psutil.Process()
+
     def timed(*given: Any, **named: Any) -> Any:
+        outside, _inner.seconds = getattr(_inner, "seconds", 0.0), 0.0
         began = time.thread_time()
         try:
             return function(*given, **named)
         finally:
-            spent[part] += time.thread_time() - began  # type: ignore[assignment]
+            whole = time.thread_time() - began
+            spent[part] += whole - _inner.seconds
+            _inner.seconds = outside + whole
+            held[part] = max(held.get(part, 0.0), process.memory_info().rss / _MIB)
 
     return timed
 
 
-def row(command: str) -> str:
-    """One row of the table, from this very process."""
-    spent: Counter[str] = Counter()
+def rows(command: str) -> str:
+    """Two rows of the table, from this very process."""
+    spent, held = Counter[str](), dict[str, float]()
     for part, places in PARTS.items():
         for place, names in places:
             module, _, inner = place.partition(":")
+            if _SHAPE in module and not command.startswith("shape"):
+                continue
             owner: Any = importlib.import_module(module)
             owner = getattr(owner, inner) if inner else owner
             for name in names:
-                setattr(owner, name, _timed(part, getattr(owner, name), spent))
+                setattr(owner, name, _timed(part, getattr(owner, name), spent, held))
     from cranktopo.app.main import main as run
 
     with (
@@ -66,27 +94,27 @@ def row(command: str) -> str:
         run(command.split())
     used = resource.getrusage(resource.RUSAGE_SELF)
     total = used.ru_utime + used.ru_stime
-    parts = [*(spent[part] for part in PARTS), total - sum(spent.values()), total]
+    seconds = [*(spent[part] for part in PARTS), total - sum(spent.values()), total]
+    memory = [f"{held[part]:.0f}" if part in held else "-" for part in PARTS]
     return (
-        f"| `{command}` | {' | '.join(f'{seconds:.1f}' for seconds in parts)} | {used.ru_maxrss / 1024:.0f} |"
+        f"| `{command}`, CPU s | {' | '.join(f'{value:.1f}' for value in seconds)} |\n"
+        f"| MiB | {' | '.join([*memory, '-', f'{used.ru_maxrss / 1024:.0f}'])} |"
     )
 
 
 def main() -> None:
     """Print the table as Markdown."""
-    if sys.argv[1:2] == ["--row"]:
-        print(row(sys.argv[2]))
+    if sys.argv[1:2] == ["--rows"]:
+        print(rows(sys.argv[2]))
         return
-    heads = ["command", *PARTS, ELSE, "CPU s", "peak MiB"]
+    heads = ["command", *PARTS, ELSE, "all"]
     print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}", flush=True)
-    here = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    here = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     for command in sys.argv[1:] or COMMANDS:
-        own = [sys.executable, "-m", "tests.benchmarks.command_parts", "--row", command]
-        print(
-            subprocess.run(own, env=here, stdout=subprocess.PIPE, text=True, check=True).stdout,
-            end="",
-            flush=True,
-        )
+        own = [sys.executable, "-m", "tests.benchmarks.command_parts", "--rows", command]
+        with tempfile.TemporaryDirectory() as folder:  # shape writes a run there
+            told = subprocess.run(own, env=here, cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
+        print(told.stdout, end="", flush=True)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.optimise.stage import optimise_design
 from cranktopo.tasks.refit.stage import remodel_run
-from cranktopo.tasks.shape.mesh_model import evaluated_web
+from cranktopo.tasks.shape.evaluated_web import evaluated_web
 from cranktopo.tasks.shape.run import shape_design
 
 OWN: dict[str, dict[str, Any]] = {

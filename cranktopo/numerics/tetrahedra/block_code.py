@@ -1,6 +1,7 @@
-"""Machine code for products with symmetric matrices of 3x3 blocks: SciPy's take five times as long.
+"""Machine code for sums of element matrices, and for products with symmetric matrices of 3x3 blocks.
 
-A product reads every block once and uses it twice, as it stands and transposed, for all columns at once.
+SciPy's products take five times as long. A product reads every block once and uses it twice, as it stands and
+transposed, for all columns at once.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-_INDEX, _POINTER, _NUMBER = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double
+_INDEX, _POINTER = ctypes.c_int64, ctypes.c_void_p
+_KINDS = {"double": ctypes.c_double, "float": ctypes.c_float}
 _engines: list[Any] = []  # machine code lives as long as its engine
 
 _PRODUCT = """
@@ -48,44 +50,88 @@ exit:
   ret void
 }}
 """
-_SCATTER = """
-define void @scatter(i64 %count, ptr noalias %slot, ptr noalias %block, ptr noalias %value) {
+_ASSEMBLY = """
+declare double @llvm.vector.reduce.fadd.v4f64(double, <4 x double>)
+
+define void @assembly(i64 %count, i64 %nodes, ptr noalias %rows, ptr noalias %slopes, ptr noalias %dx,
+                      double %first, double %shear, ptr noalias %start, ptr noalias %column,
+                      ptr noalias %value) {{
 entry:
-  br label %one
-one:
-  %i = phi i64 [0, %entry], [%next, %one]
-  %next = add i64 %i, 1
-  %slot.at = getelementptr i32, ptr %slot, i64 %i
-  %slot.short = load i32, ptr %slot.at
-  %place = sext i32 %slot.short to i64
-  %from = getelementptr [9 x double], ptr %block, i64 %i
-  %to = getelementptr [9 x double], ptr %value, i64 %place
-  %more = load <9 x double>, ptr %from, align 8
-  %had = load <9 x double>, ptr %to, align 8
-  %sum = fadd <9 x double> %had, %more
-  store <9 x double> %sum, ptr %to, align 8
-  %again = icmp slt i64 %next, %count
-  br i1 %again, label %one, label %exit
+  br label %element
+element:
+  %e = phi i64 [0, %entry], [%e.next, %done]
+  %e.next = add i64 %e, 1
+  %e.first = mul i64 %e, %nodes
+  %dx.at = getelementptr [4 x double], ptr %dx, i64 %e
+  %w = load <4 x double>, ptr %dx.at, align 8
+  br label %own
+own:
+  %a = phi i64 [0, %element], [%a.next, %other.end]
+  %a.next = add i64 %a, 1
+  %a.place = add i64 %e.first, %a
+  %a.row.at = getelementptr i32, ptr %rows, i64 %a.place
+  %a.row = load i32, ptr %a.row.at
+  %a.slopes = getelementptr [12 x double], ptr %slopes, i64 %a.place
+{own}
+  %start.at = getelementptr i32, ptr %start, i32 %a.row
+  %start.short = load i32, ptr %start.at
+  %begin = sext i32 %start.short to i64
+  br label %other
+other:
+  %b = phi i64 [0, %own], [%b.next, %next]
+  %b.next = add i64 %b, 1
+  %b.place = add i64 %e.first, %b
+  %b.row.at = getelementptr i32, ptr %rows, i64 %b.place
+  %b.row = load i32, ptr %b.row.at
+  %upper = icmp sge i32 %b.row, %a.row
+  br i1 %upper, label %search, label %next
+search:
+  %p = phi i64 [%begin, %other], [%p.next, %search]
+  %p.next = add i64 %p, 1
+  %column.at = getelementptr i32, ptr %column, i64 %p
+  %here = load i32, ptr %column.at
+  %found = icmp eq i32 %here, %b.row
+  br i1 %found, label %add, label %search
+add:
+  %b.slopes = getelementptr [12 x double], ptr %slopes, i64 %b.place
+  %block = getelementptr [9 x double], ptr %value, i64 %p
+{add}
+  br label %next
+next:
+  %b.more = icmp slt i64 %b.next, %nodes
+  br i1 %b.more, label %other, label %other.end
+other.end:
+  %a.more = icmp slt i64 %a.next, %nodes
+  br i1 %a.more, label %own, label %done
+done:
+  %e.more = icmp slt i64 %e.next, %count
+  br i1 %e.more, label %element, label %exit
 exit:
   ret void
-}
+}}
 """
 
 
 @cache
-def product(width: int) -> Callable[..., None]:
+def product(width: int, kind: str = "double") -> Callable[..., None]:
     """Return `product(rows, factor, start, column, value, field, total)`: total += factor * matrix @ field.
 
-    Arrays by address; field and total have `width` columns.
+    Arrays by address; field and total have `width` columns, all numbers are of a kind, "double" or "float".
     """
-    arguments = _INDEX, _NUMBER, *(_POINTER,) * 5
-    return _compiled(_product_text(width), "product", arguments)
+    arguments = _INDEX, _KINDS[kind], *(_POINTER,) * 5
+    return _compiled(_product_text(width).replace("double", kind), "product", arguments)
 
 
 @cache
-def scatter() -> Callable[..., None]:
-    """Return `scatter(count, slot, block, value)`, which adds blocks to those at their places, in order."""
-    return _compiled(_SCATTER, "scatter", (_INDEX, *(_POINTER,) * 3))
+def assembly() -> Callable[..., None]:
+    """Return `assembly(count, nodes, rows, slopes, dx, first, shear, start, column, value)`.
+
+    It adds the stiffness of elements, whose nodes have rows (count, nodes) of blocks, to those blocks; slopes
+    are (count, nodes, 3, 4 points), volumes of the points dx (count, 4), first and shear Lame's constants.
+    """
+    numbers = _KINDS["double"], _KINDS["double"]
+    arguments = _INDEX, _INDEX, *(_POINTER,) * 3, *numbers, *(_POINTER,) * 3
+    return _compiled(_assembly_text(), "assembly", arguments)
 
 
 def _compiled(text: str, name: str, arguments: tuple[Any, ...]) -> Callable[..., None]:
@@ -163,6 +209,36 @@ def _entry(vector: str, width: int, r: int, c: int) -> list[str]:
         f"%b{r}{c} = fmul contract {vector} %m{r}{c}, %x{r}.s",
         f"%turned{c}{r} = fadd contract {vector} {other}, %b{r}{c}",
     ]
+
+
+def _assembly_text() -> str:
+    own: list[str] = []
+    add: list[str] = []
+    for axis in range(3):
+        for node, lines in (("a", own), ("b", add)):
+            at = f"%{node}{axis}"
+            lines += [f"{at}.at = getelementptr double, ptr %{node}.slopes, i64 {4 * axis}"]
+            lines += [f"{at} = load <4 x double>, ptr {at}.at, align 8"]
+        own += [f"%w{axis} = fmul <4 x double> %a{axis}, %w"]
+    pairs = [(r, c) for r in range(3) for c in range(3)]
+    total = "call reassoc double @llvm.vector.reduce.fadd.v4f64"
+    for r, c in pairs:
+        add += [f"%t{r}{c} = fmul <4 x double> %w{r}, %b{c}"]
+        add += [f"%o{r}{c} = {total}(double 0.0, <4 x double> %t{r}{c})"]
+    add += ["%o = fadd double %o00, %o11", "%trace = fadd double %o, %o22", "%s = fmul double %shear, %trace"]
+    for r, c in pairs:
+        name = f"{r}{c}"
+        add += [
+            f"%f{name} = fmul contract double %first, %o{name}",
+            f"%g{name} = fmul contract double %shear, %o{c}{r}",
+            f"%h{name} = fadd contract double %f{name}, %g{name}",
+            f"%k{name} = fadd double %h{name}, {'%s' if r == c else '0.0'}",
+            f"%v{name}.at = getelementptr double, ptr %block, i64 {3 * r + c}",
+            f"%v{name} = load double, ptr %v{name}.at, align 8",
+            f"%u{name} = fadd double %v{name}, %k{name}",
+            f"store double %u{name}, ptr %v{name}.at, align 8",
+        ]
+    return _ASSEMBLY.format(own=_lines(own), add=_lines(add))
 
 
 def _lines(lines: list[str]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -71,24 +71,36 @@ def assemble(mesh: TetMesh, youngs_MPa: float, poisson: float, order: Order = 2)
 
 def _add_elements(body: Any, parts: Sequence[Pattern], lame: tuple[float, float]) -> float:
     """Add all elements to the matrices of linear and of quadratic displacements; return the volume."""
-    points, weights = _quadrature(STIFFNESS_ORDER)
-    reference = shape_gradients(points)  # (points, 10, 3)
-    kinds = np.broadcast_to(_CORNER_SLOPES, (len(points), 4, 3)), reference
+    reference = shape_gradients(quadrature(STIFFNESS_ORDER)[0])  # (points, 10, 3)
+    kinds = np.broadcast_to(_CORNER_SLOPES, (len(reference), 4, 3)), reference
     volume = 0.0
-    for start in range(0, body.nelements, _CHUNK):
-        which = slice(start, start + _CHUNK)
-        minors, determinant = _jacobian(body, which, reference)
-        if determinant.min() <= 0:
-            raise solver_error("mesh: an element is inverted.", "Choose another element size.")
-        dx = determinant * weights
+    for which, inverse, dx in inverse_jacobians(body):
         volume += float(dx.sum())
-        inverse = minors / determinant[..., None, None]  # (elements, points, place, reference)
         for part, kind in zip(parts, kinds, strict=False):
             part.add(which, np.einsum("qnj,eqij->eniq", kind, inverse), dx, lame)
     return volume
 
 
-def _quadrature(order: int) -> tuple[Array, Array]:
+def inverse_jacobians(body: Any) -> Iterator[tuple[slice, Array, Array]]:
+    """Yield some thousand elements, the inverse Jacobian matrices of their points and the volumes of these.
+
+    The points are those of the stiffness; inverses (elements, points, place, reference), volumes (elements,
+    points).
+
+    Raises:
+        CranktopoError: an element is inverted.
+    """
+    points, weights = quadrature(STIFFNESS_ORDER)
+    reference = shape_gradients(points)
+    for start in range(0, body.nelements, _CHUNK):
+        which = slice(start, start + _CHUNK)
+        minors, determinant = _jacobian(body, which, reference)
+        if determinant.min() <= 0:
+            raise solver_error("mesh: an element is inverted.", "Choose another element size.")
+        yield which, minors / determinant[..., None, None], determinant * weights
+
+
+def quadrature(order: int) -> tuple[Array, Array]:
     """Return barycentric points of a tetrahedron, (points, 4), and their weights."""
     from skfem.quadrature import get_quadrature
     from skfem.refdom import RefTet
@@ -134,7 +146,7 @@ def _between(model: Elasticity, z_from_mm: float, z_to_mm: float) -> tuple[NDArr
 
 def _load_points(model: Elasticity, elements: NDArray[np.intp]) -> tuple[Array, Array]:
     """Return the quadrature points of loads, (3, elements, points), and the weights of each, mm3."""
-    points, weights = _quadrature(LOAD_ORDER)
+    points, weights = quadrature(LOAD_ORDER)
     reference, values = shape_gradients(points), shape_values(points)
     nodes = model.mesh.doflocs[:, model.mesh.dofs.element_dofs[:, elements]]
     places = np.einsum("ine,qn->ieq", nodes, values, optimize=True)
@@ -145,7 +157,7 @@ def _load_points(model: Elasticity, elements: NDArray[np.intp]) -> tuple[Array, 
 
 def _gathered(model: Elasticity, elements: NDArray[np.intp], weights: Array) -> Array:
     """Return what weights at the points of loads give the nodes by the shape functions, (nodes,)."""
-    points, _ = _quadrature(LOAD_ORDER)
+    points, _ = quadrature(LOAD_ORDER)
     values = shape_values(points) if model.order == 2 else points
     dofs = model.mesh.dofs.element_dofs if model.order == 2 else model.mesh.t
     shares = values.T @ weights.T

@@ -23,6 +23,8 @@ EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 """Corners of the edges of a ten-node tetrahedron, VTK order."""
 _LEAST_RATIO = 0.1
 """Least Jacobian of a curved element over that of its straight counterpart."""
+_UNBENT = 1e-6
+"""Way of an edge node off its straight edge, over the size of an element, that cannot fold it."""
 _ROUNDS = 20
 
 
@@ -34,15 +36,19 @@ def straighten_folded(points_mm: Array, cells: NDArray[np.int64]) -> tuple[Array
     elements).
     """
     points = points_mm.copy()
-    volume = _jacobians(_straight(points, cells)).min(axis=0)
+    straight = _straight(points, cells)
+    volume = _determinant(straight[:, 1:4] - straight[:, :1])
     if volume.min() <= 0:
         raise solver_error("mesh: an element is flat or inverted.", "Choose another element size.")
+    away = np.abs(points[:, cells[4:]] - straight[:, 4:]).max(axis=(0, 1))
+    curved = np.flatnonzero(away**3 > _UNBENT**3 * volume)
     straightened = np.zeros(cells.shape[1], dtype=bool)
     for _ in range(_ROUNDS):
-        bad = _jacobians(points[:, cells]).min(axis=0) < _LEAST_RATIO * volume
-        if not bad.any():
+        folded = _jacobians(points[:, cells[:, curved]]).min(axis=0) < _LEAST_RATIO * volume[curved]
+        if not folded.any():
             break
-        straightened |= bad
+        bad = curved[folded]
+        straightened[bad] = True
         chosen = cells[:, bad]
         points[:, chosen[4:]] = _straight(points, chosen)[:, 4:]
     return points, int(straightened.sum())
@@ -64,8 +70,13 @@ def _straight(points: Array, cells: NDArray[np.int64]) -> Array:
 def _jacobians(nodes: Array) -> Array:
     """Jacobian determinant at 15 points of each element, shape (15, elements); nodes as `_straight`."""
     gradients = shape_gradients(_check_points())
-    matrix = np.einsum("ine,pnj->ijpe", nodes, gradients)
-    return np.asarray(np.einsum("ipe,ipe->pe", matrix[:, 0], np.cross(matrix[:, 1], matrix[:, 2], axis=0)))
+    matrix = np.einsum("ine,pnj->ijpe", nodes, gradients, optimize=True)
+    return _determinant(matrix)
+
+
+def _determinant(columns: Array) -> Array:
+    """Return the determinant of matrices (3, 3, ...) by their columns."""
+    return np.asarray((columns[:, 0] * np.cross(columns[:, 1], columns[:, 2], axis=0)).sum(axis=0))
 
 
 def _check_points() -> Array:

@@ -24,6 +24,7 @@ from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
+Single = NDArray[np.float32]
 DIRECT_LIMIT = 12_000
 """Most unknowns for the direct solver."""
 _BLAS_ADDRESSES_MIB = 300.0
@@ -36,7 +37,7 @@ _AIM = 1e-2
 _CG_CYCLES = 400
 _EIGENVALUE_TOLERANCE = 5e-2
 _SMOOTHING = 3
-_BAND = 10.0
+_BAND = 14.0
 """Chebyshev smoothing acts on the upper part of the spectrum, lambda_max / band and above."""
 
 
@@ -112,7 +113,9 @@ class Equations:
         fixed = np.isin(matrix.unknowns, held)
         direct = self.linear is None or matrix.shape[0] <= DIRECT_LIMIT
         with at_work(f"factorising, {matrix.shape[0]:,} unknowns"):
-            inner = _direct(matrix, ~fixed) if direct else self.two_level_cycle(held)
+            inner: Callable[[Array], NDArray[Any]] = (
+                _direct(matrix, ~fixed) if direct else self.two_level_cycle(held)
+            )
 
         @at_work(f"solving, {matrix.shape[0]:,} unknowns")
         def solve(forces: Array) -> Array:
@@ -131,31 +134,32 @@ class Equations:
 
         return solve
 
-    def two_level_cycle(self, held: NDArray[np.intp]) -> Callable[[Array], Array]:
+    def two_level_cycle(self, held: NDArray[np.intp]) -> Callable[[Array], Single]:
         """Return a symmetric V-cycle over quadratic and linear elements; the linear level is solved directly.
 
-        It takes residuals of the scaled system in the order of its rows, zero where unknowns are held.
+        It takes residuals of the scaled system in the order of its rows, zero where unknowns are held, and
+        answers in single precision, all but the factorisation.
         """
-        matrix, linear = self.stiffness, self.linear
+        matrix, linear = self.stiffness.single, self.linear
         assert linear is not None
         fixed = np.flatnonzero(np.isin(matrix.unknowns, held))
         free = np.setdiff1d(np.arange(linear.shape[0]), held)
         coarse = cholesky(linear[free][:, free])
-        down = self.prolongation[matrix.order]
+        down = self.prolongation[matrix.order].astype(np.float32)
         up = down.T.tocsr()
         smooth = _Chebyshev(matrix, fixed, self.largest_eigenvalue)
 
-        def corrected(left: Array) -> Array:
+        def corrected(left: Single) -> Single:
             count = left.shape[1]
             load = (up @ (matrix.root * left).reshape(-1, 3 * count)).reshape(-1, count)
             field = np.zeros_like(load)
-            field[free] = coarse(load[free])
+            field[free] = coarse(load[free].astype(np.float64))
             found = matrix.root * (down @ field.reshape(-1, 3 * count)).reshape(-1, count)
             found[fixed] = 0.0
             return np.asarray(found)
 
-        def cycle(residual: Array) -> Array:
-            left = residual.copy()
+        def cycle(residual: Array) -> Single:
+            left = residual.astype(np.float32)
             x = smooth(left)
             move = corrected(left)
             x += move
@@ -176,7 +180,7 @@ class _Chebyshev:
         self._matrix, self._fixed = matrix, fixed
         self._centre, self._half = (upper + lower) / 2, (upper - lower) / 2
 
-    def __call__(self, left: Array, *, last: bool = False) -> Array:
+    def __call__(self, left: Single, *, last: bool = False) -> Single:
         """Return the correction for a residual, which becomes what is left of it, unless it is the last."""
         ratio = self._centre / self._half
         rho = 1 / ratio
@@ -193,7 +197,7 @@ class _Chebyshev:
             self.take(step, left)
         return x
 
-    def take(self, step: Array, left: Array) -> None:
+    def take(self, step: Single, left: Single) -> None:
         """Take what a step of the displacements answers off a residual."""
         self._matrix.add_product(step, left, -1.0)
         left[self._fixed] = 0.0
@@ -235,7 +239,7 @@ def _conjugate_gradients(
     matrix: SymmetricBlocks,
     fixed: NDArray[np.bool_],
     loads: Array,
-    cycle: Callable[[Array], Array],
+    cycle: Callable[[Array], NDArray[Any]],
     tolerance: float,
 ) -> Array:
     """Preconditioned CG, all right-hand sides in step."""
@@ -260,5 +264,5 @@ def _conjugate_gradients(
     return solution
 
 
-def _products(one: Array, other: Array) -> Array:
+def _products(one: Array, other: NDArray[Any]) -> Array:
     return np.asarray(np.einsum("nk,nk->k", one, other))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,7 +11,12 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import at_work
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity
+from cranktopo.numerics.tetrahedra.elasticity import (
+    STIFFNESS_ORDER,
+    Elasticity,
+    inverse_jacobians,
+    quadrature,
+)
 from cranktopo.numerics.tetrahedra.mesh import EDGES, node_points, shape_gradients
 
 DEVIATOR = np.zeros((6, 6))
@@ -34,8 +38,6 @@ def principal_stresses(stress: Array) -> Array:
 
 
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
-_ORDER = 2
-"""Four points, where stresses of quadratic tetrahedra are most accurate."""
 
 
 @dataclass(frozen=True)
@@ -57,16 +59,21 @@ class NodalStress:
 def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, poisson: float) -> NodalStress:
     """Return the stresses of displacement fields (fields, unknowns) at all nodes.
 
-    Quadrature points are where stresses of quadratic elements converge fastest; a linear field through the
-    four of them gives the corners, and the means of corners the edge nodes (Barlow, Int. J. Num. Meth. Eng.,
+    The four points of the stiffness are where stresses of quadratic elements converge fastest; a linear field
+    through them gives the corners, and the means of corners the edge nodes (Barlow, Int. J. Num. Meth. Eng.,
     1976).
     """
-    from skfem import Basis, ElementTetP2
-
-    basis = Basis(model.mesh, ElementTetP2(), intorder=_ORDER)
-    stress = hooke(_strain(basis, displacement_mm), youngs_MPa, poisson)
-    element = np.einsum("nq,feqc->fenc", nodes_from_points(basis.X), stress, optimize=True)
-    return _averaged(basis.element_dofs, basis.dx.sum(axis=1), element)
+    cells, points = model.mesh.dofs.element_dofs, quadrature(STIFFNESS_ORDER)[0]
+    reference, spread = shape_gradients(points), nodes_from_points(points[:, 1:].T)
+    fields = displacement_mm.reshape(len(displacement_mm), -1, 3)
+    element, volume = np.empty((len(fields), cells.shape[1], 10, 6)), np.empty(cells.shape[1])
+    for which, inverse, dx in inverse_jacobians(model.mesh):
+        shapes = np.einsum("qnj,eqij->qien", reference, inverse, optimize=True)
+        slopes = np.einsum("qien,fnea->feqai", shapes, fields[:, cells[:, which]], optimize=True)
+        stress = hooke(tensor_strain(slopes), youngs_MPa, poisson)
+        element[:, which] = np.einsum("nq,feqc->fenc", spread, stress, optimize=True)
+        volume[which] = dx.sum(axis=1)
+    return _averaged(cells, volume, element)
 
 
 def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> NodalStress:
@@ -84,13 +91,6 @@ def nodes_from_points(points: Array) -> Array:
     corners = np.linalg.inv(barycentric.T)
     middles = [(corners[a] + corners[b]) / 2 for a, b in EDGES]
     return np.vstack([corners, middles])
-
-
-def _strain(basis: Any, displacement: Array) -> Array:
-    """Tensor strains, shape (fields, elements, points, 6)."""
-    gradients = np.stack([phi[0].grad for phi in basis.basis])  # (10, 3, elements, points)
-    nodes = displacement.reshape(len(displacement), -1, 3)[:, basis.element_dofs]  # (fields, 10, elements, 3)
-    return tensor_strain(np.einsum("njeq,fnei->feqij", gradients, nodes, optimize=True))
 
 
 def tensor_strain(slopes: Array) -> Array:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from cranktopo.base.arrays import Array
-from cranktopo.numerics.tetrahedra.block_code import product, scatter
+from cranktopo.numerics.tetrahedra.block_code import assembly, product
 
 Index = NDArray[np.int32]
 
@@ -30,8 +32,8 @@ class SymmetricBlocks:
     order: NDArray[np.intp]
     start: Index
     column: Index
-    value: Array
-    root: Array
+    value: NDArray[Any]
+    root: NDArray[Any]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -52,12 +54,17 @@ class SymmetricBlocks:
         result[self.unknowns] = self.root * found
         return result.reshape(field.shape)
 
-    def add_product(self, field: Array, total: Array, factor: float = 1.0) -> None:
+    def add_product(self, field: NDArray[Any], total: NDArray[Any], factor: float = 1.0) -> None:
         """Add a factor times the scaled matrix times fields (unknowns, k), in its own order, to a total."""
         given = np.ascontiguousarray(field)
         arrays = (self.start, self.column, self.value, given, total)
-        code = product(given.shape[1])
+        code = product(given.shape[1], "float" if self.value.dtype == np.float32 else "double")
         code(len(self.order), factor, *(array.ctypes.data for array in arrays))
+
+    @cached_property
+    def single(self) -> SymmetricBlocks:
+        """The same matrix in single precision, for fields of that precision."""
+        return replace(self, value=self.value.astype(np.float32), root=self.root.astype(np.float32))
 
     def upper(self) -> sp.csr_matrix:
         """Return the scaled matrix in its own order, its diagonal blocks and those above."""
@@ -86,19 +93,14 @@ class Pattern:
     def __init__(self, cells: NDArray[np.intp], rank: Array) -> None:
         """Order the nodes by rank, which of two as their numbers do where it is the same."""
         self.order = np.argsort(rank, kind="stable")
-        place = np.empty(len(rank), dtype=np.int64)
+        place = np.empty(len(rank), dtype=np.int32)
         place[self.order] = np.arange(len(rank))
-        rows = place[cells]
-        self._inside = np.argsort(rows, axis=0)
-        rows = np.take_along_axis(rows, self._inside, axis=0)
-        self._pairs = np.triu_indices(len(cells))
-        keys = rows[self._pairs[0]] * len(rank) + rows[self._pairs[1]]
-        found, slots = np.unique(keys, return_inverse=True)
-        self._slots = slots.reshape(keys.shape).astype(np.int32)
-        row, column = np.divmod(found, len(rank))
-        self._column = column.astype(np.int32)
-        self._start = np.searchsorted(row, np.arange(len(rank) + 1)).astype(np.int32)
-        self._value = np.zeros((len(found), 3, 3))
+        self._rows = np.ascontiguousarray(place[cells].T)
+        one, other = np.triu_indices(len(cells))
+        pairs = np.sort(np.stack([self._rows[:, one].ravel(), self._rows[:, other].ravel()]), axis=0)
+        filled = sp.coo_matrix((np.ones(pairs.shape[1], np.int8), pairs), (len(rank),) * 2).tocsr()
+        self._start, self._column = filled.indptr, filled.indices
+        self._value = np.zeros((len(self._column), 3, 3))
 
     def add(self, elements: slice, slopes: Array, dx: Array, lame: tuple[float, float]) -> None:
         """Add the stiffness of some elements: lambda div u div v + 2 mu eps(u):eps(v).
@@ -108,20 +110,10 @@ class Pattern:
             dx: volume of the quadrature points, (elements, points).
             lame: first constant and shear modulus, MPa.
         """
-        inside = self._inside[:, elements].T
-        slopes = np.take_along_axis(slopes, inside[:, :, None, None], axis=1)
-        count, nodes, _, points = slopes.shape
-        flat = slopes.reshape(count, 3 * nodes, points)
-        outer = np.matmul(flat * dx[:, None, :], flat.transpose(0, 2, 1))
-        one, other = self._pairs
-        outer = outer.reshape(count, nodes, 3, nodes, 3)[:, one, :, other, :]
-        first, shear = lame
-        blocks = first * outer + shear * outer.swapaxes(2, 3)
-        trace = shear * np.einsum("peii->pe", outer)
-        for axis in range(3):
-            blocks[:, :, axis, axis] += trace
-        slots = np.ascontiguousarray(self._slots[:, elements])
-        scatter()(slots.size, slots.ctypes.data, blocks.ctypes.data, self._value.ctypes.data)
+        rows, slopes, dx = map(np.ascontiguousarray, (self._rows[elements], slopes, dx))
+        arrays = rows, slopes, dx, self._start, self._column, self._value
+        at = [array.ctypes.data for array in arrays]
+        assembly()(*rows.shape, *at[:3], *lame, *at[3:])
 
     def matrix(self) -> SymmetricBlocks:
         """Return the sum of all elements; call it once, as their blocks become those of the matrix."""

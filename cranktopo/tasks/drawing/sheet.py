@@ -21,7 +21,7 @@ from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
-from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.report.plot import save_figure
 from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
@@ -187,22 +187,26 @@ def scale_text(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-def export_drawing(scene: Scene, path: Path) -> int:
-    """Write the drawing of a scene's throw (.pdf, .svg or .png) and return how many sheets it has."""
-    sheets = throw_sheets(scene)
+def export_drawing(scene: Scene, path: Path, half: SurfaceMesh | None = None) -> int:
+    """Write the drawing of a scene's throw (.pdf, .svg or .png) and return how many sheets it has.
+
+    Args:
+        half: triangles of the half throw where they are known.
+    """
+    sheets = throw_sheets(scene, half)
     with replacing(path) as temporary:
         write_drawing(sheets, throw_balance(scene), [temporary])
     return len(sheets)
 
 
-def throw_sheets(scene: Scene) -> list[Sheet]:
+def throw_sheets(scene: Scene, half: SurfaceMesh | None = None) -> list[Sheet]:
     """Return the sheets of a throw: half of it, or both halves where they differ.
 
     The second half is turned half a turn about the throw direction, so that it too has its main journal on
     the left and is seen from the crankpin.
     """
     if not difference(scene):
-        return [Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))]
+        return [Sheet(scene, solid_of(half or surface_of(scene, "half"), "half throw"))]
     near, far = halves(scene)
     first, second = (solid_of(mesh, "half throw") for mesh in half_surfaces(scene))
     turned = second.mirror((1.0, 0.0, 0.0))

@@ -84,7 +84,6 @@ def command(
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
-    from cranktopo.tasks.fatigue.dossier import check_dossier, write_dossier
     from cranktopo.tasks.fatigue.stage import assess_fatigue
     from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 
@@ -93,6 +92,8 @@ def command(
         names = (baseline, *names)
     index = None if baseline is None else names.index(baseline)
     if report is not None:
+        from cranktopo.tasks.fatigue.dossier import check_dossier, write_dossier  # loads pages and drawings
+
         check_dossier(method, len(names), report)
     fraction = RULE_FRACTION if fillet_fraction is None else fillet_fraction
     found = assess_fatigue(names, method, loads, index, fraction, out, design, align, throw)

@@ -8,17 +8,11 @@ are algebra on the condensed matrices.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.notes import note, silent
-from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
@@ -27,12 +21,9 @@ from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.planning import planned_scene
-from cranktopo.engine.plan.simulated import Feature
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
-from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.condense import (
     RZ,
     Lateral,
@@ -44,74 +35,15 @@ from cranktopo.tasks.fea.condense import (
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
-from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
-from cranktopo.tasks.fea.quantities import goal_values
-from cranktopo.tasks.fea.result import EvaluationResult
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
-from cranktopo.tasks.shape.start import kept_features
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.recess import require_no_recess
-
-
-@dataclass(frozen=True)
-class EvaluatedWeb:
-    """A web with its evaluation on the default mesh, fillets included, and the time that took now."""
-
-    scene: Scene
-    evaluation: EvaluationResult
-    seconds: float
-
-    @cached_property
-    def values(self) -> dict[str, float]:
-        """Its quantities by name, in the units of the goal's limits."""
-        return goal_values(self.scene, self.evaluation)
-
-
-def evaluated_web(
-    scene: Scene,
-    fatigue: bool,
-    element_size_mm: float | None,
-    name: str,
-    work: Work,
-    file: Path | None = None,
-) -> EvaluatedWeb:
-    """Evaluate a scene's web with its fillets, or the body of a file that stands for it.
-
-    Args:
-        fatigue: find the fatigue safety as well, which takes longest.
-        name: under which the work keeps the evaluation.
-
-    Raises:
-        CranktopoError: impossible geometry, or a failed solve.
-    """
-    kept: tuple[Feature, ...] = ("bores", "fillets") if file else kept_features(scene)
-    target = Target(scene.name, planned_scene(scene, kept), file)
-
-    def make() -> Json:
-        note(f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh")
-        if not fatigue:
-            with silent():
-                return evaluate(target, element_size_mm).result.as_json()
-        # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
-        with silent():
-            field, found = side_by_side(
-                lambda: fatigue_field(with_throw_stiffness(target), "lsa"),
-                lambda: evaluate(target, element_size_mm),
-            )
-        return {**found.result.as_json(), "fatigue_safety": float(field.critical.safety)}
-
-    began = time.perf_counter()
-    evaluation = EvaluationResult.of_json(work.once(name, make), f"evaluation '{name}'")
-    return EvaluatedWeb(scene, evaluation, time.perf_counter() - began)
-
 
 _RESIDUAL = 1e-4
 """Accepted in a search: errors far below those of its mesh; solves aim at a hundredth of it."""
@@ -303,15 +235,3 @@ class MeshedWebs:
         """
         model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
         return model.responses(values, quantities).scaled(self._shares)
-
-
-def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, float]) -> Json:
-    """Return factors by quantity that bring the original web on a coarse mesh to its finer evaluation."""
-    target = Target(scene.name, planned_scene(scene, kept_features(scene)))
-    with silent():
-        found, supports = evaluate_on_mesh(target, element_size_mm).stiffness, scene.supports
-    torsion, bending = found.torsion[supports.torsion], found.bending[supports.bending]
-    assert torsion is not None
-    assert bending is not None
-    shares = {"torsion": original["torsion"] / torsion, "bending": original["bending"] / bending}
-    return {**shares, **{f"{name}_per_mass": share for name, share in shares.items()}}

@@ -11,7 +11,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.notes import note
 from cranktopo.base.progress import KeptWork, Work
-from cranktopo.bodies.solid.files import export_solid, surface_of
+from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
     FATIGUE,
@@ -34,6 +34,7 @@ from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
@@ -174,7 +175,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         bound = _bound(scene, goal, settings.cell_mm, work)
         seconds["bound"] = time.perf_counter() - began - sum(seconds.values())
         note("writing the solid and the drawing")
-        _write(run, scene, optimum)
+        half = _write(run, scene, optimum)
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
@@ -183,12 +184,12 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         more = {
             "bound": bound and bound.model_copy(update=reached),
             "assumed": tuple(run.manifest().get("assumed", ())),
-            "undercuts": shaped_undercuts(read_stl(run.path / _FILES["stl"]), optimum.result.web.scene),
+            "undercuts": shaped_undercuts(half, optimum.result.web.scene),
             "files": {**_FILES, "report": REPORT},
         }
         found = found.model_copy(update=more)
         write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
-        page = shape_page(found, run.manifest(), scene, _bodies(run, scene, optimum))
+        page = shape_page(found, run.manifest(), scene, _bodies(scene, optimum, half))
         write_report(page, run.path / REPORT)
     run.log(f"{found.status}: {found.stop_reason}")
     return ShapedRun(run.path, found)
@@ -201,20 +202,21 @@ def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStateme
     return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
 
 
-def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> None:
-    """Write scene, exact solids and drawing of the best web."""
+def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
+    """Write scene, exact solids and drawing of the best web; return the triangles of its half throw."""
     shaped, goal = optimum.result.web.scene, optimum.goal
     heading = f"Web of {scene.name} with the best dimensions for: {goal.sense} {goal.quantity}."
     write_text(run.path / _FILES["design"], toml_text(shaped, heading))
     export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
     export_solid(shaped, "half", run.path / _FILES["stl"])
-    export_drawing(shaped, run.path / _FILES["drawing"])
+    half = read_stl(run.path / _FILES["stl"])
+    export_drawing(shaped, run.path / _FILES["drawing"], half)
+    return half
 
 
-def _bodies(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> tuple[ShownBody, ...]:
-    file = original_file(scene)
-    before = surface_of(scene, "half") if file is None else half_throw_surface(file, scene)
-    found = read_stl(run.path / _FILES["stl"])
+def _bodies(scene: Scene, optimum: ShapeOptimum, found: SurfaceMesh) -> tuple[ShownBody, ...]:
+    file, facet_mm = original_file(scene), coarse_facet_mm(scene)
+    before = surface_of(scene, "half", facet_mm) if file is None else half_throw_surface(file, scene)
     shown = (("result", found, optimum.result.web.scene), ("original web", before, scene))
     return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)
 

@@ -17,20 +17,21 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
+from cranktopo.base.side_by_side import Ahead
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
-from cranktopo.tasks.shape.feature_selection import FeatureSelection
-from cranktopo.tasks.shape.mesh_model import (
+from cranktopo.tasks.shape.evaluated_web import (
     EvaluatedWeb,
-    MeshedWebs,
-    MeshResponses,
     coarse_shares,
+    evaluated_original,
     evaluated_web,
 )
+from cranktopo.tasks.shape.feature_selection import FeatureSelection
+from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
@@ -137,23 +138,23 @@ def optimise_shape(
     settings, work = settings or ShapeSettings(), work or Work()
     fatigue = "fatigue_safety" in (goal.quantity, *(limit.quantity for limit in goal.limits))
     own = None if scene.original is None else Path(scene.original.file)
-    original = evaluated_web(scene, fatigue, settings.element_size_mm, "original", work, own)
+    before, judged = evaluated_original(scene, fatigue, settings.element_size_mm, work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases, chosen_for = cells.model.cases, goal_on_cells(goal)
     if chosen_for != goal:
         note(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
-    known = {name: original.values[name] for name in cells.original if name in original.values}
+    known = {name: before.values[name] for name in cells.original if name in before.values}
     goals = (
-        search_goal_of(chosen_for, cells.original, original.values, cases),
-        search_goal_of(chosen_for, known, original.values, cases),
+        search_goal_of(chosen_for, cells.original, before.values, cases),
+        search_goal_of(chosen_for, known, before.values, cases),
     )
-    shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, original.values))
+    shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, before.values))
     coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
-    selection = FeatureSelection(cells, coarse, goals, original.values, work)
+    selection = FeatureSelection(cells, coarse, goals, before.values, work)
     start = start or scene_start(scene, settings.limits)
     told = first_on_cells(scene, start.sizes)
     outline = selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
-    candidate = selection.select(outline)
+    candidate, original = selection.select(outline), judged()
     stated = search_goal_of(goal, original.values, original.values, cases)
     layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
     finish = _LocalRefinement(cells, stated, layout, original, settings, work)
@@ -180,16 +181,18 @@ class _LocalRefinement:
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
         self._fatigue = "fatigue_safety" in goal.quantities
-        self._anchor: tuple[ShapeRound, MeshResponses] | None = None
+        self._coarse: dict[bytes, Ahead[MeshResponses]] = {}
 
     def anchored(self, web: ShapeRound) -> MeshResponses:
         """Return the quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
-        if self._anchor is None or self._anchor[0] is not web:
-            fraction = _FILLET_FRACTION if self._fatigue else None
-            webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
-            found = webs.responses(webs.web(self._layout), web.values).calibrated(web.web.values)
-            self._anchor = (web, found)
-        return self._anchor[1]
+        return self._on_coarse_mesh(web.values).result().calibrated(web.web.values)
+
+    def _on_coarse_mesh(self, values: Array) -> Ahead[MeshResponses]:
+        """Return the work on a coarse mesh of a web, the same for the same web."""
+        fraction = _FILLET_FRACTION if self._fatigue else None
+        webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+        work = Ahead(lambda: webs.responses(webs.web(self._layout), values))
+        return self._coarse.setdefault(values.tobytes(), work)
 
     def rounds(self, start: Array) -> tuple[ShapeRound, ...]:
         """Return the web of the cells and those of the finishes, until they keep limits and settle."""
@@ -239,6 +242,7 @@ class _LocalRefinement:
 
     def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
+        self._on_coarse_mesh(values).begin()
         web = evaluated_web(scene, self._fatigue, size, f"evaluation-{number}", self._work)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         note(_round_text(number, found, self._original))

@@ -49,6 +49,15 @@ def test_product_is_that_of_scikit_fem(bent: Elasticity, columns: int) -> None:
     np.testing.assert_allclose(found[:, 0], bent.stiffness @ field[:, 0], atol=1e-12 * np.abs(found).max())
 
 
+def test_product_in_single_precision(bent: Elasticity) -> None:
+    matrix = bent.stiffness
+    field = np.random.default_rng(3).standard_normal((bent.nodes_mm.size, 4))
+    found, expected = np.zeros(field.shape, np.float32), np.zeros(field.shape)
+    matrix.single.add_product(field.astype(np.float32), found, -2.0)
+    matrix.add_product(field, expected, -2.0)
+    assert 0 < np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
+
+
 def test_two_levels_find_what_the_factorisation_finds(bent: Elasticity) -> None:
     """Large and small loads, one of them nothing, on held unknowns as well."""
     forces = np.random.default_rng(1).standard_normal((bent.nodes_mm.size, 3)) * (1.0, 1e-10, 0.0)

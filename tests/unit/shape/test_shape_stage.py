@@ -86,6 +86,8 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
         cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
+        original = told.evaluated(scene, True, None, "original")
+        monkeypatch.setattr(stage, "evaluated_original", lambda *_: (original, lambda: original))
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
         monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
         monkeypatch.setattr(stage, "FeatureSelection", told.growth)

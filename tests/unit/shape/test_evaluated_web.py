@@ -1,0 +1,62 @@
+"""The original's fatigue safety is found while the search goes on, once for all."""
+
+from __future__ import annotations
+
+from threading import Event
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.progress import Work
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fea.evaluation import evaluate
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shape import evaluated_web as module
+from cranktopo.tasks.shape.evaluated_web import evaluated_original
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return load_scene("mikron-iiic-plain")
+
+
+@pytest.fixture(scope="module")
+def evaluation(scene: Scene) -> Any:
+    return evaluate(Target(scene.name, scene), 12.0)
+
+
+def test_the_search_need_not_wait_for_the_safety(
+    scene: Scene, evaluation: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, let, found = Event(), Event(), []
+
+    def safety(*_: Any) -> Any:
+        begun.set()
+        assert let.wait(60.0)
+        found.append(1)
+        return SimpleNamespace(critical=SimpleNamespace(safety=1.25))
+
+    monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
+    monkeypatch.setattr(module, "fatigue_field", safety)
+    work = Work()
+    web, judged = evaluated_original(scene, True, None, work)
+    assert begun.wait(60.0)
+    assert web.values["torsion"] > 0
+    assert "fatigue_safety" not in web.values
+    let.set()
+    assert judged().values == {**web.values, "fatigue_safety": 1.25}
+    _, again = evaluated_original(scene, True, None, work)
+    assert again().values["fatigue_safety"] == 1.25
+    assert len(found) == 1
+
+
+def test_what_the_safety_needs_is_told_before_the_search(
+    scene: Scene, evaluation: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
+    weak = scene.model_copy(update={"material": scene.material.model_copy(update={"ultimate_MPa": None})})
+    with pytest.raises(CranktopoError, match="ultimate_MPa"):
+        evaluated_original(weak, True, None, Work())
