@@ -33,6 +33,7 @@ TASKS = (
     "shaft",
     "vibration",
     "fatigue",
+    "shaft_safety",
     "density",
     "extraction",
     "refit",
