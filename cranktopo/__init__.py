@@ -8,7 +8,7 @@ The stages, in the order in which data flows through them; each takes what the o
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`,
-`study_accuracy`, `evaluate_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
+`study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
 
@@ -77,6 +77,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.report.stage import report_run
     from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
+    from cranktopo.tasks.shaft_safety.result import ShaftAssessment
+    from cranktopo.tasks.shaft_safety.stage import assess_shaft
     from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.tasks.sweep.run import sweep
@@ -104,6 +106,7 @@ _HOMES = {
     "Evaluations": "tasks.fea.stage",
     "EvaluationResult": "tasks.fea.result",
     "ShaftEvaluation": "tasks.shaft.stage",
+    "ShaftAssessment": "tasks.shaft_safety.result",
     "VibrationStudy": "engine.vibration.study",
     "ShaftVibration": "tasks.vibration.result",
     "RunEntry": "tasks.run_list.stage",
@@ -155,6 +158,7 @@ _HOMES = {
     "resolve_targets": "tasks.fea.targets",
     "Evaluation": "tasks.fea.evaluation",
     "evaluate_shaft": "tasks.shaft.stage",
+    "assess_shaft": "tasks.shaft_safety.stage",
     "Comparison": "tasks.compare.result",
     "Entry": "tasks.compare.result",
     "compare": "tasks.compare.result",
@@ -221,6 +225,7 @@ __all__ = [
     "RunMetrics",
     "Scene",
     "Sensitivities",
+    "ShaftAssessment",
     "ShaftEvaluation",
     "ShaftVibration",
     "ShapeResult",
@@ -230,6 +235,7 @@ __all__ = [
     "VibrationStudy",
     "WebTarget",
     "assess_fatigue",
+    "assess_shaft",
     "balance_result",
     "bound_of",
     "check_machine",

@@ -19,7 +19,7 @@ ROOTS = {
     "balance": ("`balance --json`", "cranktopo.tasks.balance.result:Balance"),
     "film": ("`film --json`", "cranktopo.tasks.film.result:FilmResult"),
     "vibration": ("`vibration --json`", "cranktopo.tasks.vibration.result:ShaftVibration"),
-    "shaft": ("`shaft --json`", "cranktopo.tasks.shaft.stage:ShaftEvaluation"),
+    "shaft": ("`shaft --json`", "cranktopo.tasks.shaft_safety.result:ShaftAssessment"),
     "fatigue": ("`fatigue --json` and `fatigue.json`", "cranktopo.tasks.fatigue.result:FatigueResult"),
     "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),

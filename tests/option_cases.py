@@ -157,6 +157,9 @@ TABLE: dict[str, dict[str, Case]] = {
         "--bearings": Acts(MIKRON, "--bearings free"),
         "--element-size-mm": Acts(MIKRON, "--element-size-mm 14"),
         "--speeds": Refused(f"{MIKRON} --bearings free --speeds 900:2100:3", "bearings that are not free"),
+        "--method": Acts(MIKRON, "--method fkm"),
+        "--fillet-fraction": Refused(f"{MIKRON} --fillet-fraction 0.3", "without --method no stress"),
+        "--report": Acts(MIKRON, "--report shaft.html"),
         "--json": Shown("cli/test_cad_bodies.py::test_the_shaft_of_a_body_is_that_of_its_design"),
     },
     "vibration": {

@@ -44,7 +44,7 @@ LONG = (
     "fea.stage.evaluate_targets",
     "compare.stage.compare_targets",
     "report.stage.report_run",
-    "shaft.stage.evaluate_shaft",
+    "shaft_safety.stage.assess_shaft",
 )
 """Work that takes long: the command ends there with a line of what that was given."""
 _NOT_GIVEN = ("progress", "began", "command")

@@ -36,7 +36,7 @@ BEHIND = {
     "accuracy": ["study_accuracy"],
     "report": ["report_run"],
     "fatigue": ["assess_fatigue"],
-    "shaft": ["evaluate_shaft"],
+    "shaft": ["assess_shaft"],
     "balance": ["engine_balance", "balance_result", "report_balance"],
     "vibration": ["shaft_vibration"],
     "extract": ["extract_surface"],

@@ -15,7 +15,16 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.shaft import Supports
+from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.shaft.stage import shaft_tables
+from cranktopo.tasks.shaft_safety.result import (
+    SafetySeconds,
+    ShaftSafety,
+    SpeedSafety,
+    WebSafety,
+    WorstPlace,
+)
+from cranktopo.tasks.shaft_safety.text import safety_text
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 STEEL_KG_PER_MM3 = 7.85e-6
@@ -127,3 +136,106 @@ def test_without_an_engine_there_is_no_shaft(
     (error,) = capsys.readouterr().err.splitlines()
     assert "mikron-iiic-plain: [engine] is missing" in error
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_safety_needs_loads_strength_and_fillets(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each is told before anything is meshed."""
+    free = ["shaft", "mikron-iiic-plain", "--method", "lsa", "--bearings", "free"]
+    assert main(free) == 2
+    assert "--method: the forces on all bearings need [engine.gas]" in capsys.readouterr().err
+    sized = ["shaft", "mikron-iiic-plain", "--report", "page.html", "--element-size-mm", "9"]
+    assert main(sized) == 2
+    assert "--element-size-mm: with --method the mesh follows the fillets" in capsys.readouterr().err
+    for key, line in (
+        ("fillet_mm = 2.5", "fillet_mm = 0"),
+        ('name = "31CrMoV9"', 'name = "mine"\nE_GPa = 200'),
+    ):
+        assert key in MIKRON
+        path = tmp_path / "mine.toml"
+        path.write_text(MIKRON.replace(key, line), encoding="utf-8")
+        assert main(["shaft", str(path), "--method", "lsa"]) == 3
+        said = capsys.readouterr().err
+        assert "fillet_mm = 0" in said or "material." in said
+
+
+def test_safety_in_words() -> None:
+    """One row a web and a speed, absent parts left out, 80 columns, and where it is worst."""
+    place = CriticalPoint(
+        place="pin fillet, +171 deg around, 35 deg along",
+        fillet="pin",
+        around_deg=171.0,
+        along_deg=35.0,
+        web=None,
+        point_mm=(1.0, 2.0, 3.0),
+        safety=1.2,
+        amplitude_MPa=100.0,
+        mean_MPa=10.0,
+        gradient_per_mm=0.5,
+        strength_MPa=300.0,
+        amplitude_share=0.9,
+        decided_by="amplitude",
+        factors={},
+        states=("12", "372"),
+    )
+    parts = {"pin_fillet": 1.2, "journal_fillet": 1.5, "elsewhere": 2.0}
+    webs = tuple(
+        WebSafety(
+            web=web,
+            throw=(web + 1) // 2,
+            **parts,
+            safety=1.2,
+            part="pin_fillet",
+            speed_rpm=900.0,
+            over_speeds=(1.2, 1.3),
+        )
+        for web in (1, 2)
+    )
+    quality = Quality(0.4, 0.24, 10, 2.0, 4.0, 1.0, 1.0)
+    found = ShaftSafety(
+        method="lsa",
+        safety=1.2,
+        worst=WorstPlace(web=2, throw=1, speed_rpm=900.0, highest_deg=12.0, lowest_deg=372.0, critical=place),
+        webs=webs,
+        speeds=tuple(
+            SpeedSafety(speed_rpm=rpm, safety=safety, web=2, part="pin_fillet")
+            for rpm, safety in ((900.0, 1.2), (2100.0, 1.3))
+        ),
+        load_states=1440,
+        quality=JudgedQuality(**vars(quality), within_rule=True),
+        seconds=SafetySeconds(mesh=1.0, unit_fields=1.0, stresses=1.0, cycles=1.0, safety=1.0),
+        assumed=(),
+    )
+    text = "\n\n".join(safety_text(found))
+    assert "outlets" not in text
+    assert "Least safety 1.200: web 2 (throw 1) at 900 rpm, highest stress at 12 deg,\n" in text
+    assert [line.split()[-3:] for line in text.splitlines() if line.startswith("2100")] == [
+        ["2", "pin", "fillet"]
+    ]
+    assert max(map(len, text.splitlines())) <= 80
+
+
+@pytest.mark.slow
+def test_safety_of_every_web(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The last web passes on the torque of all cylinders, and carries bending as the first one does."""
+    page = tmp_path / "shaft.html"
+    words = ["shaft", "mikron-iiic-plain", "--fillet-fraction", "0.5", "--speeds", "900:2100:3", "--json"]
+    assert main([*words, "--report", str(page), "--quiet"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    found = data["safety"]
+    assert data["on_bearings"][0]["main_bearings"][1]["largest_N"] > 20e3
+    assert [web["web"] for web in found["webs"]] == list(range(1, 9))
+    safeties = [web["safety"] for web in found["webs"]]
+    assert found["worst"]["web"] == 8 == 1 + safeties.index(min(safeties))
+    assert found["safety"] == min(safeties) == found["worst"]["critical"]["safety"]
+    assert found["safety"] == min(at["safety"] for at in found["speeds"])
+    assert found["load_states"] == 3 * 720
+    for web in found["webs"]:
+        assert web["safety"] == min(web["over_speeds"]) == web[web["part"]]
+    text = page.read_text(encoding="utf-8")
+    for part in (
+        "Safety of every web",
+        "of each web over speed",
+        "of both fillets of each web",
+        "Force on main bearing 5",
+    ):
+        assert part in text

@@ -79,14 +79,30 @@ def place(scene: Scene, point_mm: Array) -> Place:
     return Place("", math.nan, math.nan, (x, y, z), web, _outlet(half, point[:, 0]))
 
 
+def outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
+    """Return which points (3, n) of the near half throw lie at an outlet of an oil bore, (n,)."""
+    near = np.zeros(points_mm.shape[1], dtype=bool)
+    for at in _at_outlets(half, points_mm).values():
+        near |= at
+    return near
+
+
 def _outlet(half: Scene, point_mm: Array) -> str:
     """Return the journal of the oil outlet that a point of a half throw lies at, else ""."""
+    return next((journal for journal, at in _at_outlets(half, point_mm[:, None]).items() if at[0]), "")
+
+
+def _at_outlets(half: Scene, points_mm: Array) -> dict[str, NDArray[np.bool_]]:
+    """Return which points (3, n) lie at outlets, by the journal of these."""
+    found: dict[str, NDArray[np.bool_]] = {}
     for bore in drill_bores(half):
         for outlet in bore.outlets:
             reach = 1.5 * bore.radius_mm / math.cos(math.radians(outlet.obliquity_deg)) + outlet.rounding_mm
-            if not outlet.in_bore and np.linalg.norm(point_mm - np.array(outlet.point_mm)) < reach:
-                return outlet.journal.replace("_", " ")
-    return ""
+            if not outlet.in_bore:
+                away = np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0)
+                journal = outlet.journal.replace("_", " ")
+                found[journal] = found.get(journal, False) | (away < reach)
+    return found
 
 
 def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:

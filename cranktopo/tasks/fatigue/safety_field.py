@@ -21,7 +21,7 @@ from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fillets import place
 from cranktopo.tasks.fatigue.result import CriticalPoint
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
-from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_range
+from cranktopo.tasks.fatigue.superposition import Index, SignedVonMisesRange, signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
@@ -32,6 +32,7 @@ _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
     "centrifugal": lambda h: h.angular_speed_rad_s**2,
 }
 """Factor of each unit field; a force along +x on the pin turns the shaft about -z, and so does its torque."""
+_ALL = slice(None)
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class FatigueField:
     """Safety over the surface of a whole throw.
 
     Attributes:
+        labels: of the load states.
         safety, amplitude_MPa, mean_MPa: at each node of each image, shape (images, n).
         critical: point of least safety of all that has a radius: fillets, outlets, rounded edges, faces.
         at_sharp_edges: point of least safety at inner edges without a radius, where it follows from the mesh.
@@ -48,7 +50,7 @@ class FatigueField:
 
     model: StressModel
     method: str
-    history: LoadHistory
+    labels: tuple[str, ...]
     safety: Array
     amplitude_MPa: Array
     mean_MPa: Array
@@ -140,9 +142,18 @@ def fatigue_fields(
 
 def safety_field(model: StressModel, method: str, history: LoadHistory) -> FatigueField:
     """Safety at every surface node of every image of the model."""
-    loads = unit_loads(history, model.kinds)
-    found = [signed_von_mises_range(model.stress, loads * image.signs) for image in model.images]
-    safety = np.stack([_safety(model, method, extremes.local) for extremes in found])
+    return field_of_states(model, method, unit_loads(history, model.kinds), history.labels)
+
+
+def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple[str, ...]) -> FatigueField:
+    """Return the safety at every surface node of every image of the model.
+
+    Args:
+        loads: factor of each field in each state, shape (states, fields).
+        labels: of the states.
+    """
+    found = signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
+    safety = np.stack([point_safety(model, method, extremes.local) for extremes in found])
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
@@ -152,21 +163,24 @@ def safety_field(model: StressModel, method: str, history: LoadHistory) -> Fatig
     return FatigueField(
         model,
         method,
-        history,
+        labels,
         safety,
         np.stack([e.local.amplitude_MPa for e in found]),
         np.stack([e.local.mean_MPa for e in found]),
-        _critical(model, method, history, found, safety, model.judged),
-        None if model.judged.all() else _critical(model, method, history, found, safety, ~model.judged),
+        _critical(model, method, labels, found, safety, model.judged),
+        None if model.judged.all() else _critical(model, method, labels, found, safety, ~model.judged),
         fillet,
         webs,
     )
 
 
-def _safety(model: StressModel, method: str, local: LocalStress) -> Array:
+def point_safety(model: StressModel, method: str, local: LocalStress, nodes: Index | slice = _ALL) -> Array:
+    """Return the safety of surface nodes of a model, all by default."""
     judged, plain = criterion(method).point_safety, _off_the_fillets(model.scene)
     safety = judged(model.scene, local).safety
-    return safety if plain is model.scene else np.where(model.on_fillet, safety, judged(plain, local).safety)
+    if plain is model.scene:
+        return safety
+    return np.where(model.on_fillet[nodes], safety, judged(plain, local).safety)
 
 
 def _off_the_fillets(scene: Scene) -> Scene:
@@ -186,7 +200,7 @@ def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
 def _critical(
     model: StressModel,
     method: str,
-    history: LoadHistory,
+    labels: tuple[str, ...],
     found: list[SignedVonMisesRange],
     safety: Array,
     among: NDArray[np.bool_],
@@ -215,5 +229,5 @@ def _critical(
         amplitude_share=share,
         decided_by="amplitude" if share >= 0.5 else "mean stress",
         factors={name: float(value[0]) for name, value in made.factors.items()},
-        states=(history.labels[e.highest[node]], history.labels[e.lowest[node]]),
+        states=(labels[e.highest[node]], labels[e.lowest[node]]),
     )

@@ -177,7 +177,7 @@ def assess_by_methods(
 
 def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:
     """Say what is to be known of fields on one mesh; quality and yielding are those of the stresses."""
-    _note_quality(fields[0])
+    note_quality(fields[0])
     note_yielding(fields[0], target.scene.material.yield_MPa)
     for field in fields:
         if field.web_safety:
@@ -230,7 +230,7 @@ def _field_fatigue(
         web_safety=field.web_safety or None,
         critical=field.critical,
         at_sharp_edges=field.at_sharp_edges,
-        load_states=len(field.history.labels),
+        load_states=len(field.labels),
         unit_loads=model.kinds,
         quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),
         assumed=assumed,
@@ -291,7 +291,8 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
     check_folder(out)
 
 
-def _note_quality(field: FatigueField) -> None:
+def note_quality(field: FatigueField) -> None:
+    """Tell in a line where the mesh misses the rule's checks, and what at sharp edges is not counted."""
     quality = field.model.quality
     if not quality.within_limits:
         note(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")

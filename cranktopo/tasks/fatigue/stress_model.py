@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
@@ -29,7 +29,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     surface_stress,
     von_mises,
 )
-from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes
+from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes, outlet_nodes
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
@@ -100,6 +100,11 @@ class StressModel:
         """Surface nodes whose stress is no matter of the mesh: all but those at sharp inner edges, (n,)."""
         return self.on_fillet | ~near_sharp_edges(self.surface)
 
+    @cached_property
+    def at_outlet(self) -> NDArray[np.bool_]:
+        """Which surface nodes lie at an outlet of an oil bore, off the fillets."""
+        return ~self.on_fillet & _where(self.scene, self.whole, outlet_nodes, self.surface.points_mm)
+
     @property
     def on_fillet(self) -> NDArray[np.bool_]:
         """Which surface nodes lie on either fillet."""
@@ -123,23 +128,42 @@ def solve_stresses(
     start = time.perf_counter()
     pace = Pace(f"{target.name}: stresses", len(_STEPS))
     pace.begin(_STEPS[0])
-    meshed, scene = _meshed(target, fillet_fraction)
+    meshed, scene = mesh_for_stress(target, fillet_fraction)
     pace.begin(_STEPS[1])
-    material = scene.material
     began_solving = time.perf_counter()
-    youngs = material.E_GPa * MPA_PER_GPA
-    model = assemble(meshed.mesh, youngs, material.poisson)
+    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
     fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds, whole=meshed.whole)
     pace.begin(_STEPS[2])
-    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, material.poisson)
+    found = stress_model(target.name, scene, meshed, model, fields, fillet_fraction)
+    mesh_s, solve_s = began_solving - start, time.perf_counter() - began_solving
+    return replace(found, quality=replace(found.quality, mesh_seconds=mesh_s, solve_seconds=solve_s))
+
+
+def stress_model(
+    name: str,
+    scene: Scene,
+    meshed: MeshedThrow,
+    model: Elasticity,
+    fields: Sequence[UnitField],
+    fillet_fraction: float,
+) -> StressModel:
+    """Return the stresses of displacement fields on the surface of a throw, without the times that they took.
+
+    Raises:
+        CranktopoError: no node on the fillets.
+    """
+    youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, poisson)
     end = scene.pitch_mm if meshed.whole else scene.pitch_mm / 2
     planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
     surface = outer_surface(model, found.elements, tuple(planes))
     stress = surface_stress(model, surface, found)
-    journal, pin = (_on_fillet(scene, meshed.whole, name, surface.points_mm) for name in ("journal", "pin"))
-    seconds = (began_solving - start, time.perf_counter() - began_solving)
+    journal, pin = (
+        _where(scene, meshed.whole, partial(_on_fillet, fillet), surface.points_mm)
+        for fillet in ("journal", "pin")
+    )
     return StressModel(
-        target.name,
+        name,
         scene,
         meshed_throw_kg(meshed, scene),
         tuple(f.kind for f in fields),
@@ -148,18 +172,24 @@ def solve_stresses(
         images_of(fields, meshed.mesh.mirrored, whole=meshed.whole),
         journal,
         pin,
-        _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1], seconds),
+        _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1]),
         meshed.whole,
     )
 
 
-def _on_fillet(scene: Scene, whole: bool, fillet: Fillet, points_mm: Array) -> NDArray[np.bool_]:
-    """Return which points (3, n) lie on a fillet of the half throw, or on either of the whole one."""
+def _on_fillet(fillet: Fillet, half: Scene, points_mm: Array) -> NDArray[np.bool_]:
+    return fillet_nodes(half, fillet, points_mm)
+
+
+def _where(
+    scene: Scene, whole: bool, of_half: Callable[[Scene, Array], NDArray[np.bool_]], points_mm: Array
+) -> NDArray[np.bool_]:
+    """Return which points (3, n) are found in the half throw, or in either half of the whole one."""
     near, far = halves(scene)
-    found = fillet_nodes(near, fillet, points_mm)
+    found = of_half(near, points_mm)
     if whole:
         x, y, z = points_mm
-        found |= fillet_nodes(far, fillet, np.stack([x, y, scene.pitch_mm - z]))
+        found |= of_half(far, np.stack([x, y, scene.pitch_mm - z]))
     return found
 
 
@@ -207,8 +237,12 @@ def _step_of(target: Target) -> Path:
     return target.file
 
 
-def _meshed(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
-    """Mesh of a target for stresses, and its scene with the fillets that the mesh has."""
+def mesh_for_stress(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
+    """Return the mesh of a target for stresses, and its scene with the fillets that the mesh has.
+
+    Raises:
+        CranktopoError: a surface file, a fillet of radius 0, or a failed mesh.
+    """
     scene = target.scene
     thinner = min(half.web.thickness_mm for half in halves(scene))
     size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
@@ -239,7 +273,6 @@ def _quality(
     fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]],
     fraction: float,
     nodes: int,
-    seconds: tuple[float, float],
 ) -> Quality:
     on = fillets[0] | fillets[1]
     if not on.any():
@@ -257,7 +290,8 @@ def _quality(
         nodes,
         float(100 * (normal / largest)[where].max()),
         float(100 * (stress.jump_MPa / equivalent)[where].max()),
-        *seconds,
+        0.0,
+        0.0,
     )
 
 

@@ -6,6 +6,7 @@ the states of a cycle are two matrix products.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,8 @@ from cranktopo.tasks.fatigue.criterion import LocalStress
 
 Index = NDArray[np.intp]
 
-_CHUNK = 4096
+_VALUES = 2**18
+"""Values of nodes in states at a time: they stay in the cache of a core."""
 
 
 @dataclass(frozen=True)
@@ -34,19 +36,36 @@ class SignedVonMisesRange:
 
 
 def signed_von_mises_range(found: SurfaceStress, loads: Array) -> SignedVonMisesRange:
-    """Extreme signed von Mises stresses over load states at every surface node.
+    """Return the extreme signed von Mises stresses over load states at every surface node.
 
     On a surface free of traction the dominating principal stress has the sign of the first invariant.
 
     Args:
         loads: factor of each field in each state, shape (states, fields).
     """
+    return signed_von_mises_ranges(found, (loads,))[0]
+
+
+def signed_von_mises_ranges(found: SurfaceStress, cycles: Sequence[Array]) -> list[SignedVonMisesRange]:
+    """Return what `signed_von_mises_range` does of each of several cycles, (states, fields) each."""
     count = found.stress_MPa.shape[1]
-    high, low = np.empty(count, dtype=np.intp), np.empty(count, dtype=np.intp)
-    for start in range(0, count, _CHUNK):
-        chunk = slice(start, start + _CHUNK)
-        signed = _signed(found.stress_MPa[:, chunk], loads)
-        high[chunk], low[chunk] = signed.argmax(axis=1), signed.argmin(axis=1)
+    extreme = np.empty((len(cycles), 2, count), dtype=np.intp)
+    products = [_products(loads) for loads in cycles]
+    step = max(_VALUES // max(len(loads) for loads in cycles), 1)
+    for start in range(0, count, step):
+        chunk = slice(start, start + step)
+        stress = found.stress_MPa[:, chunk]
+        form, trace = _form(stress), stress[..., :3].sum(axis=-1).T
+        for cycle, (loads, squares) in enumerate(zip(cycles, products, strict=True)):
+            signed = form @ squares
+            np.maximum(signed, 0.0, out=signed)
+            np.copysign(signed, trace @ loads.T, out=signed)
+            extreme[cycle, :, chunk] = signed.argmax(axis=1), signed.argmin(axis=1)
+    return [_range(found, loads, *states) for loads, states in zip(cycles, extreme, strict=True)]
+
+
+def _range(found: SurfaceStress, loads: Array, high: Index, low: Index) -> SignedVonMisesRange:
+    """Return the range between the states of the largest and the smallest value of every node."""
     upper, lower = (_at(found.stress_MPa, loads[state]) for state in (high, low))
     top, bottom = _sign(upper) * von_mises(upper), _sign(lower) * von_mises(lower)
     worst = np.where(np.abs(top) >= np.abs(bottom), high, low)
@@ -56,15 +75,22 @@ def signed_von_mises_range(found: SurfaceStress, loads: Array) -> SignedVonMises
     return SignedVonMisesRange(LocalStress((top - bottom) / 2, (top + bottom) / 2, gradient), high, low)
 
 
-def _signed(stress: Array, loads: Array) -> Array:
-    """Signed von Mises stress of every node in every state, shape (n, states)."""
-    fields = len(stress)
-    pairs = [(a, b) for a in range(fields) for b in range(a, fields)]
-    form = [(1 if a == b else 2) * np.einsum("ni,ij,nj->n", stress[a], DEVIATOR, stress[b]) for a, b in pairs]
-    products = [loads[:, a] * loads[:, b] for a, b in pairs]
-    squared = np.stack(form, axis=1) @ np.stack(products)
-    trace = stress[..., :3].sum(axis=-1).T @ loads.T
-    return np.asarray(np.where(trace >= 0, 1.0, -1.0) * np.sqrt(np.maximum(squared, 0.0)))
+def _pairs(fields: int) -> list[tuple[int, int]]:
+    return [(a, b) for a in range(fields) for b in range(a, fields)]
+
+
+def _form(stress: Array) -> Array:
+    """Return the squared von Mises stress of every node as a form of the loads' products, (n, pairs)."""
+    weighted = stress @ DEVIATOR
+    terms = [
+        (1 if a == b else 2) * np.einsum("ni,ni->n", weighted[a], stress[b]) for a, b in _pairs(len(stress))
+    ]
+    return np.stack(terms, axis=1)
+
+
+def _products(loads: Array) -> Array:
+    """Return the products of the loads in every state, (pairs, states)."""
+    return np.stack([loads[:, a] * loads[:, b] for a, b in _pairs(loads.shape[1])])
 
 
 def _at(stress: Array, loads: Array) -> Array:

@@ -37,7 +37,7 @@ from cranktopo.tasks.fea.condense import (
 from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target
 
-FieldKind = LoadKind | Literal["moment"]
+FieldKind = LoadKind | Literal["moment", "shaft"]
 _KINDS: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
 _ODD = ("tangential", "torsion")
 """Loads that the mirror x -> -x turns around."""
@@ -53,7 +53,8 @@ class UnitField:
         kind: "moment" 1 N mm about +x on the near section and its opposite on the far one (four-point
             bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
             at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
-            "centrifugal" 1 rad2/s2 about the crank axis.
+            "centrifugal" 1 rad2/s2 about the crank axis; "shaft" what neighbouring throws do to both
+            sections, or a load with these held.
         sign_x, sign_z: +1 if the load is its own mirror image in x or the mid-pin plane, -1 if its opposite.
     """
 

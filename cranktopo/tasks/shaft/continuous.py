@@ -8,7 +8,7 @@ along its axis.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,13 +23,14 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.forces import throw_forces
+from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, throw_forces
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.kinematics import phase_shift
+from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
-from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
+from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
 
 _UM_PER_MM = 1000.0
@@ -44,6 +45,8 @@ class CycleForces:
         radial_N, tangential_N: shape (throws, states).
         radial_aside_N_mm, tangential_aside_N_mm: their moments about the middle of the pin, positive where
             the rod nearer to the free end has more, shape (throws, states).
+        added_Nm: torque of the vibrating shaft's inertia on every section in the sense of rotation, shape
+            (sections, states); None where it does not vibrate.
     """
 
     angle_deg: Array
@@ -52,6 +55,7 @@ class CycleForces:
     radial_aside_N_mm: Array
     tangential_aside_N_mm: Array
     angular_speed_rad_s: float
+    added_Nm: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -70,8 +74,11 @@ class ShaftCycle:
     throw_N: Array
 
 
-def cycle_forces(scene: Scene) -> CycleForces:
+def cycle_forces(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> CycleForces:
     """Return the forces on all pins at the engine's speed.
+
+    Args:
+        enabled: with `torsional_vibration` also what its swinging does to the sections.
 
     Raises:
         CranktopoError: no engine, or no pressures.
@@ -93,7 +100,7 @@ def cycle_forces(scene: Scene) -> CycleForces:
     def by_throw(forces: Array) -> Array:
         return np.asarray(forces.reshape(-1, engine.throws, forces.shape[1]).sum(axis=0))
 
-    return CycleForces(
+    forces = CycleForces(
         curve.angle_deg[::stride],
         by_throw(radial),
         by_throw(tangential),
@@ -101,6 +108,25 @@ def cycle_forces(scene: Scene) -> CycleForces:
         by_throw(aside * tangential),
         angular_speed_rad_s(engine.speed_rpm),
     )
+    if "torsional_vibration" not in enabled:
+        return forces
+    return replace(forces, added_Nm=_of_inertia(vibrating_torque(scene, enabled), forces, scene))
+
+
+def _of_inertia(torque: ShaftTorque, forces: CycleForces, scene: Scene) -> Array:
+    """Return what the torque of a vibrating shaft has beside that of the pins, half on either section."""
+
+    def over_cycle(curves: Array) -> Array:
+        cycle_deg = engine_of(scene).cycle_deg
+        return np.array([np.interp(forces.angle_deg, torque.angle_deg, c, period=cycle_deg) for c in curves])
+
+    assert torque.ahead_Nm is not None
+    ahead, behind = over_cycle(torque.ahead_Nm), over_cycle(torque.passed_on_Nm)
+    own = forces.tangential_N * scene.throw.radius_mm / NMM_PER_NM
+    half = (behind - ahead - own) / 2
+    added = np.vstack([half, np.zeros_like(half[:1])]) + np.vstack([np.zeros_like(half[:1]), half])
+    added[0] += ahead[0]
+    return np.asarray(added)
 
 
 def _by_cylinder(engine: Engine, angle_deg: Array, force: Array) -> Array:
@@ -128,6 +154,8 @@ def shaft_cycle(
     load = np.zeros((6 * sections, states))
     for index, angle in enumerate(about_z):
         load[6 * index : 6 * index + 12] += turned(angle) @ own[index]
+    if forces.added_Nm is not None:
+        load[RZ::6] += about_z_deg(1.0) * forces.added_Nm * NMM_PER_NM
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
     radial = np.array([6 * s + m for s in range(sections) for m in (UX, UY)])
     borne = np.array(
@@ -152,14 +180,42 @@ def shaft_cycle(
 
 def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
     """Section forces that do the work of all loads of a throw, (12, states)."""
-    shares = {
-        "radial": forces.radial_N[index],
-        "tangential": forces.tangential_N[index],
-        "radial aside": forces.radial_aside_N_mm[index] / throw.aside_mm,
-        "tangential aside": forces.tangential_aside_N_mm[index] / throw.aside_mm,
-        "centrifugal": np.full(forces.angle_deg.size, forces.angular_speed_rad_s**2),
-    }
-    return np.asarray(sum(np.outer(throw.loads[name], share) for name, share in shares.items()))
+    loads = np.stack([throw.loads[name] for name in LOADS], axis=1)
+    return np.asarray(loads @ _shares(throw, forces, index))
+
+
+def _shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
+    """Number of unit loads, in the order of `LOADS`, that act on a throw, (loads, states)."""
+    return np.stack(
+        [
+            forces.radial_N[index],
+            forces.tangential_N[index],
+            forces.radial_aside_N_mm[index] / throw.aside_mm,
+            forces.tangential_aside_N_mm[index] / throw.aside_mm,
+            np.full(forces.angle_deg.size, forces.angular_speed_rad_s**2),
+        ]
+    )
+
+
+def throw_states(
+    throws: Sequence[LoadedThrow], angles_deg: Sequence[float], forces: CycleForces, cycle: ShaftCycle
+) -> Array:
+    """Return what acts on every throw in its own axes, (throws, 12 motions of sections and loads, states)."""
+    found = []
+    for index, (throw, angle) in enumerate(zip(throws, angles_deg, strict=True)):
+        own = turned(about_z_deg(angle)).T @ cycle.motion[6 * index : 6 * index + 12]
+        found.append(np.vstack([own, _shares(throw, forces, index)]))
+    return np.stack(found)
+
+
+def loads_on_bearings_N(cycle: ShaftCycle) -> Array:
+    """Return the force of the shaft on every bearing in the axes of the engine, (sections, x and y, states).
+
+    The throws stand there as their angles say when the crank angle is 0.
+    """
+    turn = np.radians([about_z_deg(angle) for angle in cycle.angle_deg])
+    x, y = -cycle.bearing_N[:, 0], -cycle.bearing_N[:, 1]
+    return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], axis=1)
 
 
 def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:
@@ -176,18 +232,22 @@ def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:
 
 
 def continuous_shaft(
-    throws: Sequence[tuple[LoadedThrow, Scene]], scene: Scene, spring_N_per_mm: float | None
+    throws: Sequence[tuple[LoadedThrow, Scene]],
+    scene: Scene,
+    spring_N_per_mm: float | None,
+    enabled: frozenset[str] = INERTIA_EFFECTS,
 ) -> ContinuousShaft:
     """Return what the webs and bearings of a shaft carry over a cycle, beside throws that stand alone.
 
     Args:
         throws: each with its own scene.
         spring_N_per_mm: of each main bearing; None: rigid.
+        enabled: as of `cycle_forces`.
 
     Raises:
         CranktopoError: no engine, or no pressures.
     """
-    forces, angles, scenes = cycle_forces(scene), scene.shaft_angles_deg, [own for _, own in throws]
+    forces, angles, scenes = cycle_forces(scene, enabled), scene.shaft_angles_deg, [own for _, own in throws]
     cycle = shaft_cycle([throw for throw, _ in throws], angles, forces, spring_N_per_mm, carried(scene))
     single = [
         shaft_cycle([throw], (0.0,), _of_throw(forces, index), None)

@@ -9,13 +9,26 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span
-from cranktopo.base.units import density_tonne_per_mm3
+from cranktopo.base.side_by_side import side_by_side
+from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force, mean_displacement
+from cranktopo.numerics.tetrahedra.elasticity import (
+    Elasticity,
+    assemble,
+    centrifugal_force,
+    mean_displacement,
+)
 from cranktopo.tasks.fea.condense import RX, UY, Lateral, Superelement, condense, loaded_mm
 from cranktopo.tasks.shaft.assembly import SPLITS, symmetries, throw_matrix
 
 _PIN = ("radial", "tangential")
+LOADS = (*_PIN, "radial aside", "tangential aside", "centrifugal")
+"""Unit loads of a throw: `LoadedThrow.loads` says what they are."""
+_LENGTH_MM = 50.0
+"""Scales rotations to displacements where a rank is decided."""
+_RIGID = 1e-8
+"""Share of the largest stiffness below which a motion is one of the whole body."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +57,7 @@ class LoadedBlock:
     """
 
     span: Span
+    lateral: Lateral
     block: Superelement
     names: tuple[str, ...]
 
@@ -57,6 +71,46 @@ class LoadedBlock:
             for column, name in enumerate(self.names)
         }
 
+    def straining_fields(self) -> tuple[Array, Array]:
+        """Return the displacement fields that strain the throw, and how much of them what acts on it makes.
+
+        The fields, (unknowns, k), are those section motions that move no whole body, and the loads with the
+        sections held; the shares are (k, 12 motions of both sections and then `LOADS`).
+        """
+        block, motions = self.block, len(self.block.motions)
+        length = np.array([1.0 if motion % 6 < RX else 1 / _LENGTH_MM for motion in block.motions])
+        sizes, axes = np.linalg.eigh(block.stiffness * np.outer(length, length))
+        axes = axes[:, sizes > _RIGID * sizes.max()]
+        bent = (axes.T / length) @ SPLITS[self.span][list(block.motions)]
+        shares = np.zeros((axes.shape[1] + len(self.names), 12 + len(LOADS)))
+        shares[: axes.shape[1], :12] = bent
+        for row, name in enumerate(self.names, start=axes.shape[1]):
+            shares[row, 12 + LOADS.index(name)] = (
+                1.0 if name == "centrifugal" else 1 / (block.copies * block.parts)
+            )
+        loaded = block.displacement[:, block.displacement.shape[1] - len(self.names) :]
+        return np.hstack([block.displacement[:, :motions] @ (length[:, None] * axes), loaded]), shares
+
+
+@dataclass(frozen=True)
+class ThrowBody:
+    """A meshed throw condensed with its loads in every symmetry."""
+
+    meshed: MeshedThrow
+    model: Elasticity
+    blocks: tuple[LoadedBlock, ...]
+
+
+def throw_body(meshed: MeshedThrow, scene: Scene) -> ThrowBody:
+    """Condense a meshed throw with its loads.
+
+    Raises:
+        CranktopoError: a failed solve.
+    """
+    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+    blocks = loaded_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+    return ThrowBody(meshed, model, tuple(blocks))
+
 
 def loaded_blocks(
     model: Elasticity, scene: Scene, mirrored: bool, *, whole: bool = False
@@ -66,13 +120,20 @@ def loaded_blocks(
     Raises:
         CranktopoError: a failed solve.
     """
-    return [_condensed(model, scene, span, lateral) for span, lateral in symmetries(mirrored, whole)]
+    found = symmetries(mirrored, whole)
+    middle = (len(found) + 1) // 2
+
+    def condensed(some: Sequence[tuple[Span, Lateral]]) -> list[LoadedBlock]:
+        return [_condensed(model, scene, span, lateral) for span, lateral in some]
+
+    first, second = side_by_side(lambda: condensed(found[:middle]), lambda: condensed(found[middle:]))
+    return first + second
 
 
 def _condensed(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> LoadedBlock:
     forces = _unit_loads(model, scene, span, lateral)
     block = condense(model, scene, span, lateral, np.column_stack(list(forces.values())))
-    return LoadedBlock(span, block, tuple(forces))
+    return LoadedBlock(span, lateral, block, tuple(forces))
 
 
 def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.frames import about_z_deg
+from cranktopo.base.frames import Span, about_z_deg
 from cranktopo.base.notes import note
 from cranktopo.base.result import Result
 from cranktopo.base.units import MPA_PER_GPA
@@ -24,9 +24,11 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
+from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
-from cranktopo.numerics.tetrahedra.elasticity import assemble
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
+from cranktopo.tasks.fea.condense import Superelement
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors
 from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent, change_bound_percent
 from cranktopo.tasks.fea.evaluation import (
@@ -46,7 +48,7 @@ from cranktopo.tasks.shaft.assembly import (
     throw_matrix,
 )
 from cranktopo.tasks.shaft.continuous import continuous_shaft
-from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, loaded_blocks, loaded_throw
+from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, loaded_throw, throw_body
 from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft.torsional import disk_model
 
@@ -114,6 +116,7 @@ def evaluate_shaft(
     element_size_mm: float | None = None,
     *,
     speeds_rpm: Sequence[float] | None = None,
+    bodies: Mapping[str, ThrowBody] | None = None,
 ) -> ShaftEvaluation:
     """Assemble the throws of a target by its firing order.
 
@@ -122,6 +125,7 @@ def evaluate_shaft(
     Args:
         speeds_rpm: also what its webs and bearings carry over the cycle at these speeds, where the scene
             tells the loads; an empty sequence stands for the engine's own.
+        bodies: the throws by their names where they are meshed and condensed already.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
@@ -132,10 +136,15 @@ def evaluate_shaft(
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
-    throws = _throw_targets(resolved)
-    meshed = {throw.name: mesh_target(throw, size) for throw in throws}
+    throws = throw_targets(resolved)
     loaded = speeds_rpm is not None and stands_on_bearings(scene, bearings)
-    condensed = _condensed_throws(throws, meshed, loaded=loaded)
+    if bodies is None:
+        meshed = {throw.name: mesh_target(throw, size) for throw in throws}
+        condensed = _condensed_throws(throws, meshed, loaded=loaded)
+    else:
+        meshed = {name: body.meshed for name, body in bodies.items()}
+        own = {throw.name: _of_body(bodies[throw.name], throw.scene) for throw in dict.fromkeys(throws)}
+        condensed = [own[throw.name] for throw in throws]
     stiffness, error = _on_meshes(condensed, scene, bearings, spring)
     if resolved.triangles:
         coarser = {resolved.name: mesh_target(resolved, size * RATIO)}
@@ -210,12 +219,23 @@ def _at_speeds(
         (loaded_throw(throw.loaded, target.scene), target.scene)
         for throw, target in zip(condensed, throws, strict=True)
     ]
-    scenes = [at_speed(scene, rpm) for rpm in speeds_rpm] or [scene]
-    return tuple(continuous_shaft(parts, at, spring) for at in scenes)
+    return tuple(
+        continuous_shaft(parts, at, spring, shaft_effects(scene)) for at in speed_scenes(scene, speeds_rpm)
+    )
 
 
-def _throw_targets(target: Target) -> tuple[Target, ...]:
-    """Each throw of the crank as a target of its own name; equal ones are the target itself, as a body is."""
+def speed_scenes(scene: Scene, speeds_rpm: Sequence[float]) -> list[Scene]:
+    """Return the scene at each speed; of no speeds at its own."""
+    return [at_speed(scene, rpm) for rpm in speeds_rpm] or [scene]
+
+
+def shaft_effects(scene: Scene) -> frozenset[str]:
+    """Return the effects that count on bearings: all inertia, vibration where the plan has it."""
+    return INERTIA_EFFECTS | (plan(scene).enabled & {"torsional_vibration"})
+
+
+def throw_targets(target: Target) -> tuple[Target, ...]:
+    """Return each throw of the crank as a target; equal ones, and bodies, are the target itself."""
     throws = throw_scenes(target.scene)
     if target.file is not None or all(throw is throws[0] for throw in throws):
         return (target,) * len(throws)
@@ -234,7 +254,7 @@ class _Condensed:
     surplus: Array
     straight: Array
     volume_error: float
-    loaded: tuple[LoadedBlock, ...]
+    loaded: tuple[LoadedBlock, ...] = ()
 
 
 def _condensed_throws(
@@ -248,20 +268,27 @@ def _condensed_throws(
 
 
 def _condensed(meshed: MeshedThrow, scene: Scene, loaded: bool) -> _Condensed:
-    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    parts: list[LoadedBlock] = []
     if loaded:
-        parts = loaded_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
-        blocks = [(part.span, part.block) for part in parts]
-    else:
-        blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+        return _of_body(throw_body(meshed, scene), scene)
+    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
+    blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
+    return _with_errors(meshed, model, blocks, scene)
+
+
+def _of_body(body: ThrowBody, scene: Scene) -> _Condensed:
+    blocks = [(part.span, part.block) for part in body.blocks]
+    return replace(_with_errors(body.meshed, body.model, blocks, scene), loaded=body.blocks)
+
+
+def _with_errors(
+    meshed: MeshedThrow, model: Elasticity, blocks: Sequence[tuple[Span, Superelement]], scene: Scene
+) -> _Condensed:
     missed = discretisation_errors(model, meshed, [block for _, block in blocks], scene)
     return _Condensed(
         throw_matrix(blocks),
         throw_matrix(blocks, [m.surplus for m in missed]),
         throw_matrix(blocks, [m.straight for m in missed]),
         missed[0].volume_error,
-        tuple(parts),
     )
 
 

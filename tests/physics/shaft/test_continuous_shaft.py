@@ -14,8 +14,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
 from cranktopo.tasks.shaft.continuous import CycleForces, continuous_shaft, shaft_cycle, web_moments_Nmm
-from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, loaded_blocks, loaded_throw
-from tests.physics.fea.evaluation_cases import elastic
+from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
 from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
 
 Array = NDArray[np.float64]
@@ -122,11 +121,15 @@ def test_straight_shaft_on_many_bearings_by_the_three_moment_equation(spans: int
     assert np.abs(np.abs(at_sections) - np.abs(moments)).max() < 1e-8 * np.abs(moments).max()
 
 
+def meshed_body(scene: Scene, size_mm: float) -> ThrowBody:
+    """A throw meshed and condensed with its loads, its fields kept."""
+    return throw_body(mesh_throw(scene, size_mm), scene)
+
+
 def meshed(scene: Scene, size_mm: float) -> tuple[MeshedThrow, LoadedThrow]:
     """A throw meshed and condensed with its loads."""
-    mesh = mesh_throw(scene, size_mm)
-    model = elastic(mesh.mesh, scene)
-    return mesh, loaded_throw(loaded_blocks(model, scene, mesh.mesh.mirrored, whole=mesh.whole), scene)
+    body = meshed_body(scene, size_mm)
+    return body.meshed, loaded_throw(body.blocks, scene)
 
 
 def about_near(scene: Scene, forces: Array) -> Array:

@@ -34,6 +34,7 @@ TASKS = (
     "shaft",
     "vibration",
     "fatigue",
+    "shaft_safety",
     "density",
     "extraction",
     "refit",

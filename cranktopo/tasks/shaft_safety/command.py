@@ -1,0 +1,159 @@
+"""`cranktopo shaft`
+
+The whole crankshaft: torsional stiffness, frequencies, all its bearings, safety of every fillet.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+import click
+
+from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, quoted
+from cranktopo.base.notes import note
+from cranktopo.cli.options import (
+    CELL_MM,
+    DEFAULT_DESIGN,
+    Choice,
+    Number,
+    bearings_option,
+    body_options,
+    designs,
+)
+from cranktopo.cli.verbosity import verbosity_options
+from cranktopo.tasks.fatigue.criteria import METHODS
+
+if TYPE_CHECKING:
+    from cranktopo.tasks.shaft.assembly import Bearings
+
+
+class SpeedRange(click.ParamType[list[float]]):
+    """Speeds (rpm) at even steps: both ends and how many."""
+
+    name = "FROM:TO:NUMBER"
+    most = 1000
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """Return the speeds; fails with the allowed form."""
+        low, high, number = [*str(value).split(":"), "", ""][:3]
+        try:
+            start, stop, count = float(low), float(high), int(number)
+            if 0 < start < stop < math.inf and 2 <= count <= self.most and str(value).count(":") == 2:
+                return [start + index * (stop - start) / (count - 1) for index in range(count)]
+        except ValueError:
+            pass
+        form = f"must be FROM:TO:NUMBER with 0 < FROM < TO in rpm and 2 to {self.most} speeds"
+        self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
+
+
+@click.command()
+@click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
+@body_options
+@bearings_option
+@click.option("--element-size-mm", type=CELL_MM, help="General element size.")
+@click.option(
+    "--speeds",
+    "speeds_rpm",
+    type=SpeedRange(),
+    help="Speeds of the cycle on all bearings instead of the engine's own.",
+)
+@click.option(
+    "--method",
+    type=Choice(tuple(name for name in METHODS if name != "m53")),
+    help="Judge every fillet and outlet of every web over the cycle: local stress analysis or FKM.",
+)
+@click.option(
+    "--fillet-fraction",
+    type=Number(0.01, 0.5),
+    help="With --method: element size in a fillet over its radius; by default 0.17.",
+)
+@click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a page with the safety of the webs, by lsa if no method is given; HTML or Markdown.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
+@verbosity_options
+def command(
+    target: str,
+    design: str | None,
+    align: bool,
+    bearings: str,
+    element_size_mm: float | None,
+    speeds_rpm: list[float] | None,
+    method: str | None,
+    fillet_fraction: float | None,
+    report: Path | None,
+    as_json: bool,
+) -> None:
+    """The whole shaft of TARGET: torsional stiffness, frequencies, and what webs and main bearings carry.
+
+    Its throws are assembled by firing order. With pressures, and bearings that are not free, the shaft
+    stands on all its main bearings over the working cycle. With --method its mesh follows the fillets, and
+    the safety of each part of each web is that of the worst point, crank angle and speed.
+
+    TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
+
+    The error estimate comes from the mesh itself; it does not cover the disk model.
+
+    Example: cranktopo shaft mikron-iiic --bearings free
+    """
+    from cranktopo.design.assumed import FATIGUE
+    from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+    from cranktopo.tasks.fea.stage import print_assumed
+    from cranktopo.tasks.fea.targets import resolve_target
+    from cranktopo.tasks.shaft.assembly import Bearings
+    from cranktopo.tasks.shaft.stage import shaft_tables, stands_on_bearings
+    from cranktopo.tasks.shaft_safety.stage import assess_shaft
+    from cranktopo.tasks.shaft_safety.text import shaft_text
+
+    method = method or ("lsa" if report is not None else None)
+    resolved = resolve_target(target, design, fillets=method is not None, align=align, whole=True, crank=True)
+    support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    loaded = stands_on_bearings(resolved.scene, support)
+    _check_options(loaded, speeds_rpm, method, element_size_mm, fillet_fraction)
+    tables = shaft_tables(resolved.scene, support, loaded=loaded)
+    print_assumed([resolved], (*tables, FATIGUE) if method else tables)
+    note(f"{resolved.name}: condensing one throw")
+    shaft = assess_shaft(
+        resolved,
+        support,
+        element_size_mm,
+        speeds_rpm=speeds_rpm or (),
+        method=method,
+        fillet_fraction=fillet_fraction or RULE_FRACTION,
+        report=report,
+    )
+    click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else shaft_text(shaft))
+
+
+def _check_options(
+    loaded: bool,
+    speeds_rpm: list[float] | None,
+    method: str | None,
+    element_size_mm: float | None,
+    fillet_fraction: float | None,
+) -> None:
+    """Refuse options that say nothing here."""
+    needing = "--speeds" if speeds_rpm else "--method" if method else ""
+    if needing and not loaded:
+        raise CranktopoError(
+            f"{needing}: the forces on all bearings need [engine.gas], and bearings that are not free.",
+            hint="Leave it out, or choose --bearings rigid or spring.",
+            code=ExitCode.USAGE,
+        )
+    if method and element_size_mm is not None:
+        raise CranktopoError(
+            "--element-size-mm: with --method the mesh follows the fillets.",
+            hint="Give --fillet-fraction instead.",
+            code=ExitCode.USAGE,
+        )
+    if fillet_fraction is not None and not method:
+        raise CranktopoError(
+            "--fillet-fraction: without --method no stress is asked for.",
+            hint="Give --method too.",
+            code=ExitCode.USAGE,
+        )

@@ -1,0 +1,88 @@
+"""The page of `cranktopo shaft`: safety of the webs, what they carry, and the forces on the main bearings."""
+
+from __future__ import annotations
+
+from cranktopo.base.units import N_PER_KN
+from cranktopo.report.page import Fact, Page, Section
+from cranktopo.tasks.shaft.result import ContinuousShaft
+from cranktopo.tasks.shaft_safety.plots import BearingLoads, bearing_pictures, safety_pictures
+from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
+from cranktopo.tasks.shaft_safety.text import (
+    bearing_table,
+    moment_table,
+    speed_table,
+    web_table,
+    worst_sentence,
+)
+
+
+def shaft_page(shaft: ShaftAssessment, loads: BearingLoads, written: str) -> Page:
+    """Return a judged shaft as content; `written` is a date.
+
+    Args:
+        loads: on the main bearings at the speed where one of them carries most.
+    """
+    found = shaft.safety
+    assert found is not None
+    moments = max(shaft.on_bearings, key=lambda at: at.worst_web.range_Nm)
+    carried = max(shaft.on_bearings, key=lambda at: at.worst_bearing.largest_N)
+    over_speed = (("Over speed", speed_table(found)),) if len(found.speeds) > 1 else ()
+    return Page(
+        title=f"Shaft on its bearings: {shaft.design}",
+        subtitle=f"method {found.method}, {_speeds(found)}, {shaft.bearings} bearings; {written}",
+        headline=worst_sentence(found).replace("\n", " "),
+        facts=_facts(shaft, found, carried),
+        sections=(
+            Section(
+                "safety",
+                "Safety of every web",
+                "The least over all points of a part, all crank angles and all speeds. The shaft stands on "
+                "all its main bearings; each cylinder acts at its own phase.",
+                (("By web, from the free end", web_table(found)), *over_speed),
+                safety_pictures(found),
+            ),
+            Section(
+                "moments",
+                "Bending moment in the webs",
+                f"Largest less smallest value over the cycle at {moments.speed_rpm:,.0f} rpm, where a web "
+                "carries most, beside a throw that stands alone between its two bearings.",
+                (("In the middle of each web", moment_table(moments)),),
+            ),
+            Section(
+                "bearings",
+                "Main bearings",
+                f"At {carried.speed_rpm:,.0f} rpm, where one carries most. Forces of the shaft on its "
+                "bearings in the axes of the engine: up is where the cylinder of the first throw stands.",
+                (("Largest forces", bearing_table(carried)),),
+                bearing_pictures(loads),
+            ),
+        ),
+    )
+
+
+def _speeds(found: ShaftSafety) -> str:
+    first, last = found.speeds[0].speed_rpm, found.speeds[-1].speed_rpm
+    if first == last:
+        return f"{first:,.0f} rpm"
+    return f"{len(found.speeds)} speeds, {first:,.0f} to {last:,.0f} rpm"
+
+
+def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
+    safest = max(found.webs, key=lambda web: web.safety)
+    bearing = carried.worst_bearing
+    return (
+        Fact(
+            "Least safety",
+            f"{found.safety:.3f}",
+            f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm",
+            "good" if found.safety >= 1 else "bad",
+        ),
+        Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),
+        Fact(
+            "Largest bearing force",
+            f"{bearing.largest_N / N_PER_KN:.1f} kN",
+            f"bearing {bearing.bearing} at {carried.speed_rpm:,.0f} rpm",
+            "neutral",
+        ),
+        Fact("Mass", f"{shaft.mass_kg:.3f} kg", shaft.weighed, "neutral"),
+    )

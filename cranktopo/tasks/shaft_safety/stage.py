@@ -1,0 +1,243 @@
+"""A whole shaft on its bearings, and by a method of local stresses the safety of every part of every web."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.notes import note
+from cranktopo.design.assumed import filter_by_table
+from cranktopo.design.crank_throws import carried
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import at_speed, engine_of
+from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
+from cranktopo.report.report_file import check_report_path, write_report
+from cranktopo.runs.manifest import timestamp
+from cranktopo.tasks.fatigue.result import JudgedQuality
+from cranktopo.tasks.fatigue.safety_field import FatigueField, check_method, field_of_states
+from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
+from cranktopo.tasks.fatigue.stage import note_quality, note_yielding
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
+from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
+from cranktopo.tasks.shaft.assembly import Bearings
+from cranktopo.tasks.shaft.continuous import (
+    CycleForces,
+    ShaftCycle,
+    cycle_forces,
+    loads_on_bearings_N,
+    shaft_cycle,
+    throw_states,
+)
+from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, loaded_throw
+from cranktopo.tasks.shaft.stage import (
+    evaluate_shaft,
+    shaft_effects,
+    speed_scenes,
+    stands_on_bearings,
+    throw_targets,
+)
+from cranktopo.tasks.shaft_safety.least import PARTS, Part, least_safeties
+from cranktopo.tasks.shaft_safety.page import shaft_page
+from cranktopo.tasks.shaft_safety.plots import BearingLoads
+from cranktopo.tasks.shaft_safety.result import (
+    SafetySeconds,
+    ShaftAssessment,
+    ShaftSafety,
+    SpeedSafety,
+    WebSafety,
+    WorstPlace,
+)
+
+
+def assess_shaft(
+    target: TargetLike,
+    bearings: Bearings = "rigid",
+    element_size_mm: float | None = None,
+    *,
+    speeds_rpm: Sequence[float] = (),
+    method: str | None = None,
+    fillet_fraction: float = RULE_FRACTION,
+    report: Path | None = None,
+) -> ShaftAssessment:
+    """Assemble the throws of a target and tell what webs and bearings carry over the cycle.
+
+    Args:
+        element_size_mm: general element size, where no method makes the mesh follow the fillets.
+        speeds_rpm: speeds of the cycle; the engine's own by default.
+        method: of local stresses, by which every part of every web is judged; None: no safety.
+        fillet_fraction: element size in a fillet over its radius.
+        report: page to write, HTML or Markdown; it needs a method.
+
+    Raises:
+        CranktopoError: no engine, no loads or no bearings to judge by, missing strength, or a failed solve.
+    """
+    resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
+    if method is None:
+        found = evaluate_shaft(resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm)
+        return ShaftAssessment.model_construct(**dict(found))
+    if report is not None:
+        check_report_path(report)
+    _check(resolved, bearings, method)
+    throws = throw_targets(resolved)
+    stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
+    bodies = {name: stress.body for name, stress in stresses.items()}
+    found = evaluate_shaft(resolved, bearings, speeds_rpm=speeds_rpm, bodies=bodies)
+    own = [stresses[throw.name] for throw in throws]
+    note(f"{resolved.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
+    judged = _Judged(resolved, bearings, own, speeds_rpm, method)
+    assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
+    if report is not None:
+        most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
+        loads = judged.bearing_loads(most.speed_rpm)
+        write_report(shaft_page(assessed, loads, timestamp()[:10]), report)
+        note(str(report))
+    return assessed
+
+
+def _check(target: Target, bearings: Bearings, method: str) -> None:
+    """Check everything that a user can get wrong, before the first solve."""
+    if not stands_on_bearings(target.scene, bearings):
+        raise CranktopoError(
+            "--method: the safety over the cycle needs [engine.gas], and bearings that are not free.",
+            hint="Leave it out, or choose --bearings rigid or spring.",
+            code=ExitCode.USAGE,
+        )
+    for throw in dict.fromkeys(throw_targets(target)):
+        check_method(throw.scene, method)
+        check_fillets(throw)
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """A shaft whose throws' stresses are known, to be judged at some speeds."""
+
+    target: Target
+    bearings: Bearings
+    throws: Sequence[ShaftStress]
+    speeds_rpm: Sequence[float]
+    method: str
+
+    def safety(self) -> ShaftSafety:
+        """Return the least safety of every part, and the worst point in full."""
+        begin = time.perf_counter()
+        angle_deg, loads = self._loads()
+        solved = time.perf_counter()
+        speeds = [engine_of(at).speed_rpm for at in speed_scenes(self.target.scene, self.speeds_rpm)]
+        least = self._least(loads)
+        table = np.stack([least[key] for key in least])  # (parts, speeds)
+        where, when = np.unravel_index(int(table.argmin()), table.shape)
+        throw, side, _ = list(least)[int(where)]
+        labels = tuple(f"{angle:g}" for angle in angle_deg)
+        field = field_of_states(self.throws[throw].model, self.method, loads[throw][when], labels)
+        note_quality(field)
+        note_yielding(field, self.target.scene.material.yield_MPa)
+        finished = time.perf_counter()
+        quality = field.model.quality
+        return ShaftSafety(
+            method=self.method,
+            safety=float(table.min()),
+            worst=_worst(field, throw, side, speeds[when]),
+            webs=_webs(least, speeds),
+            speeds=_by_speed(least, speeds),
+            load_states=angle_deg.size * len(speeds),
+            quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
+            seconds=_seconds(self.throws, solved - begin, finished - solved),
+            assumed=filter_by_table(self.target.assumed, USED),
+        )
+
+    def bearing_loads(self, speed_rpm: float) -> BearingLoads:
+        """Return the forces on the main bearings at one speed."""
+        cycle = self._cycle(at_speed(self.target.scene, speed_rpm))[1]
+        sections = carried(self.target.scene)
+        forces = loads_on_bearings_N(cycle)[list(sections)]
+        return BearingLoads(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), forces)
+
+    @cached_property
+    def _loaded(self) -> list[LoadedThrow]:
+        return [loaded_throw(one.body.blocks, one.model.scene) for one in self.throws]
+
+    def _cycle(self, at: Scene) -> tuple[CycleForces, ShaftCycle]:
+        scene = self.target.scene
+        spring = required_bearing_spring_N_per_mm(scene) if self.bearings == "spring" else None
+        forces = cycle_forces(at, shaft_effects(scene))
+        return forces, shaft_cycle(self._loaded, scene.shaft_angles_deg, forces, spring, carried(scene))
+
+    def _loads(self) -> tuple[Array, list[Array]]:
+        """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
+        scene = self.target.scene
+        cycles = [self._cycle(at) for at in speed_scenes(scene, self.speeds_rpm)]
+        states = [throw_states(self._loaded, scene.shaft_angles_deg, *cycle) for cycle in cycles]
+        loads = [
+            np.stack([throw.loads(of_speed[index]) for of_speed in states])
+            for index, throw in enumerate(self.throws)
+        ]
+        return cycles[0][0].angle_deg, loads
+
+    def _least(self, loads: Sequence[Array]) -> dict[tuple[int, int, Part], Array]:
+        """Least safety at every speed by throw, its web and part; equal throws are judged at once."""
+        found: dict[tuple[int, int, Part], Array] = {}
+        for model in {id(one.model): one.model for one in self.throws}.values():
+            own = [index for index, one in enumerate(self.throws) if one.model is model]
+            judged = least_safeties(model, [loads[index] for index in own], self.method)
+            for index, parts in zip(own, judged, strict=True):
+                found |= {(index, side, part): safety for (side, part), safety in parts.items()}
+        return found
+
+
+def _worst(field: FatigueField, throw: int, side: int, speed_rpm: float) -> WorstPlace:
+    highest, lowest = map(float, field.critical.states)
+    return WorstPlace(
+        web=2 * throw + side + 1,
+        throw=throw + 1,
+        speed_rpm=speed_rpm,
+        highest_deg=highest,
+        lowest_deg=lowest,
+        critical=field.critical,
+    )
+
+
+def _webs(least: dict[tuple[int, int, Part], Array], speeds: Sequence[float]) -> tuple[WebSafety, ...]:
+    webs = sorted({(throw, side) for throw, side, _ in least})
+    return tuple(
+        _web(throw, side, {p: least[throw, side, p] for p in PARTS if (throw, side, p) in least}, speeds)
+        for throw, side in webs
+    )
+
+
+def _web(throw: int, side: int, parts: dict[Part, Array], speeds: Sequence[float]) -> WebSafety:
+    values = {part: float(safety.min()) for part, safety in parts.items()}
+    worst = min(values, key=lambda part: values[part])
+    return WebSafety(
+        web=2 * throw + side + 1,
+        throw=throw + 1,
+        pin_fillet=values["pin_fillet"],
+        journal_fillet=values["journal_fillet"],
+        outlets=values.get("outlets"),
+        elsewhere=values.get("elsewhere"),
+        safety=values[worst],
+        part=worst,
+        speed_rpm=speeds[int(parts[worst].argmin())],
+        over_speeds=tuple(np.min(list(parts.values()), axis=0).tolist()),
+    )
+
+
+def _by_speed(least: dict[tuple[int, int, Part], Array], speeds: Sequence[float]) -> tuple[SpeedSafety, ...]:
+    found = []
+    for index, speed in enumerate(speeds):
+        throw, side, part = min(least, key=lambda key: least[key][index])
+        safety = float(least[throw, side, part][index])
+        found.append(SpeedSafety(speed_rpm=speed, safety=safety, web=2 * throw + side + 1, part=part))
+    return tuple(found)
+
+
+def _seconds(throws: Sequence[ShaftStress], cycles: float, safety: float) -> SafetySeconds:
+    each = list({id(one): one.seconds for one in throws}.values())
+    mesh, unit_fields, stresses = (sum(parts) for parts in zip(*each, strict=True))
+    return SafetySeconds(mesh=mesh, unit_fields=unit_fields, stresses=stresses, cycles=cycles, safety=safety)

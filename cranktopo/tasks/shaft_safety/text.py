@@ -1,0 +1,170 @@
+"""A whole shaft as text: torsion, natural frequencies, and what webs and main bearings carry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cranktopo.base.units import N_PER_KN
+from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
+from cranktopo.tasks.shaft.result import ContinuousShaft
+from cranktopo.tasks.shaft.stage import ShaftEvaluation
+from cranktopo.tasks.shaft_safety.least import PARTS
+from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
+
+_BEARING_DIGITS = {
+    "bearing": 0,
+    "largest_kN": 2,
+    "at_deg": 0,
+    "throws_alone_kN": 2,
+    "tilt_mrad": 2,
+    "offset_um": 1,
+}
+
+
+def shaft_text(shaft: ShaftAssessment) -> str:
+    """Return what `cranktopo shaft` prints."""
+    error = shaft.error_percent
+    errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
+    parts = [*_torsion(shaft), *_on_bearings(shaft.on_bearings)]
+    if shaft.safety is not None:
+        parts += safety_text(shaft.safety)
+    return "\n\n".join((*parts, errors))
+
+
+def safety_text(found: ShaftSafety) -> list[str]:
+    """Return what is told of the safety of a shaft, by paragraph."""
+    several = len(found.speeds) > 1
+    at_speeds = f"{len(found.speeds)} speeds" if several else f"{found.worst.speed_rpm:,.0f} rpm"
+    told = [
+        f"Least safety of each web by method {found.method!r}, over the cycle at {at_speeds}:",
+        terminal(web_table(found)),
+        worst_sentence(found),
+    ]
+    if several:
+        told += ["Over the speeds:", terminal(speed_table(found))]
+    return told
+
+
+def web_table(found: ShaftSafety) -> ResultTable:
+    """Return the least safety of the parts of each web, and the speed of the least."""
+    absent = {part for part in PARTS if all(getattr(web, part) is None for web in found.webs)}
+    parts = [part for part in PARTS if part not in absent]
+    rows: tuple[Row, ...] = tuple(
+        {
+            "web": str(web.web),
+            "throw": str(web.throw),
+            **{part: getattr(web, part) for part in parts},
+            "at_rpm": web.speed_rpm,
+        }
+        for web in found.webs
+    )
+    return ResultTable({"web": 0, "throw": 0, **dict.fromkeys(parts, 3), "at_rpm": 0}, rows)
+
+
+def speed_table(found: ShaftSafety) -> ResultTable:
+    """Return the least safety at each speed."""
+    rows: tuple[Row, ...] = tuple(
+        {
+            "speed_rpm": at.speed_rpm,
+            "safety": at.safety,
+            "web": str(at.web),
+            "part": at.part.replace("_", " "),
+        }
+        for at in found.speeds
+    )
+    return ResultTable({"speed_rpm": 0, "safety": 3, "web": 0, "part": 0}, rows)
+
+
+def worst_sentence(found: ShaftSafety) -> str:
+    """Return where and when the shaft is least safe, in two lines."""
+    worst = found.worst
+    return (
+        f"Least safety {found.safety:.3f}: web {worst.web} (throw {worst.throw}) at "
+        f"{worst.speed_rpm:,.0f} rpm, highest stress at {worst.highest_deg:g} deg,\n"
+        f"lowest at {worst.lowest_deg:g} deg: {worst.critical.place}."
+    )
+
+
+def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
+    throws: list[Row] = [
+        {"throw": str(number), "angle_deg": angle, "torsion_kNm_per_rad": stiffness / 1000}
+        for number, (angle, stiffness) in enumerate(
+            zip(shaft.throw_angles_deg, shaft.stiffness.throws_Nm_per_rad, strict=True), start=1
+        )
+    ]
+    frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
+    end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
+    rows = (
+        (shaft.weighed, f"{shaft.mass_kg:.3f} kg"),
+        (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
+        ("natural frequencies", f"{frequencies} Hz (shaft and moving masses alone, free ends)"),
+    )
+    return _table({"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2}, throws), labelled(rows)
+
+
+def _on_bearings(speeds: tuple[ContinuousShaft, ...]) -> list[str]:
+    """Return tables at the speed where a web carries most, and one over the speeds if there are several."""
+    if not speeds:
+        return []
+    worst = max(speeds, key=lambda at: at.worst_web.range_Nm)
+    held = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
+    told = [
+        f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle\n"
+        "of each web, largest less smallest over the cycle, beside a throw alone:",
+        terminal(moment_table(worst)),
+        "Main bearings, beside the sum of throws alone:",
+        terminal(bearing_table(worst)),
+    ]
+    if len(speeds) > 1:
+        told += ["Over the speeds, the web and the bearing with the most:", _over_speeds(speeds)]
+    return told
+
+
+def moment_table(at: ContinuousShaft) -> ResultTable:
+    """Return the range of the bending moment in the middle of each web."""
+    rows: tuple[Row, ...] = tuple(
+        {
+            "web": str(web.web),
+            "throw": str(web.throw),
+            "moment_range_Nm": web.range_Nm,
+            "throw_alone_Nm": web.alone_Nm,
+            "share_percent": 100 * web.share,
+        }
+        for web in at.webs
+    )
+    digits = {"web": 0, "throw": 0, "moment_range_Nm": 1, "throw_alone_Nm": 1, "share_percent": 1}
+    return ResultTable(digits, rows)
+
+
+def bearing_table(at: ContinuousShaft) -> ResultTable:
+    """Return what each main bearing carries, and how its journal lies in it."""
+    rows: tuple[Row, ...] = tuple(
+        {
+            "bearing": str(bearing.bearing),
+            "largest_kN": bearing.largest_N / N_PER_KN,
+            "at_deg": bearing.at_deg,
+            "throws_alone_kN": bearing.halves_N / N_PER_KN,
+            "tilt_mrad": bearing.tilt_mrad,
+            "offset_um": bearing.offset_um,
+        }
+        for bearing in at.main_bearings
+    )
+    return ResultTable(dict(_BEARING_DIGITS), rows)
+
+
+def _over_speeds(speeds: tuple[ContinuousShaft, ...]) -> str:
+    rows: list[Row] = [
+        {
+            "speed_rpm": at.speed_rpm,
+            "web": str(at.worst_web.web),
+            "moment_range_Nm": at.worst_web.range_Nm,
+            "bearing": str(at.worst_bearing.bearing),
+            "largest_kN": at.worst_bearing.largest_N / N_PER_KN,
+        }
+        for at in speeds
+    ]
+    return _table({"speed_rpm": 0, "web": 0, "moment_range_Nm": 1, "bearing": 0, "largest_kN": 2}, rows)
+
+
+def _table(digits: Mapping[str, int], rows: Sequence[Row]) -> str:
+    return terminal(ResultTable(dict(digits), tuple(rows)))

@@ -1,0 +1,190 @@
+"""Safety of every web of a shaft: against the throw alone, and what must not change it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import at_speed
+from cranktopo.engine.histories import LoadHistory
+from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field
+from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fea.condense import RZ
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.shaft.assembly import SPLITS
+from cranktopo.tasks.shaft.continuous import CycleForces, cycle_forces, shaft_cycle, throw_states
+from cranktopo.tasks.shaft.loaded_throw import LOADS, loaded_throw
+from cranktopo.tasks.shaft_safety.least import Part, least_safeties, web_parts
+from tests.physics.fea.evaluation_cases import mikron_with
+from tests.physics.shaft.test_continuous_shaft import meshed_body
+
+Array = NDArray[np.float64]
+COARSE = 2.0
+"""Elements of two fillet radii: what is compared is the same mesh."""
+SPEEDS_RPM = (900.0, 1500.0, 2100.0)
+
+
+def test_fields_of_a_throw_are_all_that_strains_it() -> None:
+    """Any motion of the sections, any loads: six of twelve motions move the whole body, and are left out."""
+    scene = load_scene("car-diesel")
+    body = meshed_body(scene, 20.0)
+    acting = np.random.default_rng(5).standard_normal(12 + len(LOADS))
+    acting[[3, 4, 5, 9, 10, 11]] /= 50.0
+    count = 0
+    for part in body.blocks:
+        fields, shares = part.straining_fields()
+        count += fields.shape[1]
+        block = part.block
+        moved = block.displacement[:, : len(block.motions)] @ (
+            SPLITS[part.span][list(block.motions)] @ acting[:12]
+        )
+        models = block.copies * block.parts
+        for column, name in enumerate(part.names, start=block.displacement.shape[1] - len(part.names)):
+            number = acting[12 + LOADS.index(name)] / (1 if name == "centrifugal" else models)
+            moved = moved + number * block.displacement[:, column]
+        force = body.model.stiffness @ moved
+        assert (
+            np.abs(body.model.stiffness @ (fields @ (shares @ acting)) - force).max()
+            < 1e-6 * np.abs(force).max()
+        )
+    assert count == 6 + len(LOADS)
+
+
+@pytest.fixture(scope="module")
+def stress() -> ShaftStress:
+    return solve_shaft_stress(Target("mikron", mikron_with()), COARSE)
+
+
+def loads(stress: ShaftStress, angles: Sequence[float], forces: CycleForces, spring: float | None) -> Array:
+    """Factors of the fields of every throw, (throws, states, fields)."""
+    throws = [loaded_throw(stress.body.blocks, stress.model.scene)] * len(angles)
+    states = throw_states(throws, angles, forces, shaft_cycle(throws, angles, forces, spring))
+    return np.stack([stress.loads(own) for own in states])
+
+
+def at_speeds(stress: ShaftStress, scene: Scene, spring: float | None = None) -> list[Array]:
+    """Factors of the fields of each throw at all speeds, (speeds, states, fields)."""
+    found = [
+        loads(stress, scene.shaft_angles_deg, cycle_forces(at_speed(scene, rpm)), spring)
+        for rpm in SPEEDS_RPM
+    ]
+    return list(np.stack(found, axis=1))
+
+
+def by_web(stress: ShaftStress, of_throws: Sequence[Array], method: str = "lsa") -> Array:
+    """Least safety of pin and journal fillet of every web at every speed, (webs, 2, speeds)."""
+    least = least_safeties(stress.model, of_throws, method)
+    parts: tuple[Part, ...] = ("pin_fillet", "journal_fillet")
+    return np.array([[one[side, part] for part in parts] for one in least for side in (0, 1)])
+
+
+@pytest.mark.slow
+def test_one_throw_between_two_bearings_is_the_throw_alone(stress: ShaftStress) -> None:
+    """The isolated model: equal forces at both sections, and a torque that enters at the pin."""
+    scene = stress.model.scene
+    forces = cycle_forces(scene)
+    alone = CycleForces(
+        forces.angle_deg,
+        *(getattr(forces, name)[:1] for name in ("radial_N", "tangential_N")),
+        *(getattr(forces, name)[:1] for name in ("radial_aside_N_mm", "tangential_aside_N_mm")),
+        forces.angular_speed_rad_s,
+    )
+    labels = tuple(f"{angle:g}" for angle in alone.angle_deg)
+    (factors,) = loads(stress, (0.0,), alone, None)
+    found = field_of_states(stress.model, "lsa", factors, labels)
+    model = solve_stresses(
+        Target("mikron", scene), ("bending", "tangential", "torsion", "centrifugal"), COARSE
+    )
+    across = loaded_throw(stress.body.blocks, scene).loads["tangential"]
+    arm_mm = -float(across[RZ] + across[6 + RZ])  # where the mesh has the middle of the pin's material
+    assert arm_mm == pytest.approx(scene.throw.radius_mm, rel=1e-3)
+    history = LoadHistory(
+        alone.radial_N[0],
+        alone.tangential_N[0],
+        alone.tangential_N[0] * arm_mm / 2000,
+        np.full(len(labels), alone.angular_speed_rad_s),
+        labels,
+    )
+    expected = safety_field(model, "lsa", history)
+    assert found.critical.safety == pytest.approx(expected.critical.safety, rel=2e-6)
+    assert found.critical.place == expected.critical.place
+    assert found.critical.states == expected.critical.states
+    weak = expected.safety < 5
+    assert weak.sum() > 100
+    assert found.safety[weak] == pytest.approx(expected.safety[weak], rel=1e-4)
+    (parts,) = least_safeties(stress.model, [factors[None]], "lsa")
+    assert min(float(safety[0]) for safety in parts.values()) == pytest.approx(
+        expected.critical.safety, rel=2e-6
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["lsa", "fkm"])
+def test_only_nodes_that_cannot_be_the_worst_are_left_out(stress: ShaftStress, method: str) -> None:
+    """Every part of every web at every speed: as with every node in every state."""
+    of_throws = at_speeds(stress, stress.model.scene, 3e5)
+    least = least_safeties(stress.model, of_throws, method)
+    labels = tuple(map(str, range(of_throws[0].shape[1])))
+    for found, own in zip(least, of_throws, strict=True):
+        assert len(found) == len(web_parts(stress.model)) == 6
+        for number, factors in enumerate(own):
+            field = field_of_states(stress.model, method, factors, labels)
+            for part in web_parts(stress.model):
+                every = field.safety[list(part.images)][:, part.nodes]
+                assert found[part.side, part.part][number] == pytest.approx(every.min(), rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("spring", [None, 3e5])
+def test_safety_does_not_depend_on_where_the_cycle_begins(stress: ShaftStress, spring: float | None) -> None:
+    """Angles counted from elsewhere: the states in another order, and all throws turned by the same angle."""
+    scene = stress.model.scene
+    forces, angles = cycle_forces(scene), scene.shaft_angles_deg
+    later = {
+        name: np.roll(getattr(forces, name), -136, axis=1)
+        for name in ("radial_N", "tangential_N", "radial_aside_N_mm", "tangential_aside_N_mm")
+    }
+    one = by_web(stress, list(loads(stress, angles, forces, spring)[:, None]))
+    turned = [angle - 137.3 for angle in angles]
+    other = by_web(stress, list(loads(stress, turned, replace(forces, **later), spring)[:, None]))
+    assert np.abs(one / other - 1).max() < 1e-9
+
+
+@pytest.mark.slow
+def test_a_shaft_seen_from_its_other_end_is_as_safe(stress: ShaftStress) -> None:
+    """Throws in the opposite order, on springs; torques that add up to nothing, so that no end holds any."""
+    angles = (0.0, 120.0, 250.0)
+    rng = np.random.default_rng(2)
+    radial, across = rng.normal(0.0, 1.5e4, (2, 3, 90))
+    across -= across.mean(axis=0)
+    none = np.zeros_like(radial)
+    forces = CycleForces(np.arange(90.0), radial, across, 50 * radial, none, 200.0)
+    mirrored = replace(
+        forces,
+        radial_N=radial[::-1],
+        tangential_N=across[::-1],
+        radial_aside_N_mm=-forces.radial_aside_N_mm[::-1],
+    )
+    one = by_web(stress, list(loads(stress, angles, forces, 4e5)[:, None]))
+    other = by_web(stress, list(loads(stress, angles[::-1], mirrored, 4e5)[:, None]))
+    assert np.abs(one / other[::-1] - 1).max() < 1e-9
+    assert np.ptp(one[:, 0]) > 0.05 * one[:, 0].min()
+
+
+@pytest.mark.slow
+def test_safety_falls_as_all_forces_grow(stress: ShaftStress) -> None:
+    """Linear: twice the forces, centrifugal ones too, half the safety; twice the modulus changes nothing."""
+    scene = stress.model.scene
+    of_throws = at_speeds(stress, scene)
+    once, twice = (by_web(stress, [number * own for own in of_throws]) for number in (1.0, 2.0))
+    assert np.abs(2 * twice / once - 1).max() < 1e-9
+    material = scene.material.model_copy(update={"E_GPa": 2 * scene.material.E_GPa})
+    stiff = solve_shaft_stress(Target("stiff", scene.model_copy(update={"material": material})), COARSE)
+    assert np.abs(by_web(stiff, at_speeds(stiff, scene)) / once - 1).max() < 1e-9
