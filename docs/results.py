@@ -20,6 +20,7 @@ ROOTS = {
     "vibration": ("`vibration --json`", "cranktopo.tasks.vibration.result:ShaftVibration"),
     "shaft": ("`shaft --json`", "cranktopo.tasks.shaft.stage:ShaftEvaluation"),
     "fatigue": ("`fatigue --json` and `fatigue.json`", "cranktopo.tasks.fatigue.result:FatigueResult"),
+    "bolts": ("`bolts --json`", "cranktopo.tasks.bolts.result:BoltChecks"),
     "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),

@@ -125,6 +125,7 @@ _SHOWN_FIRST = (
     "fatigue",
     "shaft",
     "vibration",
+    "bolts",
     "extract",
     "remodel",
     "shape",

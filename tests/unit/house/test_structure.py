@@ -33,6 +33,7 @@ TASKS = (
     "shaft",
     "vibration",
     "fatigue",
+    "bolts",
     "density",
     "extraction",
     "refit",
