@@ -21,6 +21,7 @@ ROOTS = {
     "shaft": ("`shaft --json`", "cranktopo.tasks.shaft.stage:ShaftEvaluation"),
     "fatigue": ("`fatigue --json` and `fatigue.json`", "cranktopo.tasks.fatigue.result:FatigueResult"),
     "bolts": ("`bolts --json`", "cranktopo.tasks.bolts.result:BoltChecks"),
+    "rod": ("`rod --json`", "cranktopo.tasks.rod.result:RodStrength"),
     "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),

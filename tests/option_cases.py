@@ -83,6 +83,8 @@ TABLE: dict[str, dict[str, Case]] = {
         "--plot": Acts("", "--plot p.png"),
         "--json": Acts("", "--json"),
     },
+    "bolts": {"--json": Acts("", "--json")},
+    "rod": {"--method": Acts("", "--method fkm"), "--json": Acts("", "--json")},
     "balance": {
         "--report": Acts("", "--report b.md"),
         "--propose": Acts("", "--propose 50%"),

@@ -126,6 +126,7 @@ _SHOWN_FIRST = (
     "shaft",
     "vibration",
     "bolts",
+    "rod",
     "extract",
     "remodel",
     "shape",

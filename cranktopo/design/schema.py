@@ -18,6 +18,7 @@ from cranktopo.design.goal.limit import GoalTable
 from cranktopo.design.material import Fatigue, Material
 from cranktopo.design.messages import explain, register_root
 from cranktopo.design.published import Published
+from cranktopo.design.rod import Rod
 from cranktopo.design.shaft import ShaftTable, Supports
 from cranktopo.design.shape import ShapeTable
 from cranktopo.throw.drilling.table import Drilling
@@ -209,6 +210,7 @@ class Scene(SceneTable):
     engine: Engine | None = None
     shaft: ShaftTable | None = None
     crank: Crank | None = None
+    rod: Rod | None = None
     bolted_joint: tuple[BoltedJoint, ...] = Field(default=(), max_length=64)
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""

@@ -6,15 +6,17 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.bolt import Bolt
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.rod_forces import rod_bolt_force_N
 from cranktopo.tasks.bolts.joint import Loads, shigley, vdi_2230
 from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
 
 
 def check_bolts(design: DesignLike) -> BoltChecks:
-    """Return every joint of `[[bolted_joint]]`, verified by VDI 2230 and by Shigley.
+    """Return the rod bolt and every joint of `[[bolted_joint]]`, verified by VDI 2230 and by Shigley.
 
     Raises:
-        CranktopoError: the design has none.
+        CranktopoError: the design has none, or a rod bolt without an engine or gas pressure.
     """
     scene = as_scene(design)
     found = [
@@ -27,11 +29,22 @@ def check_bolts(design: DesignLike) -> BoltChecks:
         )
         for joint in scene.bolted_joint
     ]
+    rod_bolt = check_rod_bolt(scene)
+    found = [*([rod_bolt] if rod_bolt else []), *found]
     if not found:
         raise CranktopoError(
-            f"{scene.name}: has no bolted joint.", hint="Add [[bolted_joint]], one for each kind of bolt."
+            f"{scene.name}: has no bolted joint.",
+            hint="Add [[bolted_joint]], one for each kind of bolt, or [rod.bolt].",
         )
     return BoltChecks(design=scene.name, joints=tuple(found))
+
+
+def check_rod_bolt(scene: Scene) -> JointCheck | None:
+    """Return one of the two bolts of the rod under the largest pull of inertia; None without one."""
+    if scene.rod is None or scene.rod.bolt is None:
+        return None
+    most, least = rod_bolt_force_N(scene)
+    return check_joint("rod", scene.rod.bolt, Loads(most, least), scene.rod.material or scene.material)
 
 
 def check_joint(

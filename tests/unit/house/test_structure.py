@@ -34,6 +34,7 @@ TASKS = (
     "vibration",
     "fatigue",
     "bolts",
+    "rod",
     "density",
     "extraction",
     "refit",
