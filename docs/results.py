@@ -22,6 +22,7 @@ ROOTS = {
     "fatigue": ("`fatigue --json` and `fatigue.json`", "cranktopo.tasks.fatigue.result:FatigueResult"),
     "bolts": ("`bolts --json`", "cranktopo.tasks.bolts.result:BoltChecks"),
     "rod": ("`rod --json`", "cranktopo.tasks.rod.result:RodStrength"),
+    "balancer": ("`balancer --json`", "cranktopo.tasks.balancer.result:BalancerStrength"),
     "accuracy": ("`accuracy --json`", "cranktopo.tasks.fea.studies:StudyResult"),
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),

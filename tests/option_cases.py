@@ -85,6 +85,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "bolts": {"--json": Acts("", "--json")},
     "rod": {"--method": Acts("", "--method fkm"), "--json": Acts("", "--json")},
+    "balancer": {"--json": Acts("", "--json")},
     "balance": {
         "--report": Acts("", "--report b.md"),
         "--propose": Acts("", "--propose 50%"),

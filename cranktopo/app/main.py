@@ -127,6 +127,7 @@ _SHOWN_FIRST = (
     "vibration",
     "bolts",
     "rod",
+    "balancer",
     "extract",
     "remodel",
     "shape",

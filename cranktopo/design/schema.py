@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import LIKE_WEB, SHOWN, Fraction, Length, SceneTable, Weight, WholeNumber
+from cranktopo.design.balancer import BalancerPart
 from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.crank import Crank
 from cranktopo.design.drawing import Drawing
@@ -211,6 +212,7 @@ class Scene(SceneTable):
     shaft: ShaftTable | None = None
     crank: Crank | None = None
     rod: Rod | None = None
+    balancer: BalancerPart | None = None
     bolted_joint: tuple[BoltedJoint, ...] = Field(default=(), max_length=64)
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""

@@ -35,6 +35,7 @@ TASKS = (
     "fatigue",
     "bolts",
     "rod",
+    "balancer",
     "density",
     "extraction",
     "refit",
