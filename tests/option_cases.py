@@ -88,6 +88,9 @@ TABLE: dict[str, dict[str, Case]] = {
         "--speed": Acts("car-diesel", "--speed 1000"),
         "--json": Acts("car-diesel", "--json"),
     },
+    "bolts": {"--json": Acts("", "--json")},
+    "rod": {"--method": Acts("", "--method fkm"), "--json": Acts("", "--json")},
+    "balancer": {"--json": Acts("", "--json")},
     "balance": {
         "--report": Acts("", "--report b.md"),
         "--propose": Acts("", "--propose 50%"),

@@ -13,9 +13,11 @@ from pydantic import ValidationError
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
 from cranktopo.design.checks.crank import check_crank
+from cranktopo.design.checks.rod import check_rod
 from cranktopo.design.checks.scene import check_scene
 from cranktopo.design.halves import difference, halves, of_second, require_equal_halves, usual_scale
 from cranktopo.design.messages import explain, explain_unknown
+from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Scene
 from cranktopo.design.toml_text import parse_toml
@@ -242,6 +244,8 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
     scene = _with_usual_cells(scene)
     check_scene(scene)
     check_crank(scene)
+    check_rod(scene)
+    scene = _with_rod_masses(scene)
     if not whole:
         require_equal_halves(scene)
     return scene
@@ -253,6 +257,21 @@ def _with_usual_cells(scene: Scene) -> Scene:
     if scale == 1 or "resolution_mm" in scene.optimise.model_fields_set:
         return scene
     return scene.with_optimise(resolution_mm=float(f"{scene.optimise.resolution_mm / scale:.3g}"))
+
+
+def _with_rod_masses(scene: Scene) -> Scene:
+    """Return the scene with the masses of its rod in the engine, in place of those given there."""
+    if scene.rod is None or scene.engine is None:
+        return scene
+    found = rod_mass(scene.rod, scene.engine.rod_length_mm, scene.material)
+    parts: dict[str, float | None] = {
+        "rod_reciprocating_kg": found.reciprocating_kg,
+        "rod_rotating_kg": found.rotating_kg,
+        "rod_kg": None,
+        "rod_centre_from_big_end_mm": None,
+    }
+    masses = scene.engine.masses.model_copy(update=parts)
+    return scene.model_copy(update={"engine": scene.engine.model_copy(update={"masses": masses})})
 
 
 def load_scene(design: str | Path, *, whole: bool = False) -> Scene:

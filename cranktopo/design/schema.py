@@ -10,6 +10,8 @@ from pydantic import Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.table import LIKE_WEB, SHOWN, Fraction, Length, SceneTable, Weight, WholeNumber
+from cranktopo.design.balancer import BalancerPart
+from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.crank import Crank
 from cranktopo.design.drawing import Drawing
 from cranktopo.design.engine import Engine
@@ -18,6 +20,7 @@ from cranktopo.design.material import Fatigue, Material
 from cranktopo.design.messages import explain, register_root
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.published import Published
+from cranktopo.design.rod import Rod
 from cranktopo.design.shaft import ShaftTable, Supports
 from cranktopo.design.shape import ShapeTable
 from cranktopo.throw.drilling.table import Drilling
@@ -210,6 +213,9 @@ class Scene(SceneTable):
     shaft: ShaftTable | None = None
     crank: Crank | None = None
     bearings: PlainBearings | None = None
+    rod: Rod | None = None
+    balancer: BalancerPart | None = None
+    bolted_joint: tuple[BoltedJoint, ...] = Field(default=(), max_length=64)
     envelope: Envelope | None = None
     """Space that the optimised web may fill, within the web's thickness; needed to optimise."""
     original: Original | None = None

@@ -16,6 +16,7 @@ from cranktopo.base.files import replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
+from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
 
 _Tags = NDArray[np.int64]
 _TRIANGLE = 2
+_FRAME = "y along the throw, origin at the mid-main-journal plane"
+_FRAME_OF_ROD = "y along the rod, origin at the axis of its big end"
 
 
 def _orient_outward(gmsh: Any, faces: list[int]) -> None:
@@ -183,7 +186,12 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
         if part == "second_web":
             occ.rotate(body, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     else:
-        add = {"half": add_half_throw, "throw": add_full_throw, "crankshaft": add_crankshaft}[part]
+        add = {
+            "half": add_half_throw,
+            "throw": add_full_throw,
+            "crankshaft": add_crankshaft,
+            "rod": add_rod,
+        }[part]
         body = add(occ, scene)
     _remove_loose(occ)
     return body
@@ -208,7 +216,7 @@ def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
     version = versions()["cranktopo"] or "unknown version"
     return StepLabel(
         f"{scene.name} {names.get(part, part)}",
-        "mm; z along the crank axis, y along the throw, origin at the mid-main-journal plane",
+        f"mm; z along the crank axis, {_FRAME_OF_ROD if part == 'rod' else _FRAME}",
         "cranktopo",
         version,
         written,

@@ -1,0 +1,68 @@
+"""Consistency of the rod: rings with a wall, bolts in their bosses, a shank between its eyes."""
+
+from __future__ import annotations
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.rod import Rod
+from cranktopo.design.rod_body import fillet
+from cranktopo.design.schema import Scene
+
+_LEAST_WALL_MM = 0.5
+
+
+def rod_of(scene: Scene) -> tuple[Rod, float]:
+    """Return the rod of a design and its length; raises CranktopoError where one of them is missing."""
+    if scene.rod is None or scene.engine is None:
+        missing = "[rod]" if scene.rod is None else "[engine]"
+        raise CranktopoError(
+            f"{scene.name}: {missing} is missing: a rod needs both.",
+            hint="The built-in design mikron-iiic-rod has them: cranktopo designs copy mikron-iiic-rod",
+        )
+    return scene.rod, scene.engine.rod_length_mm
+
+
+def check_rod(scene: Scene) -> None:
+    """Check that the dimensions of the rod give a body."""
+    rod = scene.rod
+    if rod is None:
+        return
+    wall = 2 * _LEAST_WALL_MM
+    hole = rod.bolt_hole_mm
+    least = [
+        ("small_end_diameter_mm", rod.small_end_bore_mm + wall),
+        ("big_end_diameter_mm", rod.big_end_bore_mm + wall),
+        ("bolt_distance_mm", rod.big_end_bore_mm + hole),
+        ("boss_width_mm", rod.bolt_distance_mm + hole + wall),
+        ("small_end_diameter_mm", rod.shank_small_mm),
+        ("big_end_diameter_mm", rod.shank_big_mm),
+        ("small_end_width_mm", rod.shank_width_mm),
+        ("big_end_width_mm", rod.shank_width_mm),
+    ]
+    if rod.bush_thickness_mm:
+        least.append(("small_end_bore_mm", 2 * rod.bush_thickness_mm + wall))
+    if rod.pin is not None:
+        least.append(("small_end_bore_mm", 2 * rod.bush_thickness_mm + rod.pin.bore_diameter_mm + wall))
+    heights = ("shank_small_mm", "shank_big_mm")
+    if rod.shank == "I":
+        least += [("shank_width_mm", rod.web_mm), *((key, 2 * rod.flange_mm) for key in heights)]
+    if rod.shank == "H":
+        least += [("shank_width_mm", 2 * rod.flange_mm), *((key, rod.web_mm) for key in heights)]
+    for key, smallest in least:
+        if getattr(rod, key) < smallest:
+            raise scene.invalid(f"rod.{key}", f"must be at least {smallest:g} mm beside the other dimensions")
+    _check_length(scene, rod)
+
+
+def _check_length(scene: Scene, rod: Rod) -> None:
+    if scene.engine is None:
+        return
+    eyes = (rod.small_end_diameter_mm + rod.big_end_diameter_mm) / 2
+    free = scene.engine.rod_length_mm - eyes
+    if free < _LEAST_WALL_MM:
+        raise scene.invalid("rod.big_end_diameter_mm", f"the eyes leave {free:g} mm of the rod's length")
+    low, high = (fillet(rod, scene.engine.rod_length_mm, small) for small in (False, True))
+    if low and high and low.edge_y_mm > high.edge_y_mm:
+        raise scene.invalid("rod.shank_fillet_mm", "the fillets of both eyes meet: make it smaller")
+    web = {"I": rod.web_mm, "H": rod.web_mm}.get(rod.shank, rod.shank_width_mm)
+    if rod.oil_hole_mm and rod.oil_hole_mm > web - 2 * _LEAST_WALL_MM:
+        raise scene.invalid("rod.oil_hole_mm", f"must leave {_LEAST_WALL_MM:g} mm of the shank's web")

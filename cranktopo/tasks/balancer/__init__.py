@@ -1,0 +1,1 @@
+"""A balancer shaft as a part: statics, bearings, deflection, fatigue."""

@@ -1,0 +1,278 @@
+"""The balancer shaft of a design on its bearings: forces, life, deflection, tilt, fatigue of its notches."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import MM_PER_M, MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_kg_per_mm3
+from cranktopo.design.balancer import BalancerPart, ShaftBearing, ShaftNotch
+from cranktopo.design.material import Material
+from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces
+from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_spring_N_per_mm
+from cranktopo.numerics.stepped_beam import BentBeam, RoundBeam, bend
+from cranktopo.tasks.balancer.notch import notch_stress, size_factor
+from cranktopo.tasks.balancer.result import (
+    BalancerStrength,
+    NotchCheck,
+    ProbeDeflection,
+    ShaftBearingLoad,
+    WeightForce,
+)
+from cranktopo.tasks.bolts.joint import Loads
+from cranktopo.tasks.bolts.result import JointCheck
+from cranktopo.tasks.bolts.stage import check_joint
+from cranktopo.tasks.fatigue.criterion import LocalStress
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.fatigue.safety_field import check_method
+
+_TURN_POINTS = 360
+
+
+@dataclass(frozen=True)
+class _Loaded:
+    """A shaft bent by its masses at the highest speed, and by its gear."""
+
+    scene: Scene
+    part: BalancerPart
+    beam: RoundBeam
+    by_weights: BentBeam
+    by_gear: BentBeam
+
+    @property
+    def material(self) -> Material:
+        return self.part.material or self.scene.material
+
+    def node(self, z_mm: float) -> int:
+        return int(np.abs(self.beam.z_mm - z_mm).argmin())
+
+
+def check_balancer(design: DesignLike) -> BalancerStrength:
+    """Return forces, bearings, deflections and fatigue of a design's balancer shaft.
+
+    Raises:
+        CranktopoError: no balancer shaft, one that its bearings do not hold, a place beyond its ends, or a
+            strength of its material that is missing.
+    """
+    scene = as_scene(design)
+    part = _checked(scene)
+    loaded = _load(scene, part)
+    return BalancerStrength(
+        design=scene.name,
+        speed_rpm=part.max_speed_rpm,
+        mass_kg=_mass_kg(part, loaded.material),
+        gear=_gear(part),
+        weights=tuple(
+            WeightForce(z_mm=w.z_mm, force_N=_force_N(w.unbalance_kg_mm, part.max_speed_rpm), deg=w.deg)
+            for w in part.weight
+        ),
+        bearings=tuple(_bearings(loaded)),
+        largest_deflection_mm=float(
+            (np.abs(loaded.by_weights.deflection_mm) + np.abs(loaded.by_gear.deflection_mm)).max()
+        ),
+        probes=tuple(
+            ProbeDeflection(
+                name=probe.name,
+                z_mm=probe.z_mm,
+                deflection_mm=_both(loaded, "deflection_mm", probe.z_mm),
+                permitted_mm=probe.permitted_mm,
+            )
+            for probe in part.probe
+        ),
+        notches=tuple(_notch(loaded, notch) for notch in part.notch),
+        joints=tuple(_joints(loaded)),
+    )
+
+
+def _checked(scene: Scene) -> BalancerPart:
+    part = scene.balancer
+    if part is None:
+        raise CranktopoError(
+            f"{scene.name}: [balancer] is missing.",
+            hint="The built-in design balancer-shaft has it: cranktopo designs copy balancer-shaft",
+        )
+    if not part.step:
+        raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
+    if len({b.z_mm for b in part.bearing if not _is_thrust(b)}) < 2:
+        raise scene.invalid("balancer.bearing", "needs two radial bearings at different places")
+    for one in part.placed:
+        if not 0 <= one.z_mm <= part.length_mm:
+            raise CranktopoError(
+                f"{scene.name}: balancer: z_mm = {one.z_mm:g} is beyond its ends, 0 and {part.length_mm:g}.",
+                hint="Places count from the end where the first [[balancer.step]] begins.",
+            )
+    for number, step in enumerate(part.step):
+        if step.bore_mm >= step.diameter_mm:
+            raise scene.invalid(f"balancer.step[{number}].bore_mm", "must be less than its diameter_mm")
+    for number, notch in enumerate(part.notch):
+        outer, bore = _section(part, notch.z_mm)
+        low, high = (bore, outer) if notch.kind == "groove" else (0.0, outer / 2)
+        if not low < notch.diameter_mm < high:
+            raise scene.invalid(
+                f"balancer.notch[{number}].diameter_mm", f"must be > {low:g} and < {high:g} mm there"
+            )
+    if part.notch:
+        check_method(scene.model_copy(update={"material": part.material or scene.material}), "lsa")
+    return part
+
+
+def _is_thrust(bearing: ShaftBearing) -> bool:
+    return bearing.roller_bearing is not None and bearing.roller_bearing.kind == "thrust"
+
+
+def _section(part: BalancerPart, z_mm: float) -> tuple[float, float]:
+    """Outer diameter and bore at a place; at a step the thinner side."""
+    ends = np.cumsum([0.0, *(step.length_mm for step in part.step)])
+    at = [s for s, a, b in zip(part.step, ends, ends[1:], strict=False) if a - 1e-9 <= z_mm <= b + 1e-9]
+    thin = min(at, key=lambda step: step.diameter_mm**4 - step.bore_mm**4)
+    return thin.diameter_mm, thin.bore_mm
+
+
+def _spring_N_per_mm(bearing: ShaftBearing) -> float | None:
+    """Return the radial stiffness of a bearing; None where it is rigid."""
+    rollers = bearing.roller_bearing
+    if bearing.spring_N_per_mm is not None or rollers is None:
+        return bearing.spring_N_per_mm
+    return rollers.rollers * roller_spring_N_per_mm(rollers) / 4 * (bearing.roller_length_mm or 1.0)
+
+
+def _force_N(unbalance_kg_mm: float, speed_rpm: float) -> float:
+    return unbalance_kg_mm / MM_PER_M * angular_speed_rad_s(speed_rpm) ** 2
+
+
+def _gear(part: BalancerPart) -> GearForces | None:
+    return gear_forces(part.gear, angular_speed_rad_s(part.max_speed_rpm)) if part.gear else None
+
+
+def _load(scene: Scene, part: BalancerPart) -> _Loaded:
+    material = part.material or scene.material
+    ends = np.cumsum([0.0, *(step.length_mm for step in part.step)])
+    z = np.unique(np.round([*ends, *(one.z_mm for one in part.placed)], 6)).astype(float)
+    middle = (z[1:] + z[:-1]) / 2
+    step = np.searchsorted(ends, middle) - 1
+    outer = np.array([part.step[i].diameter_mm for i in step])
+    inner = np.array([part.step[i].bore_mm for i in step])
+    beam = RoundBeam(z, outer, inner, material.E_GPa * MPA_PER_GPA, material.poisson)
+    nowhere = np.zeros(len(z), dtype=complex)
+    weights, gear, couple = nowhere.copy(), nowhere.copy(), nowhere.copy()
+    for weight in part.weight:
+        force = _force_N(weight.unbalance_kg_mm, part.max_speed_rpm)
+        weights[np.abs(z - weight.z_mm).argmin()] += cmath.rect(force, math.radians(weight.deg))
+    forces = _gear(part)
+    if part.gear and forces:
+        at, out = np.abs(z - part.gear.z_mm).argmin(), cmath.rect(1.0, math.radians(part.gear.deg))
+        gear[at] = out * (-forces.radial_N + 1j * forces.tangential_N)
+        couple[at] = -out * forces.axial_N * part.gear.pitch_radius_mm
+    supports = {
+        int(np.abs(z - b.z_mm).argmin()): _spring_N_per_mm(b) for b in part.bearing if not _is_thrust(b)
+    }
+    return _Loaded(
+        scene, part, beam, bend(beam, supports, weights, nowhere), bend(beam, supports, gear, couple)
+    )
+
+
+def _both(loaded: _Loaded, name: str, z_mm: float) -> float:
+    """Return what masses and gear make at a place when both point in one direction."""
+    node = loaded.node(z_mm)
+    return float(abs(getattr(loaded.by_weights, name)[node]) + abs(getattr(loaded.by_gear, name)[node]))
+
+
+def _bearings(loaded: _Loaded) -> Iterator[ShaftBearingLoad]:
+    for bearing in loaded.part.bearing:
+        thrust, rollers = _is_thrust(bearing), bearing.roller_bearing
+        node = loaded.node(bearing.z_mm)
+        weights = 0j if thrust else loaded.by_weights.reaction_N[node]
+        gear = 0j if thrust else loaded.by_gear.reaction_N[node]
+        forces = _gear(loaded.part)
+        axial = forces.axial_N if thrust and forces else 0.0
+        equivalent, mean_rpm = _equivalent(loaded.part, weights, gear, axial)
+        rating = rollers.dynamic_rating_kN if rollers else None
+        yield ShaftBearingLoad(
+            bearing=rollers.name if rollers else "rigid" if bearing.spring_N_per_mm is None else "spring",
+            z_mm=bearing.z_mm,
+            spring_N_per_mm=None if thrust else _spring_N_per_mm(bearing),
+            weights_N=abs(weights),
+            gear_N=abs(gear),
+            max_N=axial or abs(weights) + abs(gear),
+            tilt_mrad=1e3 * _both(loaded, "slope_rad", bearing.z_mm),
+            equivalent_N=equivalent,
+            life_h=rating_life_h(rating, equivalent, mean_rpm) if rating and equivalent else None,
+        )
+
+
+def _equivalent(part: BalancerPart, weights: complex, gear: complex, axial: float) -> tuple[float, float]:
+    """Return the equivalent force over turn and spectrum, and the mean speed of all turns.
+
+    Masses pull with the square of the speed; the gear's torque stays as it is.
+    """
+    turn = np.exp(2j * np.pi * np.arange(_TURN_POINTS) / _TURN_POINTS)
+    steps = [(s.at_rpm, s.share) for s in part.speed] or [(part.max_speed_rpm, 1.0)]
+    turns = np.array([speed * share for speed, share in steps])
+    loads = [
+        equivalent_load_N(np.abs(weights * (speed / part.max_speed_rpm) ** 2 + gear * turn) + axial)
+        for speed, _ in steps
+    ]
+    repeats = np.maximum(np.round(turns / turns.sum() * 1e5), 1).astype(int)
+    return equivalent_load_N(np.repeat(loads, repeats)), float(turns.sum() / sum(share for _, share in steps))
+
+
+def _notch(loaded: _Loaded, notch: ShaftNotch) -> NotchCheck:
+    outer, bore = _section(loaded.part, notch.z_mm)
+    per_moment, factor, gradient = notch_stress(notch, outer, bore)
+    node = loaded.node(notch.z_mm)
+    steady = float(abs(loaded.by_weights.moment_Nmm[node])) * per_moment
+    turning = float(abs(loaded.by_gear.moment_Nmm[node])) * per_moment
+    size = size_factor(
+        outer if notch.kind == "hole" else notch.diameter_mm, loaded.scene.fatigue.specimen_diameter_mm
+    )
+    largest = steady + turning
+
+    def safety(amplitude: float, mean: float) -> float:
+        stress = LocalStress(np.array([amplitude]), np.array([mean]), np.array([gradient]))
+        return float(lsa(stress, _strength(loaded, size)).safety[0])
+
+    return NotchCheck(
+        name=notch.name,
+        z_mm=notch.z_mm,
+        moment_Nm=largest / per_moment / NMM_PER_NM,
+        concentration=factor,
+        stress_MPa=largest,
+        gradient_per_mm=gradient,
+        size_factor=size,
+        running_safety=safety(turning, steady),
+        starting_safety=safety(largest / 2, largest / 2),
+        reversed_safety=safety(largest, 0.0),
+    )
+
+
+def _strength(loaded: _Loaded, size: float) -> LsaStrength:
+    material, fatigue = loaded.material, loaded.scene.fatigue
+    return LsaStrength(
+        material.fatigue_tension_MPa or 0.0,
+        material.fatigue_bending_MPa or 0.0,
+        material.yield_MPa or 0.0,
+        material.ultimate_MPa or 0.0,
+        fatigue.specimen_diameter_mm,
+        size,
+        fatigue.survival_factor,
+        loaded.part.treatment_factor,
+    )
+
+
+def _joints(loaded: _Loaded) -> Iterator[JointCheck]:
+    for number, weight in enumerate(loaded.part.weight, start=1):
+        if weight.bolt is not None:
+            force = _force_N(weight.unbalance_kg_mm, loaded.part.max_speed_rpm) / weight.bolts
+            yield check_joint(f"weight {number}", weight.bolt, Loads(force), loaded.material)
+
+
+def _mass_kg(part: BalancerPart, material: Material) -> float:
+    volume = sum(math.pi / 4 * s.length_mm * (s.diameter_mm**2 - s.bore_mm**2) for s in part.step)
+    return density_kg_per_mm3(material.density_kg_m3) * volume

@@ -1,0 +1,1 @@
+"""Bolted joints by VDI 2230 and by Shigley."""

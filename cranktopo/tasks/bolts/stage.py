@@ -1,0 +1,74 @@
+"""Every bolted joint of a design, verified."""
+
+from __future__ import annotations
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.bolt import Bolt
+from cranktopo.design.material import Material
+from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.rod_forces import rod_bolt_force_N
+from cranktopo.tasks.bolts.joint import Loads, shigley, vdi_2230
+from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
+
+
+def check_bolts(design: DesignLike) -> BoltChecks:
+    """Return the rod bolt and every joint of `[[bolted_joint]]`, verified by VDI 2230 and by Shigley.
+
+    Raises:
+        CranktopoError: the design has none, or a rod bolt without an engine or gas pressure.
+    """
+    scene = as_scene(design)
+    found = [
+        check_joint(
+            joint.name,
+            joint,
+            Loads(joint.max_force_N, joint.min_force_N, joint.clamp_force_N),
+            scene.material,
+            joint.permitted_pressure_MPa,
+        )
+        for joint in scene.bolted_joint
+    ]
+    rod_bolt = check_rod_bolt(scene)
+    found = [*([rod_bolt] if rod_bolt else []), *found]
+    if not found:
+        raise CranktopoError(
+            f"{scene.name}: has no bolted joint.",
+            hint="Add [[bolted_joint]], one for each kind of bolt, or [rod.bolt].",
+        )
+    return BoltChecks(design=scene.name, joints=tuple(found))
+
+
+def check_rod_bolt(scene: Scene) -> JointCheck | None:
+    """Return one of the two bolts of the rod under the largest pull of inertia; None without one."""
+    if scene.rod is None or scene.rod.bolt is None:
+        return None
+    most, least = rod_bolt_force_N(scene)
+    return check_joint("rod", scene.rod.bolt, Loads(most, least), scene.rod.material or scene.material)
+
+
+def check_joint(
+    name: str, bolt: Bolt, loads: Loads, material: Material, permitted_MPa: float | None = None
+) -> JointCheck:
+    """Return one joint with the smallest of its safeties."""
+    vdi = vdi_2230(bolt, loads, material, permitted_MPa)
+    safeties = {
+        "clamp": vdi.clamp_safety,
+        "yield": vdi.yield_safety,
+        "fatigue": vdi.fatigue_safety,
+        "head pressure": vdi.head_pressure_safety,
+        "thread": vdi.thread_safety,
+    }
+    smallest, governing = min((value, what) for what, value in safeties.items() if value is not None)
+    return JointCheck(
+        name=name,
+        thread=bolt.thread,
+        strength_class=bolt.strength_class,
+        stress_area_mm2=bolt.nominal.stress_area_mm2,
+        max_force_N=loads.max_N,
+        min_force_N=loads.min_N,
+        vdi_2230=vdi,
+        shigley=shigley(bolt, loads, material),
+        smallest_safety=smallest,
+        governing=governing,
+    )

@@ -1,0 +1,1 @@
+"""Analytic strength of the connecting rod and of the piston pin."""

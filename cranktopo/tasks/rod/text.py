@@ -1,0 +1,69 @@
+"""The strength of the rod as tables and text."""
+
+from __future__ import annotations
+
+from cranktopo.base.units import N_PER_KN
+from cranktopo.report.result_table import Column, labelled, tabulate, terminal
+from cranktopo.tasks.bolts.result import BoltChecks
+from cranktopo.tasks.bolts.text import bolts_text
+from cranktopo.tasks.rod.pin import PinCheck
+from cranktopo.tasks.rod.result import Buckling, RodSectionCheck, RodStrength
+
+_SECTIONS: tuple[Column[RodSectionCheck], ...] = (
+    Column("section", 0, lambda s: s.section),
+    Column("place_mm", 1, lambda s: s.place_mm),
+    Column("area_mm2", 1, lambda s: s.area_mm2),
+    Column("push_kN", 2, lambda s: s.push_N / N_PER_KN),
+    Column("pull_kN", 2, lambda s: s.pull_N / N_PER_KN),
+    Column("whip_MPa", 1, lambda s: s.whip_MPa),
+    Column("highest_MPa", 1, lambda s: s.max_MPa),
+    Column("lowest_MPa", 1, lambda s: s.min_MPa),
+    Column("yield", 2, lambda s: s.yield_safety),
+    Column("fatigue", 2, lambda s: s.fatigue_safety),
+)
+_BUCKLING: tuple[Column[Buckling], ...] = (
+    Column("plane", 0, lambda b: b.plane),
+    Column("length_mm", 1, lambda b: b.length_mm),
+    Column("slenderness", 1, lambda b: b.slenderness),
+    Column("euler_kN", 1, lambda b: b.euler_N / N_PER_KN),
+    Column("rankine_kN", 1, lambda b: b.rankine_N / N_PER_KN),
+    Column("stress_MPa", 1, lambda b: b.stress_MPa),
+    Column("yield", 2, lambda b: b.yield_safety),
+)
+
+
+def rod_text(rod: RodStrength) -> str:
+    """Return what `cranktopo rod` prints."""
+    masses = rod.masses
+    speeds = " and ".join(f"{speed:g}" for speed in rod.speeds_rpm)
+    kg = f"{masses.reciprocating_kg:.4f} kg oscillate, {masses.rotating_kg:.4f} kg rotate"
+    rows = (
+        ("mass", f"{masses.total_kg:.4f} kg; {kg}"),
+        ("centre of mass", f"{masses.centre_from_big_end_mm:.2f} mm from the axis of the big end"),
+        ("push of the pin", f"{rod.push_N:,.0f} N at {rod.push_deg:g} deg"),
+        ("pull of the pin", f"{rod.pull_N:,.0f} N at {rod.pull_deg:g} deg"),
+        ("small end", f"held {rod.held_deg:.0f} deg from its crown; bush {rod.bush_pressure_MPa:.1f} MPa"),
+    )
+    parts = [
+        f"{rod.design}: {rod.shank} shank at {speeds} rpm",
+        labelled(rows),
+        f"Stresses over the cycle, tension positive; fatigue by method {rod.method}",
+        terminal(tabulate(_SECTIONS, rod.sections)),
+        "Shank under the largest push, by Navier and Rankine",
+        terminal(tabulate(_BUCKLING, rod.buckling)),
+    ]
+    parts += [_pin(rod.pin)] if rod.pin else []
+    if rod.bolt:
+        parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,))))
+    return "\n\n".join(parts)
+
+
+def _pin(pin: PinCheck) -> str:
+    rows = (
+        ("bending", f"{pin.bending_MPa:.1f} MPa"),
+        ("shear", f"{pin.shear_MPa:.1f} MPa"),
+        ("ovalisation", f"{pin.ovalisation_um:.1f} um, {pin.hoop_MPa:.1f} MPa"),
+        ("pressure in the eye", f"{pin.eye_pressure_MPa:.1f} MPa"),
+        ("pressure in the bosses", f"{pin.boss_pressure_MPa:.1f} MPa"),
+    )
+    return f"Piston pin under {pin.force_N:,.0f} N\n\n{labelled(rows)}"

@@ -1,0 +1,59 @@
+"""The command `balancer` as a user runs it."""
+
+import json
+
+import pytest
+
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder
+
+TEXT = (designs_folder() / "balancer-shaft.toml").read_text(encoding="utf-8")
+
+
+def run(capsys, *args):
+    code = main(["balancer", *args])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def test_text_and_json_tell_the_same(capsys):
+    code, text, _ = run(capsys)
+    assert code == 0
+    assert "spline  269.0      0.0430     0.0500" in text
+    _, out, _ = run(capsys, "--json")
+    assert json.loads(out)["probes"][0]["deflection_mm"] == pytest.approx(0.043, abs=1e-4)
+
+
+def test_too_much_deflection_and_bolts_are_told(capsys, tmp_path):
+    design = tmp_path / "b.toml"
+    bolt = 'unbalance_kg_mm = 45.268\n[balancer.weight.bolt]\nthread = "M8"\ngrip_mm = 20.0'
+    strict = TEXT.replace("permitted_mm = 0.05", "permitted_mm = 0.025")
+    design.write_text(strict.replace("unbalance_kg_mm = 45.268", bolt))
+    code, text, err = run(capsys, str(design))
+    assert code == 0, err
+    assert "More than permitted: spline." in text
+    assert "weight 1  M8 10.9" in text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("z_mm = 269.0", "z_mm = 369.0", "beyond its ends"),
+        ("z_mm = 193.0", "z_mm = 32.0", "two radial bearings"),
+        ("diameter_mm = 23.0", "diameter_mm = 26.0", "balancer.notch[0].diameter_mm"),
+        ("diameter_mm = 25.0", "diameter_mm = 25.0\nbore_mm = 25.0", "balancer.step[2].bore_mm"),
+    ],
+)
+def test_shafts_that_are_none(capsys, tmp_path, old, new, line):
+    assert old in TEXT
+    design = tmp_path / "b.toml"
+    design.write_text(TEXT.replace(old, new))
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert line in err
+
+
+def test_a_design_without_a_balancer_shaft(capsys):
+    code, _, err = run(capsys, "mikron-iiic-plain")
+    assert code == 3
+    assert "[balancer] is missing" in err

@@ -1,0 +1,70 @@
+"""The command `rod` as a user runs it, and the rod's solid."""
+
+import json
+
+import pytest
+
+from cranktopo.app.main import main
+from cranktopo.design.loading import designs_folder
+
+TEXT = (designs_folder() / "mikron-iiic-rod.toml").read_text(encoding="utf-8")
+
+
+def run(capsys, *args):
+    code = main([*args])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def test_text_and_json_tell_the_same(capsys):
+    code, text, _ = run(capsys, "rod")
+    assert code == 0
+    assert "0.4690 kg; 0.1436 kg oscillate, 0.3254 kg rotate" in text
+    code, out, _ = run(capsys, "rod", "--json")
+    data = json.loads(out)
+    assert data["buckling"][0]["yield_safety"] == pytest.approx(2.15, abs=0.005)
+    assert {s["section"] for s in data["sections"]} >= {"eye, crown", "mid-shank", "cap", "big end"}
+    assert data["bolt"]["name"] == "rod"
+
+
+def test_its_bolts_are_told_by_bolts_too(capsys):
+    code, out, _ = run(capsys, "bolts", "mikron-iiic-rod", "--json")
+    assert code == 0
+    assert json.loads(out)["joints"][0]["name"] == "rod"
+
+
+def test_its_masses_are_those_of_the_loads(capsys):
+    _, out, _ = run(capsys, "balance", "mikron-iiic-rod", "--json")
+    assert not [a for a in json.loads(out)["assumed"] if "rod_" in a["key"]]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("bolt_distance_mm = 62.0", "bolt_distance_mm = 50.0", "rod.bolt_distance_mm"),
+        ("boss_width_mm = 71.9", "boss_width_mm = 65.0", "rod.boss_width_mm"),
+        ("small_end_bore_mm = 24.0", "small_end_bore_mm = 39.0", "rod.small_end_diameter_mm"),
+        ("shank_fillet_mm = 30.0", "shank_fillet_mm = 300.0", "rod.shank_fillet_mm"),
+        ("rod_length_mm = 166.0", "rod_length_mm = 51.0", "rod.big_end_diameter_mm"),
+    ],
+)
+def test_dimensions_that_give_no_body(capsys, tmp_path, old, new, key):
+    assert old in TEXT
+    design = tmp_path / "rod.toml"
+    design.write_text(TEXT.replace(old, new))
+    code, _, err = run(capsys, "rod", str(design))
+    assert code == 3
+    assert key in err
+
+
+def test_a_design_without_a_rod(capsys):
+    code, _, err = run(capsys, "rod", "mikron-iiic-plain")
+    assert code == 3
+    assert "[rod] is missing" in err
+
+
+def test_its_solid_is_written_and_read_back(capsys, tmp_path):
+    file = tmp_path / "rod.step"
+    code, out, _ = run(capsys, "export", "mikron-iiic-rod", str(file), "--part", "rod")
+    assert code == 0, out
+    assert "mikron-iiic-rod rod" in file.read_text()
