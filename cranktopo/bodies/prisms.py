@@ -9,6 +9,7 @@ from functools import reduce
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType, Manifold, Mesh
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
@@ -18,7 +19,8 @@ from cranktopo.throw.drilling.outlet import DrillOutlet, across, ring_points
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.envelope import BoxEnvelope, CylinderEnvelope, OutlineEnvelope, StlEnvelope
 from cranktopo.throw.journal import Journal
-from cranktopo.throw.web import kept_bodies
+from cranktopo.throw.primitives import Cylinder
+from cranktopo.throw.web import kept_bodies, kept_holes
 
 _CHORD_ERROR_MM = 0.002
 _BEYOND_MM = 1.0
@@ -61,14 +63,27 @@ def web_bores(scene: Scene) -> Manifold:
     return sum(bores, drillings(scene))
 
 
+def feature_holes(scene: Scene) -> Manifold:
+    """Return the holes of features that no optimiser fills, each as its tool."""
+    solids = (solid for body in kept_holes(scene) for solid in body.solids())
+    holes = (_hole(np.array(s.start), np.array(s.axis), s.radius) for s in solids if isinstance(s, Cylinder))
+    return sum(holes, Manifold())
+
+
+def _hole(start: Array, axis: Array, radius_mm: float) -> Manifold:
+    """Return a cylinder about any axis, from the middle of its first end."""
+    length = float(np.linalg.norm(axis))
+    hole = Manifold.cylinder(length, radius_mm, radius_mm, segments(radius_mm))
+    return hole.transform(np.column_stack([*across(axis / length), axis / length, start]))
+
+
 def drillings(scene: Scene) -> Manifold:
     """Return what the oil drillings take out of the half throw, with the roundings of their outlets."""
     drilled = Manifold()
     for bore in drill_bores(scene):
         (low, high), along, radius = bore.extent_mm, bore.direction, bore.radius_mm
         start = np.array(bore.outlets[0].point_mm) + low * along
-        hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
-        drilled += hole.transform(np.column_stack([*across(along), along, start]))
+        drilled += _hole(start, (high - low) * along, radius)
         rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm)
         drilled += sum((_outlet_ring(radius, outlet) for outlet in rounded), Manifold())
     return drilled

@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X, Y, Z
-from cranktopo.bodies.prisms import envelope_holes, journal_ends, web_bores, web_region
+from cranktopo.bodies.prisms import (
+    envelope_holes,
+    feature_holes,
+    journal_ends,
+    kept_solid,
+    web_bores,
+    web_region,
+)
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, solid_of
@@ -89,7 +96,7 @@ def undercuts(web: SurfaceMesh, scene: Scene, step_mm: float, way: Withdrawal | 
     """Return what the scene's process, or another way, would leave behind; drilled holes are filled."""
     way = way or withdrawal_of(scene)
     body = solid_of(web, "web")
-    filled = body + web_bores(scene) + envelope_holes(scene)
+    filled = body + web_bores(scene) + envelope_holes(scene) + (feature_holes(scene) ^ kept_solid(scene))
     voids = _beyond_mills if way.axis is None else _held_back
     met, lengths, area, at_mm = voids(body, filled, web, scene, way, step_mm)
     caught = int((lengths > _TOUCH_MM).any(axis=1).sum())

@@ -26,25 +26,39 @@ _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 
 
 def bolted_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
-    """Return mass moments of a counterweight bolted to one web, kg and mm; all 0 without one."""
+    """Return mass moments of what is fastened to one web, kg and mm: a counterweight bolted on, plugs."""
     weight = scene.web.counterweight
-    return counterweight_mass(scene, before_z_mm) if weight is not None and weight.bolted else _NOTHING
+    if weight is None:
+        return _NOTHING
+    return counterweight_mass(scene, before_z_mm) if weight.bolted else _plug_mass(scene, before_z_mm)
+
+
+def _plug_mass(scene: Scene, before_z_mm: float | None) -> Moments:
+    """Return mass moments of the plugs of a counterweight that is there; full cylinders, each in its hole."""
+    weight, total = scene.web.counterweight, _NOTHING
+    assert weight is not None
+    for plug, hole in zip(weight.plug, weight.holes(scene), strict=False):
+        arm = 1.0 if before_z_mm is None else before_z_mm - sum(hole.z_mm) / 2
+        total = total + Moments(*plug.moments()).times(arm * density_kg_per_mm3(plug.density_kg_m3))
+    return total
 
 
 @lru_cache(maxsize=16)
 def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moments:
     """Return mass moments of what a counterweight adds to one web, kg and mm; all 0 without one.
 
-    What of it lies within the web is the web's, and what a pocket cuts is neither's.
+    What of it lies within the web is the web's, and what a pocket cuts is neither's; its plugs are its own.
     """
     weight = scene.web.counterweight
     if weight is None:
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
     bodies = web_bodies(bare)
-    added = body_moments([*bodies, *weight.parts(scene)], before_z_mm)
-    added = added + body_moments(bodies, before_z_mm).times(-1.0)
-    return added.times(density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3))
+    added = body_moments([*bodies, *weight.parts(scene), *weight.holes(scene)], before_z_mm)
+    added = (added - body_moments(bodies, before_z_mm)).times(
+        density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3)
+    )
+    return added + _plug_mass(scene, before_z_mm)
 
 
 def half_throw_volume_mm3(scene: Scene) -> float:

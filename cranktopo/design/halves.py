@@ -113,8 +113,15 @@ def _asymmetry(scene: Scene) -> str:
 
 
 def envelope_asymmetry(scene: Scene) -> str:
-    """Key of an envelope or drilling that is not symmetric in x, or not known to be; empty for none."""
-    return (scene.envelope.asymmetry if scene.envelope else "") or drilling_asymmetry(scene)
+    """Key of an envelope, drilling or kept feature not symmetric in x, or not known to be; empty for none."""
+    own = scene.envelope.asymmetry if scene.envelope else ""
+    return own or drilling_asymmetry(scene) or kept_asymmetry(scene)
+
+
+def kept_asymmetry(scene: Scene) -> str:
+    """Key of the first feature without a mirrored twin whose bodies no optimiser changes; empty for none."""
+    kept = ((key, one) for key, one in scene.web.features() if one.occupied(scene, key))
+    return next((key for key, feature in kept if feature.mirrored() != feature), "")
 
 
 def mirror_image(scene: Scene) -> Scene:

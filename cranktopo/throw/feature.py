@@ -74,6 +74,8 @@ Mask = NDArray[np.bool_]
 Face = Literal["journal", "pin"]
 Reach = tuple[str, object, tuple[Array, Array]]
 """A key path, its value, and points (|x|, y) that it reaches to, mm."""
+ExactMoments = tuple[float, float, float, float]
+"""Volume of a body, mm3, integrals of x and y over it, mm4, and of x2 + y2, mm5."""
 _SHOULDER_MM, _SHOULDER_SHARE = 0.1, 1 / 420
 """Least flat web face beyond a fillet, and that over the thinner journal's diameter; the smaller counts."""
 SMALLEST, SMALLEST_FILLET = 1 / 500, 1 / 5000
@@ -91,13 +93,16 @@ def least_shoulder_mm(throw: JournalsView) -> float:
 class Body(ABC):
     """A body that a feature adds to the web or takes from it; z counts from the mid-main-journal plane.
 
-    No optimiser takes away one that is `kept`: a prism with one interval at each place.
+    No optimiser takes away one that is `kept`, a prism with one interval at each place, nor fills such a
+    hole, which is round.
     """
 
     key: str
     z_mm: tuple[float, float]
     adds: ClassVar[bool] = False
     kept: ClassVar[bool] = False
+    drilled: ClassVar[bool] = False
+    """True of a hole that lies wholly in material and across the crank axis: cells are drilled with it."""
 
     @abstractmethod
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
@@ -125,6 +130,13 @@ class Body(ABC):
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
         """Heights at which its lateral interval has kinks, by place along the throw and the outline there."""
         return [np.full(y_mm.shape, z) for z in self.z_mm]
+
+    def exact_moments(self) -> ExactMoments | None:
+        """Return what a hole takes out of material that holds all of it; None for quadrature by sections.
+
+        It must be symmetric about the middle of its heights.
+        """
+        return None
 
     @property
     def changing_z_mm(self) -> tuple[tuple[float, float], ...]:

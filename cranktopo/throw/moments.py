@@ -55,15 +55,22 @@ class Moments:
 
 def body_moments(bodies: Sequence[Body], before_z_mm: float | None = None) -> Moments:
     """Return the moments of what bodies leave; with a height, weighted by the distance before it, mm."""
+    exact = [(body, body.exact_moments()) for body in bodies]
+    rest = [body for body, found in exact if found is None]
 
     def slices(y: Array) -> Array:
-        heights, weights = _heights(bodies, y)
+        heights, weights = _heights(rest, y)
         if before_z_mm is not None:
             weights = weights * (before_z_mm - heights)
-        values = _moments_at(bodies, y[:, None], heights)
+        values = _moments_at(rest, y[:, None], heights)
         return np.asarray((values * weights[..., None]).sum(axis=1))
 
-    return Moments(*integrate(slices, _breaks(bodies)).tolist())
+    total = Moments(*integrate(slices, _breaks(rest)).tolist())
+    for body, found in exact:
+        if found is not None:
+            arm = 1.0 if before_z_mm is None else before_z_mm - sum(body.z_mm) / 2
+            total = total - Moments(*found).times(arm)
+    return total
 
 
 def body_section_moments(bodies: Sequence[Body], z_mm: float) -> Moments:

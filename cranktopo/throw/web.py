@@ -142,7 +142,12 @@ def _feature_bodies(scene: ThrowView) -> list[Body]:
 
 def kept_bodies(scene: ThrowView) -> tuple[Body, ...]:
     """Return the bodies of features that no optimiser takes away."""
-    return tuple(body for body in _feature_bodies(scene) if body.kept)
+    return tuple(body for body in _feature_bodies(scene) if body.kept and body.adds)
+
+
+def kept_holes(scene: ThrowView) -> tuple[Body, ...]:
+    """Return the holes of features that no optimiser fills."""
+    return tuple(body for body in _feature_bodies(scene) if body.kept and not body.adds)
 
 
 def check_inside(scene: ThrowView, section: Section, z_mm: float | None = None) -> None:

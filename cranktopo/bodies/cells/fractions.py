@@ -8,8 +8,9 @@ that none takes away: at each height a section like any other, which changes alo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -21,9 +22,11 @@ from cranktopo.bodies.cells.grid import CellGrid
 from cranktopo.bodies.cells.layers import AxialLayer
 from cranktopo.bodies.envelope_file import envelope_section
 from cranktopo.design.schema import Scene
+from cranktopo.throw.counterweight.holes import RadialHole
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.moments import gauss_rule
+from cranktopo.throw.web import web_bodies
 
 _PARTS = 4
 """Parts of a cell along the throw to begin with."""
@@ -121,12 +124,14 @@ def drill_cells(
     scene: Scene, grid: CellGrid, layers: Sequence[AxialLayer], fractions: dict[str, Array]
 ) -> dict[str, Array]:
     """Return the cells' fractions after drilling; raises CranktopoError where one leaves the envelope."""
-    found = drill_bores(scene)
-    if not found:
+    bores = drill_bores(scene)
+    holes = [body for body in web_bodies(scene) if isinstance(body, RadialHole)]
+    if not bores and not holes:
         return fractions
     if any(layer.design for layer in layers):
-        for bore in found:
+        for bore in bores:
             _check_held(scene, bore)
+    found = [*map(_tool_of_bore, bores), *map(_tool_of_hole, holes)]
     drilled = {kind: fraction.copy() for kind, fraction in fractions.items()}
     for layer in layers:
         for slab in _slabs(grid, found, layer.z_mm):
@@ -134,6 +139,30 @@ def drill_cells(
                 drilled[kind][slab.x, slab.y, slab.cells] += gained
     # Rounding must leave neither void nor solid that is not there.
     return {kind: np.where(fraction < _ROUNDING, 0.0, fraction) for kind, fraction in drilled.items()}
+
+
+_Box = Callable[[tuple[float, float]], tuple[Array, Array]]
+"""Least and largest x, y and z between two heights."""
+_ALL = -math.inf, math.inf
+
+
+@dataclass(frozen=True)
+class _Tool:
+    """What is drilled out of the cells, with the wall around it that stays, and boxes around either."""
+
+    hole: Section
+    wall: Section
+    boxes: tuple[_Box, ...]
+
+
+def _tool_of_bore(bore: DrillBore) -> _Tool:
+    radii = bore.radius_mm, bore.wall_mm
+    hole, wall = map(bore.section, radii)
+    return _Tool(hole, wall, tuple(partial(bore.box_mm, radius) for radius in radii))
+
+
+def _tool_of_hole(hole: RadialHole) -> _Tool:
+    return _Tool(hole.spans, hole.spans, (hole.box_mm,))
 
 
 @dataclass(frozen=True)
@@ -146,10 +175,10 @@ class _Slab:
     y: slice
     cells: int
 
-    def gains(self, grid: CellGrid, found: Sequence[DrillBore], layer: AxialLayer) -> dict[str, Array]:
+    def gains(self, grid: CellGrid, found: Sequence[_Tool], layer: AxialLayer) -> dict[str, Array]:
         """Return what is added to each kind of fraction in its cells, negative where it is taken away."""
-        hole = together(*(bore.section(bore.radius_mm) for bore in found))
-        wall = together(*(bore.section(bore.wall_mm) for bore in found))
+        hole = together(*(tool.hole for tool in found))
+        wall = together(*(tool.wall for tool in found))
         kinds = {kind: section for kind, section in layer.sections.items() if kind != "design_fraction"}
         known = {section: self._fractions(grid, common(section, hole)) for section in {*kinds.values()}}
         gains = {kind: -known[section] for kind, section in kinds.items()}
@@ -164,15 +193,15 @@ class _Slab:
         return slab_fractions(x, y, self.z_mm, section) * self.share
 
 
-def _slabs(grid: CellGrid, found: Sequence[DrillBore], z_mm: tuple[float, float]) -> Iterator[_Slab]:
-    tools = [(bore, radius) for bore in found for radius in (bore.radius_mm, bore.wall_mm)]
-    ends = [float(end[2]) for bore, radius in tools for end in bore.box_mm(radius)]
+def _slabs(grid: CellGrid, found: Sequence[_Tool], z_mm: tuple[float, float]) -> Iterator[_Slab]:
+    boxes = [box for tool in found for box in tool.boxes]
+    ends = [float(end[2]) for box in boxes for end in box(_ALL)]
     low, high = max(z_mm[0], min(ends)), min(z_mm[1], max(ends))
     planes = sorted({low, high, *(z for z in (*grid.z_mm.tolist(), *ends) if low < z < high)})
     for start, end in pairwise(planes if low < high else ()):
         cells = int(np.searchsorted(grid.z_mm, (start + end) / 2)) - 1
         share = (end - start) / float(grid.z_mm[cells + 1] - grid.z_mm[cells])
-        corners = np.array([bore.box_mm(radius, (start, end)) for bore, radius in tools])
+        corners = np.array([box((start, end)) for box in boxes])
         first, last = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
         x, y = (_cells(nodes, first[i], last[i]) for i, nodes in enumerate((grid.x_mm, grid.y_mm)))
         yield _Slab((start, end), share, x, y, cells)

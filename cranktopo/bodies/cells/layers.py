@@ -25,7 +25,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.feature import Body
 from cranktopo.throw.journal import Journal
-from cranktopo.throw.web import check_inside, kept_bodies, web_bodies, web_spans
+from cranktopo.throw.web import check_inside, kept_bodies, kept_holes, web_bodies, web_spans
 
 ORIGINAL_KEY = "original.file"
 GridContent = Literal["envelope", "web"]
@@ -58,7 +58,7 @@ class AxialLayer:
 
 
 def half_throw_layers(scene: Scene, target: GridContent) -> list[AxialLayer]:
-    """Return the layers along z: main journal, web (cut where its section changes), crankpin."""
+    """Return the layers along z: main journal, web (cut where its section changes), crankpin; undrilled."""
     start, stop = scene.web_z_mm
     pin_shape = _annulus(scene.throw.crankpin, scene.throw.radius_mm)
     layers = [AxialLayer((0.0, start), _annulus(scene.throw.main_journal, 0.0), None, None, None)]
@@ -75,7 +75,7 @@ def _annulus(journal: Journal, y_mm: float) -> Section:
 def _own_web(scene: Scene) -> list[AxialLayer]:
     if scene.original is not None:
         return _body_from_file(scene, envelope_from_file(Path(scene.original.file), key=ORIGINAL_KEY))
-    bodies = web_bodies(scene)
+    bodies = [body for body in web_bodies(scene) if not body.drilled]
     section, changing = _section(bodies), [ends for body in bodies for ends in body.changing_z_mm]
     cuts = [z for ends in (*changing, *(body.z_mm for body in bodies)) for z in ends]
     return [
@@ -104,16 +104,17 @@ def _design_space(scene: Scene) -> list[AxialLayer]:
     bores = [
         disc_section(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0
     ]
-    kept, found = kept_bodies(scene), []
+    kept, holes, found = kept_bodies(scene), [hole for hole in kept_holes(scene) if not hole.drilled], []
     heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
-    for z in _ranges_mm(scene, [*heights, *(z for body in kept for z in body.z_mm)]):
+    for z in _ranges_mm(scene, [*heights, *(z for body in (*kept, *holes) for z in body.z_mm)]):
         middle = sum(z) / 2
         if low < middle < high:
             outline = _turning_free(scene, envelope_section(envelope, middle))
             check_inside(scene, outline, middle)
-            web = section_difference(outline, *bores)
+            cuts = [*bores, *(hole.spans for hole in holes if hole.z_mm[0] < middle < hole.z_mm[1])]
+            web = section_difference(outline, *cuts)
             here = [body for body in kept if body.z_mm[0] < middle < body.z_mm[1]]
-            passive = section_difference(_section(here), *bores) if here else None
+            passive = section_difference(_section(here), *cuts) if here else None
             design = section_difference(web, passive) if passive else web
             found.append(AxialLayer(z, passive=passive, design=design, pin=None, web=web))
             continue

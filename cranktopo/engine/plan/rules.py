@@ -265,9 +265,10 @@ def centrifugal(context: PlanningContext) -> Estimate:
     speed = context.top_speed_rpm
     throw, pull = context.rotating(speed).throw_N, context.overspeed_pull_N
     weight = context.scene.web.counterweight
-    left_out = (
-        ", the bolted counterweight's own pull left out" if weight is not None and weight.bolted else ""
-    )
+    fastened = weight is not None and [
+        name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
+    ]
+    left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
     forces = f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm{left_out}"
     return _case(context, "centrifugal", forces)
 

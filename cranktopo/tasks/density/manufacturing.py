@@ -36,6 +36,7 @@ from cranktopo.numerics.filters.processes import (
     reachable,
 )
 from cranktopo.tasks.density.material import web_cell_mm
+from cranktopo.throw.web import kept_holes
 
 LEAST_CELLS = 2.0
 """Cells that the least member or gap must span."""
@@ -194,7 +195,8 @@ def parting_of(domain: Domain, axis: int = X) -> Parting:
 def open_cells(scene: Scene, domain: Domain) -> Cells:
     """Return the web's cells (nx, ny, nw) that are no obstacle: designable, in a bore or in a journal.
 
-    Bores and holes through the envelope along the crank axis are drilled after forging or casting.
+    Bores, holes of features, and holes through the envelope along the crank axis are drilled after forging
+    or casting.
     """
     first, last = domain.web_layers
     x, y, z = centres_mm(domain)
@@ -206,7 +208,10 @@ def open_cells(scene: Scene, domain: Domain) -> Cells:
         holds(polygon_section(contours)(y, np.full_like(y, height)), x[:, None])
         for contours, height in zip(through_holes(scene, z.tolist()), z, strict=True)
     ]
-    return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1)
+    drilled = np.zeros((len(x), len(y), len(z)), bool)
+    for body in kept_holes(scene):
+        drilled |= holds(body.spans(y[None, :, None], z[None, None, :]), x[:, None, None])
+    return filled[:, :, first:last] | bored[:, :, None] | np.stack(holes, axis=-1) | drilled
 
 
 def _die(scene: Scene, domain: Domain) -> ForgingConstraint:

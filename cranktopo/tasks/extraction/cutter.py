@@ -22,6 +22,7 @@ from cranktopo.bodies.cells.grid import DensityGrid, is_x_symmetric
 from cranktopo.bodies.prisms import (
     ON_MIRROR_MM,
     envelope_solid,
+    feature_holes,
     is_mirror_image,
     journal_stubs,
     kept_solid,
@@ -29,6 +30,7 @@ from cranktopo.bodies.prisms import (
     web_bores,
 )
 from cranktopo.bodies.undercuts import Withdrawal, withdrawal_of
+from cranktopo.design.halves import kept_asymmetry
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.extraction.isosurface import FineField, iso_solid, resample, unsmoothed_solid
@@ -168,8 +170,9 @@ def build_cutter(
     """Return the exact solids that bound the web."""
     envelope = envelope_solid(scene, grid)
     fields = [field for field in (solid_fraction, smooth) if field is not None]
-    symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope)
-    return Cutter(envelope, web_bores(scene), journal_stubs(scene) + kept_solid(scene), symmetric)
+    symmetric = is_x_symmetric(grid, *fields) and is_mirror_image(envelope) and not kept_asymmetry(scene)
+    bores = web_bores(scene) + feature_holes(scene)
+    return Cutter(envelope, bores, journal_stubs(scene) + kept_solid(scene), symmetric)
 
 
 def fine_field(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from pydantic import Field
@@ -14,6 +14,8 @@ from typing_extensions import override
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length
+from cranktopo.throw.counterweight.checks import check_holes
+from cranktopo.throw.counterweight.holes import AxialHole, BalancingHole, DrilledHole, Plug, RadialHole
 from cranktopo.throw.counterweight.sector import CornerFillet, Sector
 from cranktopo.throw.counterweight.tangent_circle import (
     OutlineSection,
@@ -60,6 +62,8 @@ class Counterweight(Feature):
     """Radius of the fillet between each flank and the side of the web; left out: a sharp corner."""
     density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
     """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""
+    plug: tuple[Plug, ...] = ()
+    hole: tuple[BalancingHole, ...] = ()
 
     @property
     def bolted(self) -> bool:
@@ -76,6 +80,16 @@ class Counterweight(Feature):
         sector = self.sector(scene, key)
         circle = self.circle(scene)
         return (sector,) if circle is None else (sector, CornerFillet(key, sector.z_mm, circle))
+
+    def drilled(self) -> Iterator[tuple[str, DrilledHole]]:
+        """Yield its plugs and balancing holes, each with its key in the table."""
+        yield from ((f"plug[{index}]", plug) for index, plug in enumerate(self.plug))
+        yield from ((f"hole[{index}]", hole) for index, hole in enumerate(self.hole))
+
+    def holes(self, scene: ThrowView, key: str = "web.counterweight") -> tuple[AxialHole | RadialHole, ...]:
+        """Return what is drilled out of it."""
+        sector = self.sector(scene, key)
+        return tuple(one.body(sector, self.face, f"{key}.{name}") for name, one in self.drilled())
 
     def circle(self, scene: ThrowView) -> TangentCircle | None:
         """Return the circle of its fillets; None without."""
@@ -100,7 +114,7 @@ class Counterweight(Feature):
 
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
-        return () if self.bolted else self.parts(scene, key)
+        return () if self.bolted else (*self.parts(scene, key), *self.holes(scene, key))
 
     @override
     def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
@@ -131,6 +145,10 @@ class Counterweight(Feature):
                 "Enlarge it, or remove the counterweight.",
             )
         self._check_fillet(scene, key)
+        for name, hole in self.drilled():
+            found = hole.check(self.sector(scene, key))
+            if found is not None:
+                raise scene.invalid(f"{key}.{name}.{found[0]}", found[1], "Change or move it.")
 
     def _check_fillet(self, scene: ThrowView, key: str) -> None:
         if self.fillet_mm is None:
@@ -170,12 +188,22 @@ class Counterweight(Feature):
                     f"{path}: runs into {key}, which is wider than the web's outline there.",
                     hint="Move the pocket toward the crankpin, or narrow the counterweight.",
                 )
+        check_holes(scene, key, self.parts(scene, key), self.holes(scene, key), self.bolted)
+
+    @override
+    def mirrored(self) -> Self:
+        """Its mirror image in x = 0; itself where each of its holes has its own there."""
+        found = {name: tuple(one.mirrored() for one in getattr(self, name)) for name in ("plug", "hole")}
+        same = all(set(turned) == set(getattr(self, name)) for name, turned in found.items())
+        return self if same else self.model_copy(update=found)
 
     @override
     def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:
         yield f"{key}.outer_radius_mm", self.outer_radius_mm, SMALLEST
         yield f"{key}.thickness_mm", self.thickness_mm or 0.0, SMALLEST
         yield f"{key}.fillet_mm", self.fillet_mm or 0.0, SMALLEST_FILLET
+        for name, hole in self.drilled():
+            yield f"{key}.{name}.diameter_mm", hole.diameter_mm, SMALLEST
 
     @override
     def drawing(self, scene: ThrowView) -> FeatureDrawing:
@@ -183,20 +211,28 @@ class Counterweight(Feature):
         right = list(zip(x.tolist(), y.tolist(), strict=True))
         middle = (0.0, max(0.0, float(y[-1])) if self.fillet_mm else 0.0)
         edge = (middle, *((-a, b) for a, b in right[::-1]), *right)
-        numbers = self.model_dump(exclude={"face", "density_kg_m3"}, exclude_none=True)
+        numbers = self.model_dump(exclude={"face", "density_kg_m3", "plug", "hole"}, exclude_none=True)
         title = (
             "COUNTERWEIGHT"
             if self.thickness_mm is None
             else f"COUNTERWEIGHT, flush with the {self.face} face"
         )
         part = f"   bolted on, {self.density_kg_m3:g} kg/m³" if self.bolted else ""
+        holes, sector = [hole for _, hole in self.drilled()], self.sector(scene)
         lines = (*number_lines(title, numbers), *filter(None, [part]))
+        lines = (*lines, *(line for hole in holes for line in hole.lines()))
         corner = (float(self.edge_mm(scene)[0][_SAMPLES - 1]), float(self.edge_mm(scene)[1][_SAMPLES - 1]))
         named = (
             (right[_DRAWN // 3], f"R{self.outer_radius_mm:g}"),
             (corner, f"2 × {self.half_angle_deg:g}°"),
         )
-        return FeatureDrawing(added=edge, lines=lines, named=named)
+        return FeatureDrawing(
+            front=tuple(hole.stroke(sector) for hole in holes),
+            added=edge,
+            lines=lines,
+            places=tuple(place for hole in holes for place in hole.places),
+            named=named,
+        )
 
 
 @lru_cache(maxsize=16)
