@@ -40,7 +40,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 }
 """Jobs, with the options that the page may give them."""
 RESUMABLE = ("optimise", "shape", "sweep")
-_PARTLY = (0, 5, 6)
+PARTLY = (0, 5, 6)
 """Exit codes with a result."""
 
 
@@ -94,7 +94,7 @@ class Job:
         code = self.code
         if code is None:
             return "running" if self.alive else "stopped"
-        return "done" if code in _PARTLY else "stopped" if code in (130, -2) else "failed"
+        return "done" if code in PARTLY else "stopped" if code in (130, -2) else "failed"
 
     @property
     def command(self) -> str:

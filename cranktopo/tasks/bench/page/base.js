@@ -23,6 +23,8 @@ export const words = (name) => name.replace(/_(mm|deg|kg|kg_m3|MPa|GPa|rpm|N|Nm|
 
 export const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : typeof value === "string" ? value : JSON.stringify(value));
 
+export const lower = (label) => (/^[A-Z][A-Z]/.test(label) ? label : label[0].toLowerCase() + label.slice(1));
+
 export const unitOf = (key) => (key.endsWith("_deg") ? "deg" : "mm");
 
 export const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));

@@ -10,6 +10,11 @@ export function showBegin(message) {
   $("built-in").replaceChildren(...message.designs.map(open));
 }
 
+export function showMaterials(names) {
+  $("questions").elements.material.replaceChildren(...names.map((name) => make("option", { selected: name === "42CrMo4" }, name)));
+  $("materials").replaceChildren(...names.map((name) => make("option", { value: name })));
+}
+
 export function beginForm() {
   const form = $("questions"), usual = { single: 1, "in-line": 4, V: 8, boxer: 4 };
   form.querySelector("fieldset").append(
@@ -21,7 +26,7 @@ export function beginForm() {
     const answers = {};
     for (const [name, text] of new FormData(form)) {
       if (!text.trim()) continue;
-      const number = name === "layout" || name === "name" ? text.trim() : numberOf(text);
+      const number = ["layout", "name", "material"].includes(name) ? text.trim() : numberOf(text);
       if (number === null) return complain(`${name}: '${text}' is no number.`);
       answers[name] = number;
     }

@@ -1,6 +1,6 @@
 // The page of the bench: what the server tells, and what each part shows of it.
 import { $, make } from "./base.js";
-import { beginForm, showBegin } from "./begin.js";
+import { beginForm, showBegin, showMaterials } from "./begin.js";
 import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
@@ -12,7 +12,10 @@ import { outForms, showJobs } from "./work.js";
 
 function hear(message) {
   const act = {
-    reference: () => (state.reference = message.tables),
+    reference: () => {
+      state.reference = message.tables;
+      showMaterials(message.materials);
+    },
     state: () => hearState(message),
     live: () => hearLive(message),
     original: () => hearOriginal(message),
@@ -44,8 +47,12 @@ function hearState(message) {
     $("write").elements.name.value = project.name;
     $("hint").hidden = localStorage.getItem("cranktopo-hint") === "seen";
   }
+  if (!before || before.at !== project.at) state.refit = true;
   if (!before || before.name !== project.name || before.at !== project.at || before.steps[before.at].file !== project.steps[project.at].file)
+    {
     Object.assign(state, { fresh: false, settledPicture: null, dragging: false });
+    status("Solving");
+  }
   showForms();
   showHistory();
   showVariants();
@@ -58,7 +65,10 @@ function hearLive(message) {
   if (message.seq && !state.dragging && !line.waiting) return next();
   state.broken = message.broken || [];
   showBroken();
-  if (message.broken) return next();
+  if (message.broken) {
+    if (!message.seq) status("The design breaks a rule");
+    return next();
+  }
   state.live = message.gauges;
   state.turns = message.turns_deg;
   state.notes = message.notes;
@@ -97,7 +107,7 @@ function hearSettled(message) {
     state.coarse = {};
     state.fresh = true;
     state.settledPicture = message.picture || null;
-    status(message.parts.includes("safety") ? "Settled" : "Stiffness settled; safety follows");
+    if (!state.broken.length) status(message.parts.includes("safety") ? "Settled" : "Stiffness settled; safety follows");
     if ($("safety").checked) showPicture();
   }
   showGauges();

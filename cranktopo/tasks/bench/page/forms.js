@@ -1,7 +1,7 @@
 // Forms of the design, made of the schema.
 import { $, make, numberOf, shown, words } from "./base.js";
 import { state, valueAt } from "./state.js";
-import { complain, drag, edit } from "./talk.js";
+import { complain, drag, edit, say, status } from "./talk.js";
 
 const GROUPS = [
   ["Engine", ["engine"]], ["Throw and journals", ["throw"]], ["Web", ["web"]], ["Material", ["material"]],
@@ -53,8 +53,28 @@ function tableBody(tables, path, place) {
   if (chosen) rows.push(...chosen.keys.filter((key) => key.name !== chosen.choice).map((key) => keyRow(key, place)));
   rows.push(...common.keys.filter((key) => key.name !== "mirrored_web").map((key) => keyRow(key, place)));
   const inner = [...new Set(state.reference.map((table) => table.path))].filter((p) => p.startsWith(`${path}.`) && !p.slice(path.length + 1).includes("."));
+  if (path === "web" && valueAt("engine.masses")) rows.push(balanceRow());
+  if (path === "throw") rows.push(pitchRow());
   return [...rows, ...inner.flatMap((p) => tableForms(p, `${place}.${p.split(".").pop()}`))];
 }
+// What stays where webs or pins get longer.
+function pitchRow() {
+  const id = "f-pitch", select = make("select", { id, onchange: () => (state.keepPitch = select.value === "pitch") },
+    make("option", { value: "journals", selected: !state.keepPitch }, "main journals"), make("option", { value: "pitch", selected: state.keepPitch }, "pitch of the throws"));
+  return make("div", { class: "row", "data-row": "pitch", "data-words": "pitch journals stay keep thickness length" }, make("label", { for: id, title: "Where webs or pins get longer" }, "what stays"), select, make("p", { class: "broken", hidden: true }));
+}
+
+// A counterweight for a wanted balance factor.
+function balanceRow() {
+  const id = "f-balance", input = make("input", { id, inputmode: "decimal", autocomplete: "off", placeholder: "such as 50", onchange: () => {
+    const percent = numberOf(input.value);
+    if (percent === null) return complain(`Balance factor: '${input.value}' is no number.`);
+    say({ do: "balance", percent });
+    status("looking for the counterweight");
+  } });
+  return make("div", { class: "row", "data-row": "balance", "data-words": "balance factor counterweight" }, make("label", { for: id, title: "Share of the oscillating mass; gives the counterweight's radius" }, "wanted balance factor"), input, make("span", { class: "unit" }, "%"), make("p", { class: "broken", hidden: true }));
+}
+
 const choiceOf = (table) => table.keys.find((key) => key.name === table.choice).example;
 
 // What a new table begins with: its required keys, their examples, places in the middle of the throw.
@@ -124,7 +144,7 @@ function inputOf(path, id, help, key, value) {
   const numeric = key.kind === "number" || key.kind === "whole number";
   const assumed = key.default !== null ? `${shown(key.default)} (assumed)` : key.required ? "" : "not given";
   const input = make("input", { id, "data-key": path, "aria-describedby": help, inputmode: numeric ? "decimal" : "text", autocomplete: "off", spellcheck: "false",
-    placeholder: assumed, value: value === undefined ? "" : shown(value),
+    placeholder: assumed, list: path === "material.name" ? "materials" : undefined, value: value === undefined ? "" : shown(value),
     oninput: () => {
       const found = numeric ? numberOf(input.value) : null;
       if (found !== null) drag({ [path]: found });
@@ -165,8 +185,8 @@ export function filterForms() {
 
 export function showBroken() {
   document.querySelectorAll("#tree .row.is-broken").forEach((row) => mark(row.dataset.row, ""));
-  const homeless = state.broken.filter(({ key, message }) => !mark(key, message));
-  if (homeless.length) complain(homeless.map((one) => one.message).join("\n"));
+  const homeless = state.broken.filter(({ key, message }) => !mark(key, message)), told = state.dragging ? homeless : state.broken;
+  if (told.length) complain(told.map((one) => one.message).join("\n"));
   else if (!state.broken.length && state.dragging) complain("");
 }
 

@@ -10,10 +10,11 @@ export function showFront() {
   const points = view.paths.flatMap((path) => path.points).concat(view.circles.flatMap((c) => [[c.at[0] - c.radius, c.at[1] - c.radius], [c.at[0] + c.radius, c.at[1] + c.radius]]));
   const [xs, ys] = [0, 1].map((i) => points.map((p) => p[i]));
   const pad = 0.12 * (Math.max(...ys) - Math.min(...ys));
-  const box = [Math.min(...xs) - 3 * pad, -Math.max(...ys) - pad, Math.max(...xs) - Math.min(...xs) + 6 * pad, Math.max(...ys) - Math.min(...ys) + 2 * pad];
+  const box = [Math.min(...xs) - pad, -Math.max(...ys) - pad, Math.max(...xs) - Math.min(...xs) + 2 * pad, Math.max(...ys) - Math.min(...ys) + 2 * pad];
   svg.setAttribute("viewBox", box.join(" "));
   const scale = Math.max(box[2] / Math.max(svg.clientWidth, 100), box[3] / Math.max(svg.clientHeight, 100));
   svg.dataset.scale = scale;
+  svg.dataset.end = box[0] + box[2] / 2 + (scale * Math.max(svg.clientWidth, 100)) / 2;
   svg.replaceChildren(make("g", {}), ...view.handles.map((handle) => handleOf(handle, scale)));
   moveFront(svg, view);
 }
@@ -31,6 +32,14 @@ function moveFront(svg, view) {
   }
 }
 
+// Of a dimension, short: "crankpin \u2300", "throw radius", "pocket 1 y".
+function nameOf(key) {
+  const [table, name] = key.split(".").slice(-2);
+  if (name === "outer_diameter_mm") return `${words(table)} \u2300`;
+  const place = table.replace(/\[(\d+)\]/, (_, number) => ` ${Number(number) + 1}`);
+  return table === "web" ? words(name) : `${place} ${words(name)}`;
+}
+
 function placeHandle(node, handle, scale) {
   const [dot, text] = node.children, [x, y] = [handle.at[0], -handle.at[1]];
   dot.setAttribute("cx", x);
@@ -38,12 +47,14 @@ function placeHandle(node, handle, scale) {
   dot.setAttribute("r", 7 * scale);
   dot.setAttribute("aria-valuenow", handle.value.toFixed(2));
   dot.setAttribute("aria-valuetext", `${handle.value.toFixed(2)} ${unitOf(handle.key)}`);
-  text.setAttribute("x", x + 10 * scale);
+  const letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize), name = `${nameOf(handle.key)} ${handle.value.toFixed(1)}`;
+  const right = x + 10 * scale + 0.55 * letter * name.length > Number(document.getElementById("front").dataset.end);
+  text.setAttribute("x", x + (right ? -10 : 10) * scale);
   text.setAttribute("y", y - 8 * scale);
-  text.setAttribute("font-size", 12 * scale);
-  text.style.fontSize = `${12 * scale}px`;
+  text.setAttribute("text-anchor", right ? "end" : "start");
+  text.style.fontSize = `${letter}px`;
   text.style.strokeWidth = `${3 * scale}px`;
-  text.textContent = `${words(handle.key.split(".").pop())} ${handle.value.toFixed(1)}`;
+  text.textContent = name;
   node.handle = handle;
 }
 

@@ -1,5 +1,5 @@
 // Gauges against original and limit.
-import { $, make, plain, signed } from "./base.js";
+import { $, lower, make, plain, signed } from "./base.js";
 import { GAUGES, SOLVED, limitOf, state, valueOf } from "./state.js";
 
 export function showGauges() {
@@ -12,15 +12,15 @@ export function showGauges() {
     const percent = value !== undefined && original ? 100 * (value / original - 1) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < 0.05 ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limit = limitOf(name), holds = limit && value !== undefined && (limit.sense === ">" ? value >= limit.required * (1 - 1e-4 * Math.sign(limit.required)) : value <= limit.required * (1 + 1e-4 * Math.sign(limit.required)));
-    const stale = ring.startsWith("stale") || ring === "waits";
-    if (way < 0 && !stale) worse.push(`${label.toLowerCase()} ${signed(percent)}`);
-    if (limit && !holds && !stale) broken.push(`${label.toLowerCase()} ${limit.text}`);
+    const stale = ring.startsWith("stale") || ring.startsWith("waits");
+    if (way < 0 && !stale) worse.push(`${lower(label)} ${signed(percent)}`);
+    if (limit && !holds && !stale) broken.push(`${lower(label)} ${limit.text}`);
     return gaugeRow(gauge, value, ring, percent, way, limit, holds, stale);
   }).filter(Boolean);
   $("dials").replaceChildren(...rows);
   const line = broken.length ? `Limit not kept: ${broken.join("; ")}.` : "";
   const same = state.project.at === state.project.original && !state.dragging;
-  $("worse").textContent = same ? "This is the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
+  $("worse").textContent = same ? "This is the original." : !state.fresh && !worse.length && !broken.length ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
   $("worse").className = same ? "" : worse.length || broken.length ? "bad" : "good";
   $("place").textContent = state.place && !state.dragging ? `Least safety: ${state.place}.` : state.missing || "";
   $("notes").replaceChildren(...(state.notes ?? []).map((text) => make("li", {}, text)));

@@ -18,7 +18,7 @@ export const GAUGES = [
 export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety"]);
 
 export const state = { reference: null, project: null, jobs: [], live: {}, settled: {}, original: {}, bound: {},
-  turns: [0], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [] };
+  turns: [0], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [], keepPitch: false };
 
 export const pick = (gauges) => Object.fromEntries(Object.entries(gauges).filter(([name]) => SOLVED.has(name)));
 
@@ -29,7 +29,7 @@ export function valueOf(name) {
   if (!SOLVED.has(name)) return [state.live[name], "live, exact"];
   if ((state.dragging || !state.fresh) && state.coarse?.[name] !== undefined) return [state.coarse[name], "coarse: 4 mm cells brought to the settled value"];
   const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
-  if (value === undefined) return [undefined, "waits"];
+  if (value === undefined) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits"];
   if (state.dragging || !state.fresh) return [value, "stale: of the last settled web"];
   return [value, name.includes("safety") ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
 }

@@ -40,12 +40,12 @@ export function drag(changes) {
 export function next() {
   if (!line.waiting) return;
   line.sent = ++line.seq;
-  say({ do: "drag", changes: line.waiting, seq: line.seq });
+  say({ do: "drag", changes: line.waiting, seq: line.seq, keep_pitch: state.keepPitch });
   line.waiting = null;
 }
 
 export function edit(changes, what) {
   line.waiting = null;
   state.dragging = false;
-  say({ do: "edit", changes, what });
+  say({ do: "edit", changes, what, keep_pitch: state.keepPitch });
 }

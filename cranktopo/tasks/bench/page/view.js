@@ -14,8 +14,10 @@ export function showPicture(number) {
   viewer.show(text).then((drawn) => {
     if (!drawn) return;
     viewer.colour(coloured ? 0 : -1);
-    if (state.refit) viewer.refit();
-    state.refit = false;
+    if (state.refit && !number) {
+      viewer.refit();
+      state.refit = false;
+    }
     viewer.dataset.shown = String(number ?? 0); // of the drag that is painted
   });
   viewer.turns($("crank").checked ? state.turns : null);

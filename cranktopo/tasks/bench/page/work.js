@@ -12,6 +12,12 @@ const JOBS = {
   sweep: "Many values of one dimension: give it as KEY=A:B:N in the field Limit.",
 };
 
+const FILES = {
+  toml: "design (TOML)", "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL",
+  "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page",
+  compare: "comparison with the original, page", table: "table against the original, Markdown",
+};
+
 export function showJobs() {
   const list = $("jobs").querySelector("ul");
   list.replaceChildren(...state.jobs.slice().reverse().map((job) => {
@@ -40,13 +46,14 @@ export function outForms() {
     say({ do: "job", kind, options });
     status(`${kind} starts`);
   });
-  $("write").addEventListener("submit", (event) => {
-    event.preventDefault();
-    const { name, kind, replace } = $("write").elements, [suffix, part] = kind.value.split(":");
-    const file = `${name.value.trim().replace(/\.(toml|step|stl|pdf|svg)$/i, "")}${suffix}`;
-    if (suffix === ".toml") say({ do: "save", name: file, replace: replace.checked });
-    else say({ do: "export", name: file, replace: replace.checked, ...(part === "drawing" ? {} : { part }) });
-    status(`writing ${file}`);
-  });
+  const button = ([kind, text]) => make("button", { type: "button", "data-kind": kind, onclick: () => write(kind) }, text);
+  $("write").querySelector(".tools").append(...Object.entries(FILES).map(button));
+  $("write").addEventListener("submit", (event) => event.preventDefault());
   $("copy").addEventListener("click", () => navigator.clipboard?.writeText($("commands").textContent));
+}
+
+function write(kind) {
+  const { name, replace } = $("write").elements, plain = name.value.trim().replace(/\.(toml|step|stl|pdf|svg)$/i, "");
+  if (kind === "toml") say({ do: "save", name: `${plain}.toml`, replace: replace.checked });
+  else say({ do: "write", kind, name: plain, replace: replace.checked });
 }
