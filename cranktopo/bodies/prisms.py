@@ -61,22 +61,25 @@ def web_bores(scene: Scene) -> Manifold:
     return sum(bores, drillings(scene))
 
 
-def drillings(scene: Scene) -> Manifold:
-    """Return what the oil drillings take out of the half throw, with the roundings of their outlets."""
+def drillings(scene: Scene, around: int | None = None) -> Manifold:
+    """Return what the oil drillings take out of the half throw, with the roundings of their outlets.
+
+    Their circles have so many chords; by default as many as an export needs.
+    """
     drilled = Manifold()
     for bore in drill_bores(scene):
         (low, high), along, radius = bore.extent_mm, bore.direction, bore.radius_mm
         start = np.array(bore.outlets[0].point_mm) + low * along
-        hole = Manifold.cylinder(high - low, radius, radius, segments(radius))
+        hole = Manifold.cylinder(high - low, radius, radius, around or segments(radius))
         drilled += hole.transform(np.column_stack([*across(along), along, start]))
         rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm)
-        drilled += sum((_outlet_ring(radius, outlet) for outlet in rounded), Manifold())
+        drilled += sum((_outlet_ring(radius, outlet, around) for outlet in rounded), Manifold())
     return drilled
 
 
-def _outlet_ring(radius_mm: float, outlet: DrillOutlet) -> Manifold:
+def _outlet_ring(radius_mm: float, outlet: DrillOutlet, sides: int | None) -> Manifold:
     """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
-    around = segments(radius_mm + outlet.rounding_mm)
+    around = sides or segments(radius_mm + outlet.rounding_mm)
     turns = np.linspace(0, 2 * np.pi, around, endpoint=False)
     turn, arc = (v.ravel() for v in np.meshgrid(turns, np.linspace(0, 1, _ARC_POINTS)))
     rounding = ring_points(radius_mm, outlet, turn, arc, np.ones(turn.size))

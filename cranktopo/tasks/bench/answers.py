@@ -68,6 +68,11 @@ class Answers:
         )
         return found
 
+    async def exact(self, data: Data) -> dict[str, float]:
+        """Return the exact numbers of a design; none where it is broken."""
+        found = await self._workers["live"].ask("live.live_numbers", data)
+        return dict(found.get("gauges", {}))
+
     def known(self, text: str) -> dict[str, float]:
         """Return all numbers that are known of a design."""
         return {**self._exact.get(text, {}), **self._settled.get(text, {}).get("gauges", {})}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import shlex
+import subprocess
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -25,11 +26,12 @@ from cranktopo.tasks.bench.forms import form_reference, new_design, read_upload
 from cranktopo.tasks.bench.jobs import PARTLY, Job, Jobs, own_command, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
-from cranktopo.tasks.bench.results import job_numbers, variant_of
+from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
 from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, Written
 
 Tell = Callable[[dict[str, Any]], None]
 _WATCH_S = 1.0
+_REMARKS = 8
 _WRITE_S = 900.0
 _UPLOADS = (".toml", ".step", ".stp", ".stl", ".csv")
 _GIVEN = (".toml", *ENDINGS)
@@ -112,7 +114,8 @@ class Bench:
                 else ["cranktopo", "bench", name]
             )
             self.open_text(text, source, f"dropped {name}", shlex.join(command))
-        return {"opened": name}
+        remarks = [line.removeprefix("# ") for line in (text or "").splitlines() if line.startswith("# ")]
+        return {"opened": name, "told": "\n".join(remarks[:_REMARKS]) if path.suffix != ".toml" else ""}
 
     def made(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
@@ -349,11 +352,10 @@ class Bench:
             if self.project is None:
                 continue
             jobs = self._jobs.all()
+            for job in jobs:
+                if job.state == "done" and not job.known.variant:
+                    await self._keep_result(job)
             told = [job.as_json() for job in jobs]
-            for job, entry in zip(jobs, told, strict=True):
-                if entry["state"] == "done" and not entry["variant"]:
-                    with suppress(CranktopoError, OSError):
-                        await self._keep_result(job)
             if str(told) != self._seen:
                 self._seen = str(told)
                 self._tell_all({"type": "jobs", "jobs": told})
@@ -361,11 +363,16 @@ class Bench:
     async def _keep_result(self, job: Job) -> None:
         """Keep what a finished job found: a variant, numbers, or both."""
         project = self._required
-        numbers = job_numbers(job)
-        text = await asyncio.to_thread(variant_of, job)
+        numbers, found = job_numbers(job), job_words(job)
         id_ = "-"
-        if text is not None:
-            id_ = project.keep(f"{job.known.kind} {job.known.id}", numbers, text, job.command).id
-        job.note_variant(id_)
+        try:
+            text = await asyncio.to_thread(variant_of, job)
+            if text is not None:
+                exact = await self.answers.exact(project.data(text))
+                told = {**self.answers.known(text), **exact, **numbers}
+                id_ = project.keep(f"{job.known.kind} {job.known.id}", told, text, "; ".join(found[:1])).id
+        except (CranktopoError, OSError, subprocess.SubprocessError) as error:
+            found = [f"its result cannot be kept: {error}"]
+        job.note_result(id_, found)
         self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "command": job.command})
         self._tell_state()

@@ -44,6 +44,6 @@ async function upload(file) {
   status(`reading ${file.name}`);
   const answer = await fetch(`upload?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
   const found = answer.ok ? await answer.json() : { error: `${file.name}: was refused (${answer.status}).` };
-  complain(found.error);
+  complain(found.error ?? found.told, !found.error);
   status(found.error ? "Not opened" : "Ready");
 }

@@ -77,9 +77,9 @@ function balanceRow() {
 
 const choiceOf = (table) => table.keys.find((key) => key.name === table.choice).example;
 
-// What a new table begins with: its required keys, their examples, places in the middle of the throw.
+// What a new table begins with: required keys and those that are usually given, with their examples.
 function beginning(tables, choice) {
-  const keys = [...(choice ? choice.keys : []), ...tables[0].keys].filter((key) => key.required);
+  const keys = [...(choice ? choice.keys : []), ...tables[0].keys].filter((key) => key.required || key.shown);
   return Object.fromEntries(keys.map((key) => [key.name, key.example]));
 }
 

@@ -10,6 +10,7 @@ export const GAUGES = [
   ["inertia", "Inertia about the crank axis", "kg mm2", 5, -1], ["unbalance", "Unbalance", "kg mm", 4, 0],
   ["balance_factor", "Balance factor of the oscillating mass", "%", 3, 0],
   ["m53_pin", "UR M53 polynomials, pin fillet", "", 3, 1], ["m53_journal", "UR M53 polynomials, journal fillet", "", 3, 1],
+  ["m53_pin_elements", "UR M53 elements, pin fillet", "", 3, 1], ["m53_journal_elements", "UR M53 elements, journal fillet", "", 3, 1],
   ["natural_frequency", "First natural frequency", "Hz", 4, 0], ["piston_gap", "Gap to the piston skirt", "mm", 3, 0],
   ["crankcase_gap", "Gap to the crankcase", "mm", 3, 0], ["gas_force", "Gas force", "kN", 4, 0, 1e3],
   ["pin_force", "Largest rod force", "kN", 4, 0, 1e3], ["mean_torque", "Mean torque of the engine", "N m", 4, 0],

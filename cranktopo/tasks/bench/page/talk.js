@@ -26,7 +26,9 @@ export function connect(hear) {
 export const say = (message) => socket && socket.readyState === 1 && socket.send(JSON.stringify(message));
 export const status = (text) => ($("status").textContent = text);
 
-export function complain(text) {
+// Says what is wrong, or calmly what is worth knowing; nothing takes it away.
+export function complain(text, calm = false) {
+  $("message").className = calm ? "calm" : "";
   $("message").hidden = !text;
   $("message").querySelector("span").textContent = text || "";
 }

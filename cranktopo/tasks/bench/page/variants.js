@@ -13,9 +13,10 @@ export function showHistory() {
   $("commands").textContent = lines.join("\n");
 }
 
-const COLUMNS = ["mass", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "unbalance"];
+const COLUMNS = ["mass", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "unbalance"], SOMETIMES = ["m53_pin", "m53_pin_elements", "m53_journal", "m53_journal_elements"];
 export function showVariants() {
-  const variants = state.project.variants, table = $("variants").querySelector("table"), gauges = COLUMNS.map((name) => GAUGES.find((g) => g[0] === name));
+  const variants = state.project.variants, table = $("variants").querySelector("table"), checked = variants.some((one) => one.gauges.m53_pin_elements);
+  const gauges = [...COLUMNS, ...(checked ? SOMETIMES : [])].map((name) => GAUGES.find((g) => g[0] === name));
   if (!variants.length) {
     $("scatter").toggleAttribute("hidden", true);
     return table.replaceChildren(make("tbody", {}, make("tr", {}, make("th", {}, "Keep variant puts the design here."))));
