@@ -70,28 +70,31 @@ def feature_holes(scene: Scene) -> Manifold:
     return sum(holes, Manifold())
 
 
-def _hole(start: Array, axis: Array, radius_mm: float) -> Manifold:
+def _hole(start: Array, axis: Array, radius_mm: float, around: int | None = None) -> Manifold:
     """Return a cylinder about any axis, from the middle of its first end."""
     length = float(np.linalg.norm(axis))
-    hole = Manifold.cylinder(length, radius_mm, radius_mm, segments(radius_mm))
+    hole = Manifold.cylinder(length, radius_mm, radius_mm, around or segments(radius_mm))
     return hole.transform(np.column_stack([*across(axis / length), axis / length, start]))
 
 
-def drillings(scene: Scene) -> Manifold:
-    """Return what the oil drillings take out of the half throw, with the roundings of their outlets."""
+def drillings(scene: Scene, around: int | None = None) -> Manifold:
+    """Return what the oil drillings take out of the half throw, with the roundings of their outlets.
+
+    Their circles have so many chords; by default as many as an export needs.
+    """
     drilled = Manifold()
     for bore in drill_bores(scene):
         (low, high), along, radius = bore.extent_mm, bore.direction, bore.radius_mm
         start = np.array(bore.outlets[0].point_mm) + low * along
-        drilled += _hole(start, (high - low) * along, radius)
+        drilled += _hole(start, (high - low) * along, radius, around)
         rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm)
-        drilled += sum((_outlet_ring(radius, outlet) for outlet in rounded), Manifold())
+        drilled += sum((_outlet_ring(radius, outlet, around) for outlet in rounded), Manifold())
     return drilled
 
 
-def _outlet_ring(radius_mm: float, outlet: DrillOutlet) -> Manifold:
+def _outlet_ring(radius_mm: float, outlet: DrillOutlet, sides: int | None) -> Manifold:
     """The ring of a rounding; its sharp edge is moved outward, into the drilling and beyond the journal."""
-    around = segments(radius_mm + outlet.rounding_mm)
+    around = sides or segments(radius_mm + outlet.rounding_mm)
     turns = np.linspace(0, 2 * np.pi, around, endpoint=False)
     turn, arc = (v.ravel() for v in np.meshgrid(turns, np.linspace(0, 1, _ARC_POINTS)))
     rounding = ring_points(radius_mm, outlet, turn, arc, np.ones(turn.size))

@@ -33,6 +33,7 @@ from cranktopo.throw.web import web_bodies
 
 _AROUND = 72
 """Chords of a full circle: off by a thousandth of its radius."""
+_AROUND_DRILLING = 36
 _FILLET_STEPS = 8
 
 
@@ -44,7 +45,7 @@ def shown_half(scene: Scene) -> Manifold:
     main = _journal(scene, throw.main_journal, 0.0, (0.0, start), toward=1)
     pin = _journal(scene, throw.crankpin, throw.radius_mm, (end, scene.pitch_mm / 2), toward=-1)
     whole = web + main + pin
-    return whole - drillings(scene) if throw.drilling else whole
+    return whole - drillings(scene, _AROUND_DRILLING) if throw.drilling else whole
 
 
 def _joined(bodies: Sequence[Body], *, adds: bool) -> Manifold:

@@ -37,7 +37,7 @@ _BEYOND_MM = 0.06
 """How far beyond its sides the web still is web: a body from CAD may lie off by 0.05 mm."""
 _INSET = 0.01
 """Way of a journal's cap into it, over the body's extent: near an outer face it would show in stripes."""
-_SHARP_DEGREES = 35.0
+SHARP_DEGREES = 35.0
 _AMBIENT = 0.30
 # Direction to each light in the axes of the picture (right, up, to the viewer), and its strength.
 _LIGHTS = (((-0.45, 0.60, 0.65), 0.42), ((0.10, 0.00, 1.00), 0.26), ((0.95, -0.10, 0.30), 0.16))
@@ -136,7 +136,7 @@ def _coloured(
 
     The face of its cut is drawn an inset along z into the part; 0 leaves that out.
     """
-    with_normals = solid.calculate_normals(0, _SHARP_DEGREES)
+    with_normals = solid.calculate_normals(0, SHARP_DEGREES)
     fine = (with_normals.refine_to_length(largest_face_mm) if largest_face_mm else with_normals).to_mesh64(0)
     table, faces = np.asarray(fine.vert_properties), np.asarray(fine.tri_verts).astype(np.int64)
     own = np.repeat(fine.run_original_id, np.diff(fine.run_index) // 3) == whole

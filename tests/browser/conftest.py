@@ -3,12 +3,15 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+from tests.browser.bench_page import START_MS, running_bench
 
 # Debian's Chromium; software rendering, because a test machine has no screen.
 NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -78,6 +81,26 @@ def visit(browser: Any) -> Iterator[Any]:
     yield opened
     for context in contexts:
         context.close()
+
+
+@pytest.fixture
+def bench(tmp_path: Path, browser: Any) -> Iterator[Any]:
+    """Open a bench with these words in a browser window; all end with the test."""
+    with ExitStack() as open_ones:
+
+        def opened(*words: str, **window: Any) -> Visit:
+            _, address = open_ones.enter_context(running_bench(tmp_path, *words))
+            context = browser.new_context(**{"viewport": {"width": 1500, "height": 950}, **window})
+            open_ones.callback(context.close)
+            found = Visit(context.new_page())
+            found.page.on("console", lambda message: found.complaints.append(message.text))
+            found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
+            found.page.on("request", lambda request: found.requests.append(request.url))
+            found.page.set_default_timeout(START_MS)
+            found.page.goto(address, timeout=START_MS)
+            return found
+
+        yield opened
 
 
 @pytest.fixture(scope="session")

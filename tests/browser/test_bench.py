@@ -2,88 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.browser.conftest import Visit
+from tests.browser.bench_page import gauge, set_slider, shown
 
 pytest.importorskip("tornado")
-PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
-START_MS = 120_000
-
-
-def started(folder: Path, *words: str) -> tuple[subprocess.Popen[str], str]:
-    """Start a bench in a folder; return its process and the address that it prints."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    process = subprocess.Popen(
-        [*PROGRAM, "bench", *words, "--no-browser"],
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    assert process.stdout is not None
-    return process, process.stdout.readline().strip()
-
-
-@pytest.fixture
-def bench(tmp_path: Path, browser: Any) -> Iterator[Any]:
-    """Open a bench with these words in a browser window; all end with the test."""
-    processes: list[subprocess.Popen[str]] = []
-    contexts = []
-
-    def opened(*words: str, **window: Any) -> Visit:
-        process, address = started(tmp_path, *words)
-        processes.append(process)
-        context = browser.new_context(**{"viewport": {"width": 1500, "height": 950}, **window})
-        contexts.append(context)
-        found = Visit(context.new_page())
-        found.page.on("console", lambda message: found.complaints.append(message.text))
-        found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
-        found.page.on("request", lambda request: found.requests.append(request.url))
-        found.page.set_default_timeout(START_MS)
-        found.page.goto(address, timeout=START_MS)
-        return found
-
-    yield opened
-    for context in contexts:
-        context.close()
-    for process in processes:
-        process.send_signal(signal.SIGINT)
-        process.wait(30)
-        assert process.stdout is not None
-        process.stdout.close()
-
-
-def shown(page: Any) -> None:
-    page.wait_for_selector("#viewer[data-shown]", timeout=START_MS)
-
-
-def gauge(page: Any, name: str) -> float:
-    text = page.locator(f"[data-gauge={name}] .value").inner_text()
-    return float(text.split()[0].replace(",", ""))
-
-
-def set_slider(page: Any, key: str, value: float, release: bool) -> None:
-    """Move a slider as a pointer does: an input for every place, a change at the end."""
-    page.evaluate(
-        """([key, value, release]) => {
-            const slider = document.querySelector(`input[type=range][data-key="${key}"]`);
-            slider.value = value;
-            slider.dispatchEvent(new Event("input", { bubbles: true }));
-            if (release) slider.dispatchEvent(new Event("change", { bubbles: true }));
-        }""",
-        [key, value, release],
-    )
 
 
 def test_a_drag_moves_numbers_and_picture(bench: Any, tmp_path: Path) -> None:

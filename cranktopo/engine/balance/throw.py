@@ -17,7 +17,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.volume import bolted_mass, counterweight_mass, web_moments
 from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.halves import difference, of_halves
-from cranktopo.design.schema import Scene
+from cranktopo.design.schema import Optimise, Scene
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.moments import Moments, body_moments
@@ -111,6 +111,12 @@ class _Half:
 
 
 def _half(scene: Scene) -> _Half:
+    return _half_alone(scene.model_copy(update={"engine": None, "optimise": Optimise()}))
+
+
+@lru_cache(maxsize=8)
+def _half_alone(scene: Scene) -> _Half:
+    """Return the moments of a half throw; a plan asks for one throw with several engines and weights."""
     throw, radius = scene.throw, scene.throw.radius_mm
     density = density_kg_per_mm3(scene.material.density_kg_m3)
     journal = _cylinder(throw.main_journal, 0.0).times(0.5) - drilled(scene, "main_journal")

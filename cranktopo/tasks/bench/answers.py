@@ -61,6 +61,18 @@ class Answers:
         found: list[dict[str, str]] = await self._workers["live"].ask("live.broken_rules_of", data)
         return found
 
+    async def counterweight(self, data: Data, percent: float) -> dict[str, Any]:
+        """Return changes that balance a share of the oscillating mass."""
+        found: dict[str, Any] = await self._workers["live"].ask(
+            "proposals.counterweight_changes", data, percent
+        )
+        return found
+
+    async def exact(self, data: Data) -> dict[str, float]:
+        """Return the exact numbers of a design; none where it is broken."""
+        found = await self._workers["live"].ask("live.live_numbers", data)
+        return dict(found.get("gauges", {}))
+
     def known(self, text: str) -> dict[str, float]:
         """Return all numbers that are known of a design."""
         return {**self._exact.get(text, {}), **self._settled.get(text, {}).get("gauges", {})}

@@ -24,7 +24,8 @@ _OWN = {
     "rod_length_mm": "engine.rod_length_mm",
     "peak_pressure_MPa": "engine.gas.peak_pressure_MPa",
 }
-_PEAKS_MPA = (1.5, 40.0)
+_BETWEEN_MPA = {"engine.gas.peak_pressure_MPa": (1.5, 40.0), "engine.gas.intake_pressure_MPa": (0.6, 0.03)}
+"""Pressures that give a power, from the least power to the most: at one peak, more intake means less heat."""
 _HALVINGS = 14
 
 
@@ -38,7 +39,8 @@ def new_design(answers: Mapping[str, Any]) -> tuple[str, str, str]:
 
     Args:
         answers: layout, cylinders, bore_mm and stroke_mm, and of speed_rpm, rod_length_mm,
-            peak_pressure_MPa or power_kW, material and name what is known.
+            peak_pressure_MPa, power_kW, material and name what is known; power gives the peak pressure,
+            or the intake pressure where the peak is known.
     """
     layout: Any = answers.get("layout")
     if layout not in get_args(LayoutName):
@@ -51,7 +53,8 @@ def new_design(answers: Mapping[str, Any]) -> tuple[str, str, str]:
     values |= {key: _number(answers, short) for short, key in _OWN.items() if answers.get(short)}
     values |= {"material.name": str(answers["material"])} if answers.get("material") else {}
     if answers.get("power_kW"):
-        values["engine.gas.peak_pressure_MPa"] = _peak_of_power(name, values, _number(answers, "power_kW"))
+        key = "intake" if answers.get("peak_pressure_MPa") else "peak"
+        values |= _of_power(name, values, _number(answers, "power_kW"), f"engine.gas.{key}_pressure_MPa")
     text = template(name, values)
     parse_scene(text, name)
     words = ["designs", "new", f"{name}.toml", f"--layout={layout}", f"--cylinders={cylinders}"]
@@ -78,23 +81,27 @@ def _number(answers: Mapping[str, Any], key: str) -> float:
     return value
 
 
-def _peak_of_power(name: str, values: Mapping[str, Any], power: float) -> float:
-    """Return the peak pressure that gives the power, MPa, by bisection."""
-    scene, (low, high) = parse_scene(template(name, values), name), _PEAKS_MPA
+def _of_power(name: str, values: Mapping[str, Any], power: float, key: str) -> dict[str, float]:
+    """Return the pressure that gives the power, MPa, by bisection."""
+    scene, (low, high) = parse_scene(template(name, values), name), _BETWEEN_MPA[key]
+    least, most = _power(scene, key, low), _power(scene, key, high)
+    if not least <= power <= most:
+        raise invalid("power_kW", power, f"this engine has {least:.0f} to {most:.0f} kW by {key}")
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        low, high = (middle, high) if _power(scene, middle) < power else (low, middle)
-    if high > 0.99 * _PEAKS_MPA[1] or low < 1.01 * _PEAKS_MPA[0]:
-        raise invalid("power_kW", power, "no peak pressure of an engine of this size and speed gives it")
-    return round((low + high) / 2, 2)
+        low, high = (middle, high) if _power(scene, key, middle) < power else (low, middle)
+    return {key: float(f"{(low + high) / 2:.4g}")}
 
 
-def _power(scene: Scene, peak_MPa: float) -> float:
+def _power(scene: Scene, key: str, pressure_MPa: float) -> float:
     assert scene.engine is not None
     assert scene.engine.gas is not None
-    gas = scene.engine.gas.model_copy(update={"peak_pressure_MPa": peak_MPa})
+    gas = scene.engine.gas.model_copy(update={key.rpartition(".")[2]: pressure_MPa})
     engine = scene.engine.model_copy(update={"gas": gas})
-    found = analyse(scene.model_copy(update={"engine": engine}))
+    try:
+        found = analyse(scene.model_copy(update={"engine": engine}))
+    except CranktopoError:
+        return 0.0  # compression alone reaches the peak: nothing burns
     return power_kW(found.cycle.indicated_work_J, engine) if found.cycle else 0.0
 
 

@@ -28,7 +28,7 @@ _JOB, _NOTES, _CODE, _OUT = "job.json", "notes.txt", "code", "out"
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
 _TAIL = 4000
 
-_GOAL = ("minimise", "maximise", "limit")
+_GOAL = ("minimise", "maximise", "limit", "web")
 KINDS: Mapping[str, tuple[str, ...]] = {
     "optimise": ("volume-fraction", "resolution-mm", "max-iterations", *_GOAL),
     "shape": _GOAL,
@@ -40,7 +40,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 }
 """Jobs, with the options that the page may give them."""
 RESUMABLE = ("optimise", "shape", "sweep")
-_PARTLY = (0, 5, 6)
+PARTLY = (0, 5, 6)
 """Exit codes with a result."""
 
 
@@ -57,6 +57,7 @@ class _Job(Result):
     pid: int = 0
     born: float = 0.0
     variant: str = ""
+    found: tuple[str, ...] = ()
 
 
 @dataclass
@@ -94,7 +95,7 @@ class Job:
         code = self.code
         if code is None:
             return "running" if self.alive else "stopped"
-        return "done" if code in _PARTLY else "stopped" if code in (130, -2) else "failed"
+        return "done" if code in PARTLY else "stopped" if code in (130, -2) else "failed"
 
     @property
     def command(self) -> str:
@@ -116,6 +117,7 @@ class Job:
             "notes": lines[-6:],
             "seconds": round(time.time() - self.known.started),
             "variant": self.known.variant,
+            "found": list(self.known.found),
             "page": self.page,
         }
 
@@ -137,9 +139,9 @@ class Job:
                 with suppress(psutil.Error):
                     child.send_signal(signal.SIGINT)
 
-    def note_variant(self, id_: str) -> None:
-        """Record that its result was kept."""
-        self.known = self.known.model_copy(update={"variant": id_})
+    def note_result(self, variant: str, found: Sequence[str]) -> None:
+        """Record that its result was kept as a variant, or `-`, and what it found, in words."""
+        self.known = self.known.model_copy(update={"variant": variant, "found": tuple(found)})
         write_json(self.place / _JOB, self.known.as_json())
 
     def _notes(self) -> list[str]:

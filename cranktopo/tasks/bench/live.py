@@ -22,8 +22,8 @@ from cranktopo.engine.histories import load_history
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.numerics.surfaces.mesh import mesh_of
-from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, packed
+from cranktopo.report.shading import SHARP_DEGREES, web_sides_mm
+from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
 from cranktopo.tasks.bench.front_view import front_view
 from cranktopo.tasks.fatigue.m53 import concentration_factors, nominal_stresses, outside_validity
 from cranktopo.tasks.fatigue.rule_check import dimensions, fillet_checks
@@ -46,7 +46,7 @@ def live_picture(data: dict[str, Any]) -> dict[str, Any]:
     return _of_sound(
         data,
         lambda scene: {
-            "picture": packed(view_of(scene)),
+            "picture": _picture(scene),
             "front": front_view(scene),
             "turns_deg": _turns_deg(scene),
         },
@@ -76,15 +76,34 @@ def broken_rules(error: CranktopoError) -> list[dict[str, str]]:
     return [{"key": (found[1] if (found := _BROKEN.search(line)) else ""), "message": line} for line in lines]
 
 
-def view_of(scene: Scene) -> Scene3D:
-    """Return both half throws, or the one where they are alike, as the 3D view shows them."""
-    pair = halves(scene)
+def _picture(scene: Scene) -> str:
+    """Return both half throws, or the one where they are alike, for the 3D view."""
+    pair, arrays = halves(scene), Arrays()
     alike = pair[0] is pair[1]
-    shown = [
-        ShownBody(scene.name, mesh_of(shown_half(half)), half.web_z_mm, half.pitch_mm / 2, None, partner)
-        for half, partner in zip(pair[:1] if alike else pair, (0,) if alike else (1, -1), strict=True)
+    bodies = [
+        _shown(arrays, half, partner)
+        for half, partner in zip(pair[:1] if alike else pair, PARTNERS[1 if alike else 2], strict=True)
     ]
-    return Scene3D(tuple(shown))
+    return arrays.packed_with({"bodies": bodies, "first": 0, "stress": None, "steps": None}, quick=True)
+
+
+def _shown(arrays: Arrays, half: Scene, partner: int) -> dict[str, Any]:
+    mesh = shown_half(half).calculate_normals(0, SHARP_DEGREES).to_mesh64(0)
+    table, faces = np.asarray(mesh.vert_properties), np.asarray(mesh.tri_verts)
+    low, high = table[:, :3].min(axis=0), table[:, :3].max(axis=0)
+    return {
+        "name": half.name,
+        "half_pitch_mm": half.pitch_mm / 2,
+        "partner": partner,
+        "low_mm": low.tolist(),
+        "size_mm": (high - low).tolist(),
+        "sides_mm": web_sides_mm(half.web_z_mm),
+        "positions": arrays.add(scaled((table[:, :3] - low) / (high - low), 65535, np.uint16)),
+        "normals": arrays.add(scaled(table[:, 3:6], 127, np.int8)),
+        "journal": arrays.add(np.zeros(len(table), np.uint8)),
+        "faces": arrays.add(faces.astype(np.uint32)),
+        "stress": [],
+    }
 
 
 def _turns_deg(scene: Scene) -> list[float]:

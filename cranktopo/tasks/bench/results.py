@@ -26,10 +26,52 @@ def job_numbers(job: Job) -> dict[str, float]:
         return {}
 
 
+def job_words(job: Job) -> list[str]:
+    """Return what a finished job found, in a few lines."""
+    try:
+        if job.known.kind == "shape":
+            return [*job.stdout().splitlines()[:1], *_prices(read_json(job.out / "shape.json"))]
+        if job.known.kind == "fatigue":
+            return _fatigue_words(json.loads(job.stdout()))
+        if job.known.kind == "bound":
+            bound = json.loads(job.stdout())["bound"]
+            return [f"no web of the design space has {bound['quantity']} beyond {bound['value']:.4g}"]
+    except (CranktopoError, KeyError, TypeError, ValueError, IndexError):
+        return []
+    return [line for line in job.stdout().splitlines() if line.strip()][:1]
+
+
+def _prices(told: dict[str, Any]) -> list[str]:
+    """Return what each limit costs, as `shape` prints it."""
+    goal = told["goal"].get("minimise") or told["goal"]["maximise"]
+    return [
+        f"1 % of {price['quantity']} {price['sense']} costs {price['goal_percent_per_percent']:.2f} % {goal}"
+        for price in told["prices"]
+        if abs(price["goal_percent_per_percent"]) >= 0.005  # as it is rounded
+    ]
+
+
+def _fatigue_words(told: dict[str, Any]) -> list[str]:
+    found = told["fatigue"][0]
+    if told["method"] != "m53":
+        return [f"least safety {found['safety']:.3g}: {found['critical']['place']}"]
+    names = {"polynomials": "closed_form", "elements": "finite_elements"}
+    lines = [
+        f"UR M53: {found['verdict']}, {found['safety']:.3g} of at least {found['least_acceptability']:.3g}"
+    ]
+    for fillet, governs in found["governing_factors"].items():
+        values = {way: found["fillets"][name][fillet]["acceptability"] for way, name in names.items()}
+        both = ", ".join(f"{value:.3g} by {way}" for way, value in values.items())
+        lines.append(f"{fillet} fillet: {both}; {governs} govern")
+    return lines
+
+
 def variant_of(job: Job) -> str | None:
     """Return the design that a finished job ends with; a density is re-modelled first."""
     if job.known.kind == "shape":
         return _design(job.out / "web.toml")
+    if job.known.kind in ("fatigue", "evaluate"):
+        return _design(job.place / "design.toml")
     if job.known.kind != "optimise":
         return None
     if not (job.out / "remodel").is_dir():
@@ -70,7 +112,15 @@ def _of_bound(job: Job) -> dict[str, float]:
 
 
 def _of_fatigue(job: Job) -> dict[str, float]:
-    return {"fatigue_safety": min(entry["safety"] for entry in json.loads(job.stdout())["fatigue"])}
+    told = json.loads(job.stdout())
+    if told["method"] != "m53":
+        return {"fatigue_safety": min(entry["safety"] for entry in told["fatigue"])}
+    fillets = told["fatigue"][0]["fillets"]
+    return {
+        f"m53_{fillet}{ending}": fillets[way][fillet]["acceptability"]
+        for way, ending in (("closed_form", ""), ("finite_elements", "_elements"))
+        for fillet in ("pin", "journal")
+    }
 
 
 def _of_optimise(job: Job) -> dict[str, float]:

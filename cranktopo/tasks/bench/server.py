@@ -44,7 +44,7 @@ class Server:
         self.address = f"http://{HOST}:{self.port}/{self.token}/"
         routes: list[Any] = [
             (r"/([^/]+)/", _File, {"name": "bench.html"}),
-            (r"/([^/]+)/(bench\.css|bench\.js|viewer\.js)", _File),
+            (r"/([^/]+)/([a-z]+\.(?:css|js))", _File),
             (r"/([^/]+)/talk", _Talk),
             (r"/([^/]+)/upload", _Upload),
             (r"/([^/]+)/made/([^/]+)", _Made),
@@ -155,6 +155,8 @@ class _File(_Guarded):
     def get(self, token: str, name: str = "") -> None:
         name = self.name or name
         path = SCRIPT if name == SCRIPT.name else _PAGE / name
+        if not path.is_file():
+            raise HTTPError(404)
         self.set_header("Content-Type", f"{_TYPES[path.suffix]}; charset=utf-8")
         self.finish(path.read_bytes())
 

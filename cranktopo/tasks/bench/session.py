@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import shlex
+import subprocess
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -17,21 +18,25 @@ from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import read_text_file, write_bytes, write_text
 from cranktopo.design.loading import builtin_designs, design_text, load_scene, resolve_design
+from cranktopo.design.material import material_library
+from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside
 from cranktopo.tasks.bench.forms import form_reference, new_design, read_upload
-from cranktopo.tasks.bench.jobs import Job, Jobs, own_command, reap
+from cranktopo.tasks.bench.jobs import PARTLY, Job, Jobs, own_command, reap
 from cranktopo.tasks.bench.project import Project, file_in
-from cranktopo.tasks.bench.results import job_numbers, variant_of
+from cranktopo.tasks.bench.proposals import with_pitch_kept
+from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
+from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, Written
 
 Tell = Callable[[dict[str, Any]], None]
 _WATCH_S = 1.0
-_EXPORT_S = 900.0
-_EXPORTS = (".step", ".stl", ".svg", ".pdf", ".png")
+_REMARKS = 8
+_WRITE_S = 900.0
 _UPLOADS = (".toml", ".step", ".stp", ".stl", ".csv")
-_GIVEN = (".toml", *_EXPORTS, ".html", ".md")
+_GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
-    "hello|drag|edit|undo|redo|pin|keep|drop|take|compare|job|stop|resume|adopt|export|save|start|open|close"
+    "hello|drag|edit|balance|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|save|start|open|close"
 )
 
 
@@ -43,6 +48,7 @@ class Bench:
     project: Project | None = None
     _pages: list[Tell] = field(default_factory=list)
     _made: set[str] = field(default_factory=set)
+    _tasks: set[asyncio.Task[None]] = field(default_factory=set)
     _watch: asyncio.Task[None] | None = None
     _seen: str = ""
 
@@ -108,7 +114,8 @@ class Bench:
                 else ["cranktopo", "bench", name]
             )
             self.open_text(text, source, f"dropped {name}", shlex.join(command))
-        return {"opened": name}
+        remarks = [line.removeprefix("# ") for line in (text or "").splitlines() if line.startswith("# ")]
+        return {"opened": name, "told": "\n".join(remarks[:_REMARKS]) if path.suffix != ".toml" else ""}
 
     def made(self, name: str) -> Path:
         """Return a file that the bench wrote; raises CranktopoError for any other."""
@@ -168,25 +175,32 @@ class Bench:
     # What pages ask.
 
     def _hello(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        tell({"type": "reference", "tables": form_reference()})
+        tell({"type": "reference", "tables": form_reference(), "materials": sorted(material_library())})
         tell(self._state())
         if self.project is not None:
             self._show(tell)
 
     def _drag(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        data = self._changed(dict(asked["changes"]))
+        data = self._changed(self._wanted(asked))
         self.answers.live(data, asked.get("seq"), tell)
         self.answers.coarse(data, asked.get("seq"), tell)
 
     async def _edit(self, asked: Mapping[str, Any], tell: Tell) -> None:
         """Take a step; a single value that breaks a sound design is told to the page and not taken."""
-        project, changes = self._required, dict(asked["changes"])
-        if len(changes) == 1 and not isinstance(next(iter(changes.values())), dict | None):
+        project, changes = self._required, self._wanted(asked)
+        if len(asked["changes"]) == 1 and not isinstance(next(iter(changes.values())), dict | None):
             found = await self.answers.checked(self._changed(changes))
             if found and not await self.answers.checked(project.data()):
                 tell({"type": "live", "seq": None, "broken": found})
                 return
         project.change(changes, str(asked.get("what", ""))[:200])
+        self._moved()
+
+    async def _balance(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        """Give the web the counterweight that balances a share of the oscillating mass."""
+        percent = float(asked["percent"])
+        changes = await self.answers.counterweight(self._required.data(), percent)
+        self._required.change(changes, f"counterweight for a balance factor of {percent:g} %")
         self._moved()
 
     def _undo(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -222,7 +236,8 @@ class Bench:
         self._tell_state()
 
     def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        self._jobs.start(str(asked["kind"]), self._portable(), dict(asked.get("options", {})))
+        design = self._portable(self._required.text, "check").read_text(encoding="utf-8")
+        self._jobs.start(str(asked["kind"]), design, dict(asked.get("options", {})))
         self._tell_state()
 
     def _stop(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -232,34 +247,46 @@ class Bench:
         self._jobs.resume(str(asked["id"]))
         self._tell_state()
 
-    async def _adopt(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        await self._keep_result(self._jobs.job(str(asked["id"])))
-
-    async def _export(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        path = self._target(asked, _EXPORTS)
-        part = str(asked.get("part", "throw"))
-        source = self._required.place / "export.toml"
-        write_text(source, self._portable())
-        words = ["export", str(source), str(path), "--force"]
-        if path.suffix.lower() in (".step", ".stl"):
-            words += [f"--part={part}"]
+    def _write(self, asked: Mapping[str, Any], tell: Tell) -> None:
+        """Have a file written, beside whatever else is asked meanwhile."""
+        kind = WRITTEN[str(asked["kind"])]
+        path = self._target(asked, kind.ending)
+        words, shown = self._write_lines(kind, path)
         tell({"type": "busy", "what": f"writing {path.name}"})
+        task = asyncio.get_running_loop().create_task(self._write_by(words, kind.printed, path, shown, tell))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def _write_lines(self, kind: Written, path: Path) -> tuple[list[str], str]:
+        """Return the command that writes a file here, and the one that a user would type."""
+        project, name = self._required, self._required.name
+        original = f"{name}-original"
+        if kind.compares:
+            original = str(self._portable(project.text_of(project.original), original))
+        words = kind.line(str(self._portable(project.text, name)), original, str(path))
+        shown = shlex.join(["cranktopo", *kind.line(f"{name}.toml", f"{name}-original.toml", path.name)])
+        return words, shown + (f" > {path.name}" if kind.printed else "")
+
+    async def _write_by(self, words: list[str], printed: bool, path: Path, shown: str, tell: Tell) -> None:
         process = await asyncio.create_subprocess_exec(
-            *own_command(*words), stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE
+            *own_command(*words), stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
         )
         try:
-            _, said = await asyncio.wait_for(process.communicate(), _EXPORT_S)
+            text, said = await asyncio.wait_for(process.communicate(), _WRITE_S)
         except TimeoutError:
             process.kill()
-            raise CranktopoError(f"{path.name}: took longer than {_EXPORT_S / 60:.0f} min.") from None
-        if process.returncode:
+            tell({"type": "error", "message": f"{path.name}: took longer than {_WRITE_S / 60:.0f} min."})
+            return
+        if process.returncode not in PARTLY:
             lines = said.decode("utf-8", "replace").strip().splitlines() or ["failed"]
-            raise CranktopoError(lines[-1].removeprefix("error: "))
-        option = f" --part {part}" if part != "throw" and path.suffix.lower() in (".step", ".stl") else ""
-        self._tell_made(path, f"cranktopo export {shlex.quote(self._required.name)}.toml {path.name}{option}")
+            tell({"type": "error", "message": f"{path.name}: {lines[-1].removeprefix('error: ')}"})
+            return
+        if printed:
+            write_bytes(path, text)
+        self._tell_made(path, shown)
 
     def _save(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        path = self._target(asked, (".toml",))
+        path = self._target(asked)
         write_text(path, self._required.text)
         self._tell_made(path, f"cranktopo bench {path.name}")
         self._tell_state()
@@ -284,22 +311,31 @@ class Bench:
 
     # Helpers.
 
+    def _wanted(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the changes that a page asks for, with the journals that keep the pitch if it wants that."""
+        changes = dict(asked["changes"])
+        if not asked.get("keep_pitch") or JOURNAL_LENGTHS[0] in changes:
+            return changes
+        with suppress(CranktopoError):  # what is broken is told by the answer
+            return with_pitch_kept(self._required.data(), changes)
+        return changes
+
     def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         project = self._required
         data = changed_data(project.data(), changes)
         check_files_inside(data, project.folder, project.opened_data)
         return data
 
-    def _portable(self) -> str:
-        """Return the design with absolute names of files, valid, for a process in another folder."""
-        project = self._required
-        text = changed_files(project.text, project.folder)
-        write_text(project.place / "check.toml", text)
-        load_scene(project.place / "check.toml", whole=True)
-        return text
+    def _portable(self, text: str, name: str) -> Path:
+        """Return a file with a design that is valid, its files by absolute names: for another process."""
+        path = self._required.place / "written" / f"{name}.toml"
+        path.parent.mkdir(exist_ok=True)
+        write_text(path, changed_files(text, self._required.folder))
+        load_scene(path, whole=True)
+        return path
 
-    def _target(self, asked: Mapping[str, Any], suffixes: tuple[str, ...]) -> Path:
-        path = file_in(self.folder, str(asked["name"]), suffixes)
+    def _target(self, asked: Mapping[str, Any], ending: str = "") -> Path:
+        path = file_in(self.folder, f"{asked['name']}{ending}", ENDINGS if ending else (".toml",))
         if path.exists() and path.name not in self._made and not asked.get("replace"):
             raise CranktopoError(f"'{path.name}': is in the folder already.", hint="Choose another name.")
         return path
@@ -316,11 +352,10 @@ class Bench:
             if self.project is None:
                 continue
             jobs = self._jobs.all()
+            for job in jobs:
+                if job.state == "done" and not job.known.variant:
+                    await self._keep_result(job)
             told = [job.as_json() for job in jobs]
-            for job, entry in zip(jobs, told, strict=True):
-                if entry["state"] == "done" and not entry["variant"]:
-                    with suppress(CranktopoError, OSError):
-                        await self._keep_result(job)
             if str(told) != self._seen:
                 self._seen = str(told)
                 self._tell_all({"type": "jobs", "jobs": told})
@@ -328,11 +363,16 @@ class Bench:
     async def _keep_result(self, job: Job) -> None:
         """Keep what a finished job found: a variant, numbers, or both."""
         project = self._required
-        numbers = job_numbers(job)
-        text = await asyncio.to_thread(variant_of, job)
+        numbers, found = job_numbers(job), job_words(job)
         id_ = "-"
-        if text is not None:
-            id_ = project.keep(f"{job.known.kind} {job.known.id}", numbers, text, job.command).id
-        job.note_variant(id_)
+        try:
+            text = await asyncio.to_thread(variant_of, job)
+            if text is not None:
+                exact = await self.answers.exact(project.data(text))
+                told = {**self.answers.known(text), **exact, **numbers}
+                id_ = project.keep(f"{job.known.kind} {job.known.id}", told, text, "; ".join(found[:1])).id
+        except (CranktopoError, OSError, subprocess.SubprocessError) as error:
+            found = [f"its result cannot be kept: {error}"]
+        job.note_result(id_, found)
         self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "command": job.command})
         self._tell_state()

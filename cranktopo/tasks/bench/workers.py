@@ -26,7 +26,7 @@ class Worker:
         self._background = background
         self._pool: ProcessPoolExecutor | None = None
 
-    async def ask(self, function: str, data: dict[str, Any]) -> Any:
+    async def ask(self, function: str, *asked: Any) -> Any:
         """Return what a function says of a design; raises CranktopoError as it, or if its process dies.
 
         Args:
@@ -35,7 +35,7 @@ class Worker:
         for _ in range(2):
             pool = self._pool = self._pool or self._started()
             try:
-                return await asyncio.get_running_loop().run_in_executor(pool, _answer, function, data)
+                return await asyncio.get_running_loop().run_in_executor(pool, _answer, function, *asked)
             except BrokenProcessPool:
                 if self._pool is pool:
                     self._pool = None
@@ -55,9 +55,9 @@ class Worker:
         return ProcessPoolExecutor(1, context, initializer=_begin, initargs=(self._background,))
 
 
-def _answer(function: str, data: dict[str, Any]) -> Any:
+def _answer(function: str, *asked: Any) -> Any:
     module, _, name = function.rpartition(".")
-    return getattr(importlib.import_module(f"{__package__}.{module}"), name)(data)
+    return getattr(importlib.import_module(f"{__package__}.{module}"), name)(*asked)
 
 
 def _begin(background: bool) -> None:

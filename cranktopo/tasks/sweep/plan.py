@@ -21,6 +21,7 @@ from cranktopo.design.loading import (
     with_value,
 )
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.schema import Scene
 from cranktopo.design.toml_text import parse_toml
@@ -39,7 +40,6 @@ Stage = Literal["evaluate", "fatigue", "optimise", "remodel", "shape"]
 _STAGES: tuple[Stage, ...] = get_args(Stage)
 OPTIMISED: tuple[Stage, ...] = ("optimise", "remodel", "shape")
 """Stages that work on one web, which is that of both halves."""
-JOURNAL_LENGTHS = ("throw.main_journal.length_mm", "throw.second_main_journal_length_mm")
 """Keys of the lengths that follow where the pitch is kept."""
 _CHOICES = {
     "sampling": ("grid", "latin", "sobol"),

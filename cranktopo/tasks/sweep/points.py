@@ -10,11 +10,12 @@ from typing import Any, cast
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import scene_from_dict, with_value
+from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.runs.manifest import file_hash, settings_hash
 from cranktopo.tasks.sweep.fineness import Fineness
-from cranktopo.tasks.sweep.plan import JOURNAL_LENGTHS, OPTIMISED, Stage, SweepPlan
+from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
 from cranktopo.tasks.sweep.variation import STAGE, Value
 
 _ID_LETTERS = 12
@@ -116,10 +117,8 @@ def _point(
 
 def _with_pitch(tables: dict[str, Any], scene: Scene, pitch_mm: float) -> dict[str, Any]:
     """Return the tables of a scene with main journals so long that its throws are so far apart."""
-    lengths = (scene.throw.main_journal.length_mm, scene.throw.second_main_journal_length_mm)
-    for key, length in zip(JOURNAL_LENGTHS, lengths, strict=True):
-        if length is not None:
-            tables = with_value(tables, key, length + pitch_mm - scene.pitch_mm)
+    for key, length in lengths_at_pitch(scene, pitch_mm).items():
+        tables = with_value(tables, key, length)
     return tables
 
 

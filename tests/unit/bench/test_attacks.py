@@ -112,8 +112,9 @@ def test_the_page_is_there_and_may_load_nothing_from_elsewhere(running: Running,
     text = found.body.decode()
     assert "http" not in text.replace("http://www.w3.org", "")
     assert " style=" not in text
-    for name in ("bench.js", "bench.css", "viewer.js"):
+    for name in ("bench.js", "forms.js", "bench.css", "viewer.js"):
         assert running.code(f"{own}/{name}") == 200
+    assert running.code(f"{own}/other.js") == 404
 
 
 def test_it_listens_on_this_machine_alone(running: Running) -> None:
@@ -287,7 +288,8 @@ def test_a_message_of_megabytes_ends_the_line(running: Running) -> None:
 
 
 def test_names_from_files_are_text_on_the_page() -> None:
-    script = Path(__file__).parents[3] / "cranktopo" / "tasks" / "bench" / "page" / "bench.js"
-    text = script.read_text(encoding="utf-8")
+    page = Path(__file__).parents[3] / "cranktopo" / "tasks" / "bench" / "page"
+    text = "".join(script.read_text(encoding="utf-8") for script in page.glob("*.js"))
+    assert "textContent" in text
     for markup in ("innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "Function("):
         assert markup not in text

@@ -35,6 +35,18 @@ def test_power_gives_the_pressure() -> None:
     assert power_kW(found.cycle.indicated_work_J, found.engine) == pytest.approx(3000, rel=5e-3)
 
 
+def test_power_and_peak_give_the_intake_pressure() -> None:
+    answers = {"layout": "in-line", "cylinders": 6, "bore_mm": 320, "stroke_mm": 480, "speed_rpm": 750}
+    text, name, _ = new_design({**answers, "power_kW": 6000, "peak_pressure_MPa": 20})
+    scene = parse_scene(text, name)
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    assert scene.engine.gas.peak_pressure_MPa == 20
+    found = analyse(scene)
+    assert found.cycle is not None
+    assert power_kW(found.cycle.indicated_work_J, found.engine) == pytest.approx(6000, rel=5e-3)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -1,0 +1,32 @@
+// Small helpers of the page. All text from files and designs is set as text, never as markup.
+
+export const $ = (id) => document.getElementById(id);
+export const make = (tag, attributes = {}, ...children) => {
+  const node = document.createElementNS(SVG.has(tag) ? "http://www.w3.org/2000/svg" : "http://www.w3.org/1999/xhtml", tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+    else if (value === true) node.setAttribute(name, "");
+    else if (value !== false && value !== undefined && value !== null) node.setAttribute(name, value);
+  }
+  node.append(...children);
+  return node;
+};
+const SVG = new Set(["svg", "path", "circle", "line", "text", "g"]);
+
+// A number as people write it: decimal point or comma.
+export function numberOf(text) {
+  const plain = text.trim().replace(/\s/g, "").replace(/^([+-]?\d+),(\d+)$/, "$1.$2");
+  return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : null;
+}
+
+export const words = (name) => name.replace(/_(mm|deg|kg|kg_m3|MPa|GPa|rpm|N|Nm|N_per_mm|Nm_per_rad|percent|um|kg_m2|Hz|kW)$/, "").replaceAll("_", " ");
+
+export const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : typeof value === "string" ? value : JSON.stringify(value));
+
+export const lower = (label) => (/^[A-Z][A-Z]/.test(label) ? label : label[0].toLowerCase() + label.slice(1));
+
+export const unitOf = (key) => (key.endsWith("_deg") ? "deg" : "mm");
+
+export const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
+
+export const signed = (percent) => `${percent > 0 ? "+" : "−"}${Math.abs(percent).toFixed(Math.abs(percent) < 10 ? 1 : 0)} %`;

@@ -1,0 +1,49 @@
+// The first page: six questions, designs to open, files to drop.
+import { $, make, numberOf } from "./base.js";
+import { complain, say, status } from "./talk.js";
+
+const LAYOUTS = ["single", "in-line", "V", "boxer"];
+
+export function showBegin(message) {
+  const open = (name) => make("li", {}, make("button", { type: "button", onclick: () => say({ do: "open", name }) }, name));
+  $("own").replaceChildren(...message.files.map(open));
+  $("built-in").replaceChildren(...message.designs.map(open));
+}
+
+export function showMaterials(names) {
+  $("questions").elements.material.replaceChildren(...names.map((name) => make("option", { selected: name === "42CrMo4" }, name)));
+  $("materials").replaceChildren(...names.map((name) => make("option", { value: name })));
+}
+
+export function beginForm() {
+  const form = $("questions"), usual = { single: 1, "in-line": 4, V: 8, boxer: 4 };
+  form.querySelector("fieldset").append(
+    ...LAYOUTS.map((name) => make("label", {}, make("input", { type: "radio", name: "layout", value: name, checked: name === "single",
+      onchange: () => (form.elements.cylinders.value = usual[name]) }), ` ${name}`)),
+  );
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const answers = {};
+    for (const [name, text] of new FormData(form)) {
+      if (!text.trim()) continue;
+      const number = ["layout", "name", "material"].includes(name) ? text.trim() : numberOf(text);
+      if (number === null) return complain(`${name}: '${text}' is no number.`);
+      answers[name] = number;
+    }
+    say({ do: "start", answers });
+  });
+  for (const kind of ["dragover", "drop"])
+    document.addEventListener(kind, (event) => {
+      event.preventDefault();
+      if (kind === "drop" && event.dataTransfer.files[0]) upload(event.dataTransfer.files[0]);
+    });
+  $("file").addEventListener("change", () => $("file").files[0] && upload($("file").files[0]));
+}
+
+async function upload(file) {
+  status(`reading ${file.name}`);
+  const answer = await fetch(`upload?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+  const found = answer.ok ? await answer.json() : { error: `${file.name}: was refused (${answer.status}).` };
+  complain(found.error ?? found.told, !found.error);
+  status(found.error ? "Not opened" : "Ready");
+}

@@ -1,0 +1,107 @@
+// Front view: strokes in mm, y up; handles are dimensions.
+import { $, make, unitOf, words } from "./base.js";
+import { state } from "./state.js";
+import { drag, edit } from "./talk.js";
+
+export function showFront() {
+  const svg = $("front"), view = state.front;
+  if (!view || (svg.dataset.held && state.frontDrawn)) return view && moveFront(svg, view);
+  state.frontDrawn = true;
+  const points = view.paths.flatMap((path) => path.points).concat(view.circles.flatMap((c) => [[c.at[0] - c.radius, c.at[1] - c.radius], [c.at[0] + c.radius, c.at[1] + c.radius]]));
+  const [xs, ys] = [0, 1].map((i) => points.map((p) => p[i]));
+  const pad = 0.12 * (Math.max(...ys) - Math.min(...ys));
+  const box = [Math.min(...xs) - pad, -Math.max(...ys) - pad, Math.max(...xs) - Math.min(...xs) + 2 * pad, Math.max(...ys) - Math.min(...ys) + 2 * pad];
+  svg.setAttribute("viewBox", box.join(" "));
+  const scale = Math.max(box[2] / Math.max(svg.clientWidth, 100), box[3] / Math.max(svg.clientHeight, 100));
+  svg.dataset.scale = scale;
+  svg.dataset.end = box[0] + box[2] / 2 + (scale * Math.max(svg.clientWidth, 100)) / 2;
+  svg.replaceChildren(make("g", {}), ...view.handles.map((handle) => handleOf(handle, scale)));
+  moveFront(svg, view);
+}
+
+function moveFront(svg, view) {
+  const line = (path, kind = path.kind) => make("path", { class: kind, d: `M${path.points.map(([x, y]) => `${x},${-y}`).join("L")}${path.closed ? "Z" : ""}` });
+  const round = (c, kind = c.kind) => make("circle", { class: kind, cx: c.at[0], cy: -c.at[1], r: c.radius });
+  const ghost = state.project?.at !== state.project?.original || state.dragging ? state.ghostFront : null;
+  const ghosts = ghost && $("ghost").checked ? ghost.paths.filter((p) => p.kind === "web").map((p) => line(p, "ghost")) : [];
+  svg.firstChild.replaceChildren(...view.room.map((p) => line(p)), ...view.paths.map((p) => line(p)), ...view.circles.map((c) => round(c)), ...ghosts);
+  const byKey = Object.fromEntries(view.handles.map((handle) => [handle.key, handle]));
+  for (const node of svg.querySelectorAll("[data-handle]")) {
+    const handle = byKey[node.dataset.handle];
+    if (handle) placeHandle(node, handle, Number(svg.dataset.scale));
+  }
+}
+
+// Of a dimension, short: "crankpin \u2300", "throw radius", "pocket 1 y".
+function nameOf(key) {
+  const [table, name] = key.split(".").slice(-2);
+  if (name === "outer_diameter_mm") return `${words(table)} \u2300`;
+  const place = table.replace(/\[(\d+)\]/, (_, number) => ` ${Number(number) + 1}`);
+  return table === "web" ? words(name) : `${place} ${words(name)}`;
+}
+
+function placeHandle(node, handle, scale) {
+  const [dot, text] = node.children, [x, y] = [handle.at[0], -handle.at[1]];
+  dot.setAttribute("cx", x);
+  dot.setAttribute("cy", y);
+  dot.setAttribute("r", 7 * scale);
+  dot.setAttribute("aria-valuenow", handle.value.toFixed(2));
+  dot.setAttribute("aria-valuetext", `${handle.value.toFixed(2)} ${unitOf(handle.key)}`);
+  const letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize), name = `${nameOf(handle.key)} ${handle.value.toFixed(1)}`;
+  const right = x + 10 * scale + 0.55 * letter * name.length > Number(document.getElementById("front").dataset.end);
+  text.setAttribute("x", x + (right ? -10 : 10) * scale);
+  text.setAttribute("y", y - 8 * scale);
+  text.setAttribute("text-anchor", right ? "end" : "start");
+  text.style.fontSize = `${letter}px`;
+  text.style.strokeWidth = `${3 * scale}px`;
+  text.textContent = name;
+  node.handle = handle;
+}
+
+function handleOf(handle) {
+  const name = words(handle.key.replaceAll(".", " "));
+  const dot = make("circle", { class: "handle", tabindex: "0", role: "slider", "aria-label": name, "data-handle-key": handle.key });
+  const node = make("g", { "data-handle": handle.key }, dot, make("text", {}));
+  const svg = $("front");
+  let held = null, value = 0;
+  const move = (to) => {
+    value = Number(to.toFixed(unitOf(handle.key) === "deg" ? 1 : 2));
+    const number = document.querySelector(`#tree input[data-key="${CSS.escape(handle.key)}"]`);
+    if (number) number.value = value;
+    drag({ [handle.key]: value });
+  };
+  const release = () => {
+    if (held === null) return;
+    held = null;
+    delete svg.dataset.held;
+    edit({ [handle.key]: value }, `${name}: ${value} ${unitOf(handle.key)}`);
+  };
+  dot.addEventListener("pointerdown", (event) => {
+    dot.setPointerCapture(event.pointerId);
+    held = { x: event.clientX, y: event.clientY, from: node.handle.value };
+    value = held.from;
+    svg.dataset.held = handle.key;
+    event.preventDefault();
+    dot.focus();
+  });
+  dot.addEventListener("pointermove", (event) => {
+    if (!held) return;
+    const scale = Number(svg.dataset.scale), [wx, wy] = handle.way;
+    const along = ((event.clientX - held.x) * wx - (event.clientY - held.y) * wy) * scale;
+    move(held.from + along * handle.per_mm);
+  });
+  dot.addEventListener("pointerup", release);
+  dot.addEventListener("pointercancel", release);
+  dot.addEventListener("keydown", (event) => {
+    const step = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1, PageUp: 10, PageDown: -10 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    if (held === null) value = node.handle.value;
+    held = { from: value, key: true };
+    svg.dataset.held = handle.key;
+    move(value + step * (event.shiftKey ? 0.1 : 0.5));
+  });
+  dot.addEventListener("keyup", (event) => event.key.startsWith("Arrow") || event.key.startsWith("Page") ? release() : null);
+  dot.addEventListener("blur", release);
+  return node;
+}

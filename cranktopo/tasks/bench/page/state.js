@@ -1,0 +1,43 @@
+// What the page knows: gauges, the design, its answers; and what is read off them.
+
+// Gauges: name, label, unit, digits, which way is better (0: neither), size of the unit.
+export const GAUGES = [
+  ["mass", "Mass", "kg", 4, -1], ["torsion_per_mass", "Torsional stiffness per mass", "kN m/rad/kg", 4, 1, 1e3],
+  ["bending_per_mass", "Bending stiffness per mass", "kN/mm/kg", 4, 1, 1e3],
+  ["fatigue_safety", "Fatigue safety, least", "", 3, 1], ["pin_fillet_safety", "Safety, pin fillet", "", 3, 1],
+  ["journal_fillet_safety", "Safety, journal fillet", "", 3, 1],
+  ["torsion", "Torsional stiffness", "kN m/rad", 4, 1, 1e3], ["bending", "Bending stiffness", "kN/mm", 4, 1, 1e3],
+  ["inertia", "Inertia about the crank axis", "kg mm2", 5, -1], ["unbalance", "Unbalance", "kg mm", 4, 0],
+  ["balance_factor", "Balance factor of the oscillating mass", "%", 3, 0],
+  ["m53_pin", "UR M53 polynomials, pin fillet", "", 3, 1], ["m53_journal", "UR M53 polynomials, journal fillet", "", 3, 1],
+  ["m53_pin_elements", "UR M53 elements, pin fillet", "", 3, 1], ["m53_journal_elements", "UR M53 elements, journal fillet", "", 3, 1],
+  ["natural_frequency", "First natural frequency", "Hz", 4, 0], ["piston_gap", "Gap to the piston skirt", "mm", 3, 0],
+  ["crankcase_gap", "Gap to the crankcase", "mm", 3, 0], ["gas_force", "Gas force", "kN", 4, 0, 1e3],
+  ["pin_force", "Largest rod force", "kN", 4, 0, 1e3], ["mean_torque", "Mean torque of the engine", "N m", 4, 0],
+  ["mean_pressure", "Indicated mean pressure", "bar", 3, 0], ["power", "Indicated power", "kW", 4, 0],
+];
+export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety"]);
+
+export const state = { reference: null, project: null, jobs: [], live: {}, settled: {}, original: {}, bound: {},
+  turns: [0], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [], keepPitch: false };
+
+export const pick = (gauges) => Object.fromEntries(Object.entries(gauges).filter(([name]) => SOLVED.has(name)));
+
+const parts = (key) => key.split(".").flatMap((word) => [word.split("[")[0], ...[...word.matchAll(/\[(\d+)\]/g)].map((m) => Number(m[1]))]);
+export const valueAt = (key, data = state.project.data) => parts(key).reduce((at, part) => (at === undefined || at === null ? undefined : at[part]), data);
+
+export function valueOf(name) {
+  if (!SOLVED.has(name)) return [state.live[name], "live, exact"];
+  if ((state.dragging || !state.fresh) && state.coarse?.[name] !== undefined) return [state.coarse[name], "coarse: 4 mm cells brought to the settled value"];
+  const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
+  if (value === undefined) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits"];
+  if (state.dragging || !state.fresh) return [value, "stale: of the last settled web"];
+  return [value, name.includes("safety") ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
+}
+
+export function limitOf(name) {
+  const text = valueAt(`goal.limits.${name}`), found = typeof text === "string" && text.match(/([<>])=\s*(-?[\d.]+)\s*(%)?/);
+  if (!found) return null;
+  const required = found[3] && name !== "balance_factor" ? (Number(found[2]) / 100) * state.original[name] : Number(found[2]);
+  return Number.isFinite(required) ? { text, required, sense: found[1] } : null;
+}

@@ -1,0 +1,53 @@
+// Talk with the server: one drag is on its way at a time, the newest follows.
+import { $ } from "./base.js";
+import { state } from "./state.js";
+
+// Numbers of drags: the last one made, sent, answered; and what waits.
+export const line = { seq: 0, sent: 0, answered: 0, waiting: null };
+let socket = null;
+
+export function connect(hear) {
+  const address = new URL("talk", location.href);
+  address.protocol = "ws:";
+  socket = new WebSocket(address);
+  socket.onopen = () => {
+    status("Ready");
+    line.sent = line.answered = 0;
+    line.waiting = null;
+    say({ do: "hello" });
+  };
+  socket.onmessage = (event) => hear(JSON.parse(event.data));
+  socket.onclose = () => {
+    status("The bench has ended or is out of reach; trying again");
+    setTimeout(() => connect(hear), 1500);
+  };
+}
+
+export const say = (message) => socket && socket.readyState === 1 && socket.send(JSON.stringify(message));
+export const status = (text) => ($("status").textContent = text);
+
+// Says what is wrong, or calmly what is worth knowing; nothing takes it away.
+export function complain(text, calm = false) {
+  $("message").className = calm ? "calm" : "";
+  $("message").hidden = !text;
+  $("message").querySelector("span").textContent = text || "";
+}
+
+export function drag(changes) {
+  state.dragging = true;
+  line.waiting = changes;
+  if (line.answered === line.sent) next();
+}
+
+export function next() {
+  if (!line.waiting) return;
+  line.sent = ++line.seq;
+  say({ do: "drag", changes: line.waiting, seq: line.seq, keep_pitch: state.keepPitch });
+  line.waiting = null;
+}
+
+export function edit(changes, what) {
+  line.waiting = null;
+  state.dragging = false;
+  say({ do: "edit", changes, what, keep_pitch: state.keepPitch });
+}

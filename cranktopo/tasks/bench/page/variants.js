@@ -1,0 +1,50 @@
+// History and kept variants.
+import { $, make, plain, signed } from "./base.js";
+import { GAUGES, state } from "./state.js";
+import { say } from "./talk.js";
+
+export function showHistory() {
+  const { steps, at, diff } = state.project;
+  $("history").querySelector("ol").replaceChildren(...steps.map((step, i) => make("li", { class: i === at ? "here" : i > at ? "undone" : "", "aria-current": i === at ? "step" : undefined }, step.what)));
+  const list = $("history").querySelector("ol"), here = list.querySelector("li.here");
+  if (here) list.scrollTop = here.offsetTop - list.offsetTop - list.clientHeight / 2;
+  $("diff").textContent = diff.length ? diff.join("\n") : "No change.";
+  const lines = [...steps.slice(0, at + 1).map((step) => step.command), ...state.jobs.map((job) => job.command), ...state.made.map((file) => file.command)];
+  $("commands").textContent = lines.join("\n");
+}
+
+const COLUMNS = ["mass", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "unbalance"], SOMETIMES = ["m53_pin", "m53_pin_elements", "m53_journal", "m53_journal_elements"];
+export function showVariants() {
+  const variants = state.project.variants, table = $("variants").querySelector("table"), checked = variants.some((one) => one.gauges.m53_pin_elements);
+  const gauges = [...COLUMNS, ...(checked ? SOMETIMES : [])].map((name) => GAUGES.find((g) => g[0] === name));
+  if (!variants.length) {
+    $("scatter").toggleAttribute("hidden", true);
+    return table.replaceChildren(make("tbody", {}, make("tr", {}, make("th", {}, "Keep variant puts the design here."))));
+  }
+  const head = make("tr", {}, make("th", { scope: "col" }, "Variant"), ...gauges.map(([, label, unit]) => make("th", { scope: "col" }, `${label.replace("stiffness ", "").replace(", least", "")} ${unit}`)), make("th", {}, ""));
+  const base = variants.find((one) => one.pinned)?.gauges;
+  const rows = variants.map((variant) => make("tr", { "data-variant": variant.id },
+    make("th", { scope: "row", title: variant.what }, make("label", {}, make("input", { type: "checkbox", checked: variant.pinned, "aria-label": `compare ${variant.name}`, onchange: (event) => say({ do: "compare", id: variant.id, pinned: event.target.checked }) }), ` ${variant.name}`), make("br"), make("small", {}, variant.what)),
+    ...gauges.map(([name, , , digits, , size = 1]) => {
+      const value = variant.gauges[name], before = base?.[name];
+      return make("td", {}, value === undefined ? "" : plain(value / size, digits), before && value !== undefined && !variant.pinned ? ` (${signed(100 * (value / before - 1))})` : "");
+    }),
+    make("td", {}, make("button", { type: "button", onclick: () => say({ do: "take", id: variant.id }) }, "Take"), make("button", { type: "button", "aria-label": `drop ${variant.name}`, onclick: () => say({ do: "drop", id: variant.id }) }, "Drop"))));
+  table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
+  scatter(variants);
+}
+
+function scatter(variants) {
+  const found = variants.filter((one) => one.gauges.mass && one.gauges.torsion), svg = $("scatter");
+  svg.toggleAttribute("hidden", found.length < 2);
+  if (found.length < 2) return;
+  const [xs, ys] = [found.map((one) => one.gauges.mass), found.map((one) => one.gauges.torsion / 1e3)];
+  const place = (v, all, from, to) => from + ((v - Math.min(...all)) / (Math.max(...all) - Math.min(...all) || 1)) * (to - from);
+  svg.setAttribute("viewBox", "0 0 400 190");
+  svg.replaceChildren(make("line", { x1: 50, y1: 160, x2: 390, y2: 160 }), make("line", { x1: 50, y1: 10, x2: 50, y2: 160 }),
+    make("text", { x: 220, y: 182 }, `mass ${plain(Math.min(...xs), 4)} to ${plain(Math.max(...xs), 4)} kg`), make("text", { x: 55, y: 12 }, `torsion ${plain(Math.min(...ys), 4)} to ${plain(Math.max(...ys), 4)} kN m/rad`),
+    ...found.flatMap((one, i) => {
+      const [x, y] = [place(xs[i], xs, 70, 330), place(ys[i], ys, 145, 30)];
+      return [make("circle", { cx: x, cy: y, r: 5 }), make("text", { x: x + 8, y: y + 4 }, one.name)];
+    }));
+}

@@ -1,0 +1,65 @@
+// Jobs and files that are written.
+import { $, make } from "./base.js";
+import { state } from "./state.js";
+import { say, status } from "./talk.js";
+import { showHistory } from "./variants.js";
+
+// Jobs: help, what is asked, and the command and options where they are not of the same name.
+const JOBS = {
+  shape: { goal: true, help: "Best dimensions of this web that can be made, judged on body-fitted elements: minutes. Comes back as a variant. Without limits, both stiffnesses stay." },
+  optimise: { goal: true, help: "Topology in the design space, then a parametric web of it: about two minutes. Comes back as a variant." },
+  bound: { goal: true, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge." },
+  fatigue: { help: "Safety on the fine mesh of `cranktopo fatigue`: about a minute. Comes back as a variant." },
+  "UR M53": { kind: "fatigue", options: { method: "m53" }, help: "Both fillets by the rule's polynomials and by elements, and which governs: about a minute. Comes back as a variant." },
+  sweep: { vary: true, help: "Many values of one dimension, each evaluated; a page of its own." },
+};
+
+const FILES = {
+  toml: "design (TOML)", "step-throw": "STEP, throw", "step-web": "STEP, web", "step-crank": "STEP, crank", stl: "STL",
+  "drawing-pdf": "drawing, PDF", "drawing-svg": "drawing, SVG", m53: "UR M53 papers, PDF", vibration: "torsional vibration, page",
+  compare: "comparison with the original, page", table: "table against the original, Markdown",
+};
+
+export function showJobs() {
+  const list = $("jobs").querySelector("ul");
+  list.replaceChildren(...state.jobs.slice().reverse().map((job) => {
+    const buttons = make("span", { class: "tools" });
+    if (job.state === "running") buttons.append(make("button", { type: "button", onclick: () => say({ do: "stop", id: job.id }) }, "Stop"));
+    if (job.resumable) buttons.append(make("button", { type: "button", onclick: () => say({ do: "resume", id: job.id }) }, "Continue"));
+    if (job.page) buttons.append(make("a", { href: `job/${job.id}`, target: "_blank", rel: "noreferrer" }, "Report"));
+    return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", {}, text)));
+  }));
+  if (state.project) showHistory();
+}
+
+export function outForms() {
+  const form = $("job");
+  form.elements.kind.append(...Object.keys(JOBS).map((name) => make("option", {}, name)));
+  const chosen = () => {
+    const { help, goal, vary } = JOBS[form.elements.kind.value];
+    $("job-help").textContent = help;
+    for (const name of ["goal", "limit", "web"]) form.elements[name].parentElement.hidden = !goal;
+    form.elements.vary.parentElement.hidden = !vary;
+  };
+  form.elements.kind.addEventListener("change", chosen);
+  chosen();
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const name = form.elements.kind.value, { kind = name, goal, vary, options } = JOBS[name], asked = { ...options };
+    const limits = form.elements.limit.value.split(";").map((one) => one.trim()).filter(Boolean);
+    if (goal) Object.assign(asked, Object.fromEntries([form.elements.goal.value.split("=")]), limits.length ? { limit: limits } : {}, form.elements.web.value ? { web: form.elements.web.value } : {});
+    if (vary) asked.vary = form.elements.vary.value.trim();
+    say({ do: "job", kind, options: asked });
+    status(`${name} starts`);
+  });
+  const button = ([kind, text]) => make("button", { type: "button", "data-kind": kind, onclick: () => write(kind) }, text);
+  $("write").querySelector(".tools").append(...Object.entries(FILES).map(button));
+  $("write").addEventListener("submit", (event) => event.preventDefault());
+  $("copy").addEventListener("click", () => navigator.clipboard?.writeText($("commands").textContent));
+}
+
+function write(kind) {
+  const { name, replace } = $("write").elements, plain = name.value.trim().replace(/\.(toml|step|stl|pdf|svg)$/i, "");
+  if (kind === "toml") say({ do: "save", name: `${plain}.toml`, replace: replace.checked });
+  else say({ do: "write", kind, name: plain, replace: replace.checked });
+}

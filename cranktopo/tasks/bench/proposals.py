@@ -1,0 +1,51 @@
+"""Changes that answer a wish: a balance factor, a pitch that stays; pure functions of the tables."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.pitch import lengths_at_pitch
+from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
+from cranktopo.tasks.bench.edits import changed_data
+from cranktopo.throw.envelope import BoxEnvelope
+
+
+def counterweight_changes(data: dict[str, Any], percent: float) -> dict[str, Any]:
+    """Return changes by which a throw balances a share of its oscillating mass, percent.
+
+    A box of design space is enlarged where it has no room for the counterweight.
+
+    Raises:
+        CranktopoError: no such counterweight, or no place for it.
+    """
+    scene = scene_from_dict(data, "design", whole=True)
+    found = propose_counterweight(scene, percent)
+    changes = {
+        "web.counterweight.outer_radius_mm": found.outer_radius_mm,
+        "web.counterweight.half_angle_deg": found.half_angle_deg,
+    }
+    if found.refused and isinstance(scene.envelope, BoxEnvelope):
+        changes |= _room(scene.envelope, found)
+    scene_from_dict(changed_data(data, changes), "design", whole=True)
+    return changes
+
+
+def with_pitch_kept(data: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """Return changes, and the lengths of main journals at which the throws stay as far apart."""
+    changed = scene_from_dict(changed_data(data, changes), "design")
+    pitch = scene_from_dict(data, "design").pitch_mm
+    return (
+        changes if math.isclose(changed.pitch_mm, pitch) else {**changes, **lengths_at_pitch(changed, pitch)}
+    )
+
+
+def _room(box: BoxEnvelope, found: ProposedCounterweight) -> dict[str, Any]:
+    radius, turn = found.outer_radius_mm, math.radians(min(found.half_angle_deg, 90.0))
+    room = {
+        "envelope.half_width_mm": (box.half_width_mm, radius * math.sin(turn)),
+        "envelope.y_min_mm": (-box.y_min_mm, radius),
+    }
+    lengths = {key: math.ceil(need) for key, (has, need) in room.items() if need > has}
+    return {key: -length if key.endswith("y_min_mm") else length for key, length in lengths.items()}

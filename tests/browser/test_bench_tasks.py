@@ -1,0 +1,125 @@
+"""Three tasks of new users, from the first click to the files: no terminal, no TOML, actions counted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cranktopo.bodies.solid.files import export_solid
+from cranktopo.design.loading import load_scene
+from tests.browser.bench_page import Actions, gauge, settled, shown
+
+pytest.importorskip("tornado")
+pytestmark = pytest.mark.slow
+
+
+def begin(do: Actions, layout: str, answers: dict[str, str]) -> None:
+    """Answer the questions of the first page."""
+    do.click(do.page.get_by_label(layout, exact=True))
+    for name, text in answers.items():
+        do.type(do.page.locator(f"#questions [name={name}]"), text)
+    do.click(do.page.get_by_role("button", name="Begin"))
+    shown(do.page)
+
+
+def test_a_motorcycle_twin(bench: Any, tmp_path: Path) -> None:
+    """Half of the oscillating mass balanced, lighter at no less safety; STEP, drawing, page for the boss."""
+    do = Actions(bench().page)
+    answers = {"cylinders": "2", "bore_mm": "100", "stroke_mm": "67,5", "speed_rpm": "11500"}
+    begin(do, "V", {**answers, "rod_length_mm": "124", "peak_pressure_MPa": "9,5", "name": "twin"})
+    do.open("Engine", "masses", "gas", "Throw and journals", "Web")
+    journals = {"main_journal": ("48", "30"), "crankpin": ("44", "44")}
+    for name, (diameter, length) in journals.items():
+        do.enter(f"throw.{name}.outer_diameter_mm", diameter)
+        do.enter(f"throw.{name}.length_mm", length)
+        do.enter(f"throw.{name}.fillet_mm", "2,5")
+    do.enter("web.width_mm", "64")
+    do.enter("web.thickness_mm", "22")
+    do.enter("engine.masses.piston_group_kg", "0,40")
+    do.enter("engine.masses.rod_reciprocating_kg", "0,13")
+    do.enter("engine.masses.rod_rotating_kg", "0,30")
+    do.enter("engine.gas.peak_angle_deg", "14")
+    do.enter("engine.gas.compression_ratio", "12,5")
+    assert gauge(do.page, "gas_force") == pytest.approx(73.8, abs=0.1), "73 817 N by hand"
+    assert gauge(do.page, "mean_torque") == pytest.approx(159.2, rel=0.01), "1000.3 J a cylinder by hand"
+    assert gauge(do.page, "power") == pytest.approx(192, rel=0.01)
+    do.enter("balance", "50")
+    do.press("Add drilling")
+    do.enter("throw.drilling[0].outlet_radius_mm", "1")
+    assert gauge(do.page, "balance_factor") == pytest.approx(50, abs=2.5)
+    do.click(do.page.get_by_role("button", name="Set as original"))
+    settled(do.page)
+    do.type(do.page.locator("#job [name=limit]"), "fatigue_safety >= 100 %; balance_factor >= 48 %")
+    do.job("shape")
+    do.press("Take")
+    settled(do.page)
+    assert gauge(do.page, "balance_factor") > 47.9
+    mass = do.page.locator("[data-gauge=mass] .change").inner_text()
+    assert mass.startswith("−"), "lighter"
+    assert "fatigue safety" not in do.page.locator("#worse").inner_text(), "at no less safety"
+    for kind in ("step-throw", "drawing-pdf", "compare"):
+        do.write(kind)
+    assert do.count <= 40
+    assert (tmp_path / "twin.step").read_text(encoding="ascii").startswith("ISO-10303-21")
+    assert (tmp_path / "twin.pdf").read_bytes().startswith(b"%PDF")
+    page = (tmp_path / "twin-compare.html").read_text(encoding="utf-8")
+    assert "twin-original" in page
+    commands = do.page.locator("#commands").inner_text()
+    for line in ("designs new twin.toml", "shape design.toml", "export twin.toml twin.step"):
+        assert f"cranktopo {line}" in commands
+
+
+def test_a_marine_six(bench: Any, tmp_path: Path) -> None:
+    """Power known; the rule's papers, vibration with a damper, 10 mm more web with the pitch kept."""
+    do = Actions(bench().page)
+    do.choose(do.page.locator("#questions [name=material]"), "34CrNiMo6")
+    answers = {"cylinders": "6", "bore_mm": "320", "stroke_mm": "480", "speed_rpm": "750"}
+    begin(do, "in-line", {**answers, "peak_pressure_MPa": "20", "power_kW": "6000", "name": "six"})
+    do.open("Throw and journals", "Web")
+    do.enter("web.width_mm", "400")
+    do.enter("web.thickness_mm", "110")
+    for name, diameter in {"main_journal": "290", "crankpin": "250"}.items():
+        do.enter(f"throw.{name}.outer_diameter_mm", diameter)
+        do.enter(f"throw.{name}.length_mm", "140")
+        do.enter(f"throw.{name}.fillet_mm", "14")
+    assert gauge(do.page, "power") == pytest.approx(6000, rel=0.01)
+    do.open("Shaft line")
+    do.press("Add shaft")
+    for name in ("coupling", "driven", "damper"):
+        do.press(f"Add {name}")
+    values = {"coupling.stiffness_Nm_per_rad": "500000", "coupling.inertia_kg_m2": "100"}
+    values |= {"driven.inertia_kg_m2": "800", "damper.damping_Nms_per_rad": "3000"}
+    for key, text in {**values, "damper.ring_inertia_kg_m2": "60", "damper.hub_inertia_kg_m2": "10"}.items():
+        do.enter(f"shaft.{key}", text)
+    do.click(do.page.get_by_role("button", name="Set as original"))
+    do.choose(do.page.get_by_label("what stays"), "pitch")
+    do.enter("web.thickness_mm", "120")
+    assert do.page.locator("[id='f-throw.main_journal.length_mm']").input_value() == "120", "pitch kept"
+    settled(do.page)
+    assert do.page.locator("[data-gauge=torsion_per_mass] .change").inner_text().startswith("+")
+    do.job("UR M53")
+    told = do.page.locator("#jobs li").first.inner_text()
+    for word in ("by polynomials", "by elements", "govern"):
+        assert word in told
+    do.write("m53")
+    do.write("vibration")
+    assert do.count <= 45
+    assert (tmp_path / "six-m53.pdf").read_bytes().startswith(b"%PDF")
+    assert "Campbell" in (tmp_path / "six-vibration.html").read_text(encoding="utf-8")
+
+
+def test_a_crank_from_cad(bench: Any, tmp_path: Path) -> None:
+    """Dropped, engine given, counterweight and outline freed: 5 % lighter at no less safety, written."""
+    design = load_scene("car-diesel")
+    export_solid(design, "crankshaft", tmp_path / "crank.step")
+    do = Actions(bench().page)
+    do.page.set_default_timeout(600_000)
+    do.drop(tmp_path / "crank.step")
+    do.page.wait_for_selector("#viewer[data-shown]")
+    assert do.page.locator("#name").inner_text() == "crank"
+    assert "Read from" in do.page.locator("#message").inner_text()
+    assert gauge(do.page, "mass") > 1
+    print(json.dumps(design.model_dump(mode="json"), indent=0)[:10])

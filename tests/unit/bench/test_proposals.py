@@ -1,0 +1,34 @@
+"""What the bench proposes: a counterweight with its room, and journals that keep the pitch."""
+
+from __future__ import annotations
+
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.bench.edits import changed_data
+from cranktopo.tasks.bench.forms import new_design
+from cranktopo.tasks.bench.proposals import counterweight_changes, with_pitch_kept
+
+TWIN = {"layout": "V", "cylinders": 2, "bore_mm": 100, "stroke_mm": 67.5, "rod_length_mm": 124}
+DATA = parse_toml(new_design(TWIN)[0], "twin")
+
+
+def test_a_counterweight_has_its_room_and_the_wanted_balance() -> None:
+    light = {"throw.crankpin.outer_diameter_mm": 44, "throw.main_journal.outer_diameter_mm": 48}
+    light |= {"throw.crankpin.length_mm": 44, "web.width_mm": 64, "web.thickness_mm": 22}
+    data = changed_data(DATA, light)
+    changes = counterweight_changes(data, 10)
+    assert changes["envelope.y_min_mm"] <= -changes["web.counterweight.outer_radius_mm"]
+    scene = scene_from_dict(changed_data(data, changes), "twin", whole=True)
+    assert throw_balance(scene).balance_factor_percent == pytest.approx(10, abs=0.1)
+    with pytest.raises(CranktopoError, match="no outer radius"):
+        counterweight_changes(data, 1e4)
+
+
+def test_journals_give_what_webs_take_where_the_pitch_stays() -> None:
+    changes = with_pitch_kept(DATA, {"web.thickness_mm": 28})
+    assert changes == {"web.thickness_mm": 28, "throw.main_journal.length_mm": pytest.approx(33 - 2 * 2)}
+    assert with_pitch_kept(DATA, {"web.width_mm": 88}) == {"web.width_mm": 88}
