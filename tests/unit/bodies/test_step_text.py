@@ -14,6 +14,7 @@ from cranktopo.base.formats import PARTS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import StepLabel, labelled, step_string
+from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
@@ -62,9 +63,10 @@ def check(text: str, product: str) -> None:
 @pytest.mark.usefixtures("first_day")
 @pytest.mark.parametrize("part", PARTS)
 def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
-    export_solid(mikron, part, tmp_path / "one.step")
+    scene = load_scene("mikron-iiic-rod") if part == "rod" else mikron
+    export_solid(scene, part, tmp_path / "one.step")
     text = (tmp_path / "one.step").read_text(encoding="ascii")
-    check(text, f"mikron-iiic-plain {'half throw' if part == 'half' else part.replace('_', ' ')}")
+    check(text, f"{scene.name} {'half throw' if part == 'half' else part.replace('_', ' ')}")
     header = text[: text.index("DATA;")]
     assert header.index("FILE_DESCRIPTION") < header.index("FILE_NAME") < header.index("FILE_SCHEMA")
     assert DAY in header
