@@ -7,7 +7,8 @@ The stages, in the order in which data flows through them; each takes what the o
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
-`compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`,
+`compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`, `check_bolts`,
+`check_rod_strength`, `check_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
@@ -44,6 +45,10 @@ if TYPE_CHECKING:
     from cranktopo.tasks.accuracy.stage import AccuracyStudy, study_accuracy
     from cranktopo.tasks.balance.result import Balance, balance_result
     from cranktopo.tasks.balance.stage import report_balance
+    from cranktopo.tasks.balancer.result import BalancerStrength
+    from cranktopo.tasks.balancer.stage import check_balancer
+    from cranktopo.tasks.bolts.result import BoltChecks
+    from cranktopo.tasks.bolts.stage import check_bolts
     from cranktopo.tasks.bound.result import BoundResult
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.compare.result import Comparison, ComparisonResult, Entry, compare
@@ -75,6 +80,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
+    from cranktopo.tasks.rod.result import RodStrength
+    from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
     from cranktopo.tasks.shaft_safety.result import ShaftAssessment
@@ -185,12 +192,20 @@ _HOMES = {
     "summarise_runs": "tasks.run_list.stage",
     "clean_runs": "tasks.run_list.stage",
     "check_machine": "tasks.doctor.stage",
+    "BalancerStrength": "tasks.balancer.result",
+    "BoltChecks": "tasks.bolts.result",
+    "RodStrength": "tasks.rod.result",
+    "check_balancer": "tasks.balancer.stage",
+    "check_bolts": "tasks.bolts.stage",
+    "check_rod_strength": "tasks.rod.stage",
     "shaft_vibration": "tasks.vibration.stage",
 }
 
 __all__ = [
     "AccuracyStudy",
     "Balance",
+    "BalancerStrength",
+    "BoltChecks",
     "BoundResult",
     "Check",
     "CheckedSurface",
@@ -221,6 +236,7 @@ __all__ = [
     "PhysicsPlan",
     "Prepared",
     "RefitResult",
+    "RodStrength",
     "RunEntry",
     "RunMetrics",
     "Scene",
@@ -238,7 +254,10 @@ __all__ = [
     "assess_shaft",
     "balance_result",
     "bound_of",
+    "check_balancer",
+    "check_bolts",
     "check_machine",
+    "check_rod_strength",
     "checked_surface",
     "clean_runs",
     "compare",
