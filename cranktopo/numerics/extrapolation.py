@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
-
 MINIMUM_ORDER, MAXIMUM_ORDER = 1.0, 2.2
 """Orders of convergence of a stiffness in the element size: 1.09 at a sharp ring (Williams, 1952), about 2
 with fillets, a little above on coarse meshes."""
@@ -30,6 +28,8 @@ class Extrapolation:
 
 def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
     """Return the order p of f + C h^p on three falling sizes; None where the values approach no limit."""
+    from scipy.optimize import brentq
+
     (a, b, c), (first, second, third) = sizes, values
     if (first - second) * (second - third) <= 0:
         return None

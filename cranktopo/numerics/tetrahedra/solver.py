@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.machine import addresses_of_threads_MiB, check_addresses
 from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
+from cranktopo.base.side_by_side import Ahead
+from cranktopo.numerics.tetrahedra.block_code import assembly, product
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
 Single = NDArray[np.float32]
@@ -39,6 +42,20 @@ _EIGENVALUE_TOLERANCE = 5e-2
 _SMOOTHING = 3
 _BAND = 14.0
 """Chebyshev smoothing acts on the upper part of the spectrum, lambda_max / band and above."""
+
+
+@cache
+def get_ready() -> None:
+    """Begin to load and compile what solves need, in a thread beside the making of a mesh."""
+    Ahead(_load).begin()
+
+
+def _load() -> None:
+    for module in ("cvxopt.cholmod", "skfem"):
+        import_module(module)
+    assembly()
+    for width in (1, 2):
+        product(width)
 
 
 def solve_directly(matrix: sp.spmatrix, loads: Array) -> Array:

@@ -84,12 +84,13 @@ def command(
     else:
         from cranktopo.report.result_table import terminal
         from cranktopo.tasks.fea.quantities import evaluation_table, result_line
-        from cranktopo.tasks.shape.text import sensitivity_text
 
         click.echo(terminal(evaluation_table(found.evaluations)) + "\n")
         for evaluation in found.evaluations:
             click.echo(result_line(evaluation))
         for told in worth:
+            from cranktopo.tasks.shape.text import sensitivity_text
+
             click.echo("\n" + "\n".join(sensitivity_text(told.table, told.scene.name)))
     warn_missed(found.missed, accuracy)
 

@@ -19,6 +19,7 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
+from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
@@ -125,6 +126,7 @@ def solve_stresses(
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
     """
+    get_ready()
     start = time.perf_counter()
     pace = Pace(f"{target.name}: stresses", len(_STEPS))
     pace.begin(_STEPS[0])

@@ -21,6 +21,7 @@ from cranktopo.design.halves import default_element_size_mm, halves, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, Order, assemble
+from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.tasks.fea.condense import (
     BendingSupport,
     Superelement,
@@ -197,6 +198,7 @@ def evaluate_on_mesh(
     """
     check_element_size(target.scene, element_size_mm)
     note(f"{target.name}: element size {element_size_mm:.3g} mm")
+    get_ready()
     start = time.perf_counter()
     meshed = mesh_target(target, element_size_mm, graded)
     if meshed.note:
