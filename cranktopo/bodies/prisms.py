@@ -13,6 +13,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.frames import X
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.envelope_file import envelope_from_file, envelope_z_mm, mirror_difference, through_holes
+from cranktopo.bodies.zones import zone_solids
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.outlet import DrillOutlet, across, ring_points
@@ -64,10 +65,10 @@ def web_bores(scene: Scene) -> Manifold:
 
 
 def feature_holes(scene: Scene) -> Manifold:
-    """Return the holes of features that no optimiser fills, each as its tool."""
+    """Return what no optimiser fills: holes of features, each as its tool, and empty parts of zones."""
     solids = (solid for body in kept_holes(scene) for solid in body.solids())
     holes = (_hole(np.array(s.start), np.array(s.axis), s.radius) for s in solids if isinstance(s, Cylinder))
-    return sum(holes, Manifold())
+    return sum(holes, zone_solids(scene)[1])
 
 
 def _hole(start: Array, axis: Array, radius_mm: float, around: int | None = None) -> Manifold:
@@ -137,6 +138,10 @@ def journal_stubs(scene: Scene) -> Manifold:
 
 def kept_solid(scene: Scene) -> Manifold:
     """Return what no optimiser takes away, within what the envelope's clearances leave."""
+    return _kept_prisms(scene) + zone_solids(scene)[0]
+
+
+def _kept_prisms(scene: Scene) -> Manifold:
     low, high = envelope_z_mm(scene)
     solids = [
         _prism(

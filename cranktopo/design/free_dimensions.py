@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
 from cranktopo.throw.counterweight.table import LEAST_HALF_ANGLE_DEG
 from cranktopo.throw.journal import ROUNDING_MM, Journal
@@ -129,6 +130,11 @@ def check_free_dimensions(scene: Scene) -> None:
         _check_own(scene, name, found)
         _check_outlets(scene, name)
         if name == "web_thickness":
+            if has_zones(scene):
+                hint = "Leave it out, or leave the zones out."
+                raise _refused(
+                    scene, name, "envelope.frozen or envelope.removable hold the web's faces", hint
+                )
             _check_thickness(scene, found[0])
             continue
         if name.endswith("bore"):

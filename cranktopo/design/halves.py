@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
 from cranktopo.throw.drilling.table import drilling_asymmetry
+from cranktopo.throw.zone import zones_asymmetry
 
 T = TypeVar("T")
 _LENGTHS = {"second_main_journal_length_mm": "main_journal", "second_crankpin_length_mm": "crankpin"}
@@ -115,7 +116,29 @@ def _asymmetry(scene: Scene) -> str:
 def envelope_asymmetry(scene: Scene) -> str:
     """Key of an envelope, drilling or kept feature not symmetric in x, or not known to be; empty for none."""
     own = scene.envelope.asymmetry if scene.envelope else ""
-    return own or drilling_asymmetry(scene) or kept_asymmetry(scene)
+    return own or drilling_asymmetry(scene) or kept_asymmetry(scene) or _zones_asymmetry(scene)
+
+
+def _zones_asymmetry(scene: Scene) -> str:
+    """Key of a zone without its mirror image, or of what of a web that has zones has none."""
+    if not has_zones(scene):
+        return ""
+    assert scene.envelope is not None
+    return zones_asymmetry(scene.envelope.frozen, scene.envelope.removable) or web_asymmetry(scene)
+
+
+def has_zones(scene: Scene) -> bool:
+    """Tell whether part of the web stays as it is."""
+    return scene.envelope is not None and bool(scene.envelope.frozen or scene.envelope.removable)
+
+
+def without_zones(scene: Scene) -> Scene:
+    """Return the scene with all of its envelope free."""
+    if not has_zones(scene):
+        return scene
+    assert scene.envelope is not None
+    free = scene.envelope.model_copy(update={"frozen": (), "removable": ()})
+    return scene.model_copy(update={"envelope": free})
 
 
 def kept_asymmetry(scene: Scene) -> str:

@@ -13,6 +13,8 @@ from cranktopo.design.schema import Scene
 FILE_KEYS = (
     ("engine", "gas", "indicator_csv"),
     ("envelope", "file"),
+    ("envelope", "frozen", "file"),
+    ("envelope", "removable", "file"),
     ("original", "file"),
     ("crank", "throws"),
     ("crank", "end", "step", "file"),

@@ -14,6 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.base.spans import Span, disc_section, polygon_section, self_intersection
 from cranktopo.base.table import Length, LengthOrZero, Place, SceneTable
+from cranktopo.throw.zone import Zone
 
 
 class Clearance(SceneTable):
@@ -37,6 +38,11 @@ class _EnvelopeBase(SceneTable):
     """Kept free of material beside the main bearing, along the crank axis."""
     rod_clearance_mm: LengthOrZero = 0.0
     """Kept free of material beside the connecting rod, along the crank axis."""
+    frozen: tuple[Zone, ...] = ()
+    """Zones in which the web stays as it is: no optimiser takes material away or adds any."""
+    removable: tuple[Zone, ...] = ()
+    """Zones in which alone material of the web may be taken away; left out: everywhere. What lies beside the
+    web may be filled as ever."""
 
     @property
     def stl_file(self) -> Path | None:

@@ -145,6 +145,9 @@ def _fractions(grid: CellGrid, layers: Sequence[AxialLayer]) -> dict[str, Array]
         filled = {section: _filled(grid, layer, section) for section in {*layer.sections.values()}}
         for kind, section in layer.sections.items():
             result[kind] += filled[section]
+        if layer.replaces_design and layer.passive:
+            result["design_fraction"] -= filled[layer.passive]
+    result["design_fraction"] = np.maximum(result["design_fraction"], 0.0)
     return result
 
 

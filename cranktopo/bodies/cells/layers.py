@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -20,6 +20,7 @@ from cranktopo.bodies.envelope_file import (
     envelope_section,
     envelope_sections,
 )
+from cranktopo.bodies.zones import frozen_at, staying_at, zone_heights_mm, zones_change
 from cranktopo.design.clearance import clearance_limit
 from cranktopo.design.schema import Scene
 from cranktopo.throw.envelope import Envelope
@@ -36,6 +37,7 @@ class AxialLayer:
     """What fills the plane between two heights of the half throw; None for nothing.
 
     Its sections, of which passive is undesignable solid and web the full one, may change between the heights.
+    What it has as passive may replace what other layers between these heights have as design.
     """
 
     z_mm: tuple[float, float]
@@ -44,6 +46,7 @@ class AxialLayer:
     pin: Section | None
     web: Section | None
     changes: bool = False
+    replaces_design: bool = False
 
     @property
     def sections(self) -> dict[str, Section]:
@@ -104,24 +107,37 @@ def _design_space(scene: Scene) -> list[AxialLayer]:
     bores = [
         disc_section(journal.bore_radius_mm, y) for journal, y in throw.journals if journal.bore_radius_mm > 0
     ]
-    kept, holes, found = kept_bodies(scene), [hole for hole in kept_holes(scene) if not hole.drilled], []
+    bodies, found = (*kept_bodies(scene), *kept_holes(scene)), list[AxialLayer]()
     heights = [float(z) for z in np.linspace(low, high, envelope_sections(envelope) + 1)]
-    for z in _ranges_mm(scene, [*heights, *(z for body in (*kept, *holes) for z in body.z_mm)]):
+    heights += zone_heights_mm(scene)
+    for z in _ranges_mm(scene, [*heights, *(z for body in bodies for z in body.z_mm)]):
         middle = sum(z) / 2
         if low < middle < high:
-            outline = _turning_free(scene, envelope_section(envelope, middle))
-            check_inside(scene, outline, middle)
-            cuts = [*bores, *(hole.spans for hole in holes if hole.z_mm[0] < middle < hole.z_mm[1])]
-            web = section_difference(outline, *cuts)
-            here = [body for body in kept if body.z_mm[0] < middle < body.z_mm[1]]
-            passive = section_difference(_section(here), *cuts) if here else None
-            design = section_difference(web, passive) if passive else web
-            found.append(AxialLayer(z, passive=passive, design=design, pin=None, web=web))
+            found += _design_layers(scene, z, bores)
             continue
         journal, y = throw.journals[0 if middle < low else 1]
         shape = section_difference(disc_section(journal.radius_mm, y), *bores)
         found.append(AxialLayer(z, passive=shape, design=None, pin=None, web=shape))
     return found
+
+
+def _design_layers(scene: Scene, z_mm: tuple[float, float], bores: Sequence[Section]) -> Iterator[AxialLayer]:
+    """Yield the design space between two heights of the web, and what of the web stays in it as it is."""
+    middle = sum(z_mm) / 2
+
+    def here(bodies: Sequence[Body]) -> list[Body]:
+        return [body for body in bodies if body.z_mm[0] < middle < body.z_mm[1] and not body.drilled]
+
+    outline = _turning_free(scene, envelope_section(design_envelope(scene), middle))
+    check_inside(scene, outline, middle)
+    kept = here(kept_bodies(scene))
+    cuts = [*bores, *(hole.spans for hole in here(kept_holes(scene)))]
+    web = section_difference(outline, *cuts, *frozen_at(scene, middle))
+    passive = section_difference(_section(kept), *cuts) if kept else None
+    yield AxialLayer(z_mm, passive, section_difference(web, passive) if passive else web, None, web)
+    for stays, designed in staying_at(scene, middle):
+        own, changes = section_difference(stays, *filter(None, [passive])), zones_change(scene, middle)
+        yield AxialLayer(z_mm, own, None, None, None if designed else own, changes, replaces_design=designed)
 
 
 def _turning_free(scene: Scene, section: Section) -> Section:

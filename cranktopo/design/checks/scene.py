@@ -250,6 +250,10 @@ def _check_envelope(scene: Scene) -> None:
     if envelope is None:
         return
     envelope.check()
+    for name in ("frozen", "removable"):
+        for index, zone in enumerate(getattr(envelope, name)):
+            if (found := zone.check()) is not None:
+                raise scene.invalid(f"envelope.{name}[{index}].{found[0]}", found[1], "Correct it.")
     if envelope.stl_file is None:
         check_envelope_reach(scene, envelope.bounds_mm)
         check_inside(scene, envelope.spans)

@@ -98,8 +98,10 @@ def note_left_off(name: str, scene: Scene, effects: PhysicsPlan) -> None:
 def _file_states(scene: Scene) -> tuple[FileState, ...]:
     """Return the states of the files that a scene names: with another content it has another plan."""
     envelope = scene.envelope.stl_file if scene.envelope else None
+    zones = (*scene.envelope.frozen, *scene.envelope.removable) if scene.envelope else ()
+    bodies = (zone.body_file for zone in zones)
     indicator = scene.engine.gas.indicator_csv if scene.engine and scene.engine.gas else None
-    return tuple(file_state(name) for name in (envelope, indicator) if name is not None)
+    return tuple(file_state(name) for name in (envelope, indicator, *bodies) if name is not None)
 
 
 @lru_cache(maxsize=64)

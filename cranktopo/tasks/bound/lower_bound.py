@@ -22,6 +22,7 @@ from cranktopo.base.notes import at_work, detail
 from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
+from cranktopo.design.halves import without_zones
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
@@ -152,9 +153,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     effects = plan(scene, goal=goal)
     scene = simulated_scene(scene, effects).with_optimise(resolution_mm=resolution_mm)
     cases = load_cases(scene, effects.enabled - set(LOAD_TYPES) | set(MAIN_KINDS))
-    # No counterweight is kept solid: a search over dimensions pockets it.
-    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
-    domain = build_domain(bare, resolution_mm)
+    domain = build_domain(_without_counterweight(scene), resolution_mm)
     model = build_model(scene, domain, cases)
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     webs = webs_of(scene, domain, model)
@@ -162,6 +161,14 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     room[:, :, webs.layers] += webs.design
     outside = float((np.maximum(own - room, 0) * domain.volume_mm3).sum() / (own * domain.volume_mm3).sum())
     return BoundModel(scene, domain, model, webs, assess_original(model, scene, domain), outside)
+
+
+def _without_counterweight(scene: Scene) -> Scene:
+    """Return the scene without one kept solid: a search over dimensions pockets it. Zones would lack it."""
+    if scene.web.counterweight is None:
+        return scene
+    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+    return without_zones(bare)
 
 
 @dataclass(frozen=True)

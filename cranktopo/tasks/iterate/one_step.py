@@ -229,6 +229,8 @@ def _bounded(folder: Path, number: int, webs: Sequence[StepWeb], settings: Setti
         volume = web_volume_mm3(webs[-1].scene)
         path = write_envelope(webs[-1].solids.web, folder.parent / f"step-{number - 1:02d}")
         envelope = StlEnvelope(shape="stl", file=str(path.resolve()), symmetric=True)
+        if own := scene.envelope:
+            envelope = envelope.model_copy(update={"frozen": own.frozen, "removable": own.removable})
         scene = scene.model_copy(update={"envelope": envelope})
     fraction = min(target / volume, _MOST_KEPT)
     return scene.with_effect("bound", "off").with_optimise(volume_fraction=fraction), fraction

@@ -15,6 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference, complex_step
 from cranktopo.tasks.refit.family import Layout, all_bounds, flank_of, named_parts, scene_at, size_rules
 from cranktopo.tasks.refit.model_fill import ADDED, CHORDS, FILLET, Fill, MovedFillet, added_mm, moved_fillet
+from cranktopo.tasks.refit.zone_rules import zone_points, zone_rules
 from cranktopo.throw.drilling.table import drilling_rules
 from cranktopo.throw.feature import least_shoulder_mm
 from cranktopo.throw.fitted import (
@@ -176,7 +177,7 @@ class ParametricWeb:
 
     def __init__(self, layout: Layout, scene: Scene, limits: ManufacturingLimits, axes: Axes) -> None:
         self.layout, self.bounds = layout, all_bounds(layout, scene, limits)
-        self._scene, self._limits = scene, limits
+        self._scene, self._limits, self._zones = scene, limits, zone_points(scene)
         self._grid = Fill(layout.parts, axes, scene.web_z_mm)
         self._weight = [name for name in layout.dimensions if is_of_counterweight(name)]
         self._own_added = added_mm(scene, axes)
@@ -267,4 +268,8 @@ class ParametricWeb:
         """Return the rules of the features and of the dimensions of the throw."""
         scene = scene_at(self._scene, self.layout, values)
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
-        return [*parts, *size_rules(self.layout, values, self._scene, self._limits)]
+        sizes = size_rules(self.layout, values, self._scene, self._limits)
+        if self._zones is None:
+            return [*parts, *sizes]
+        named = list(named_parts(self.layout.parts, self._parts(values)))
+        return [*parts, *sizes, *zone_rules(self._zones, scene, points, named)]

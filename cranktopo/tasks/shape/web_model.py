@@ -24,6 +24,7 @@ from cranktopo.design.free_dimensions import (
     own_dimension_mm,
     with_dimensions,
 )
+from cranktopo.design.halves import without_zones
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
@@ -170,7 +171,8 @@ def _domain_without_free_bores(scene: Scene, resolution_mm: float) -> Domain:
     """
     free = free_bores(scene)
     if any(map(is_of_counterweight, free_dimensions(scene))):
-        scene = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
+        bare = scene.web.model_copy(update={"counterweight": None})
+        scene = without_zones(scene.model_copy(update={"web": bare}))  # rules of the search keep the zones
     filled = build_domain(with_dimensions(scene, dict.fromkeys(free, 0.0)), resolution_mm)
     if "pin_bore" not in free:
         return filled

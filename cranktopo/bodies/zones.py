@@ -1,0 +1,133 @@
+"""What of a web stays as it is in frozen zones, and outside those where alone material may be removed."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator, Sequence
+from functools import lru_cache, reduce
+from pathlib import Path
+
+import numpy as np
+from manifold3d import Manifold
+
+from cranktopo.base.spans import Section, common, polygon_section, section_difference, together
+from cranktopo.bodies.envelope_file import SECTIONS, envelope_from_file
+from cranktopo.bodies.solid.files import kernel_surface_of
+from cranktopo.design.halves import has_zones
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.throw.web import web_bodies, web_spans
+from cranktopo.throw.zone import BoxZone, CylinderZone, Zone
+
+_SIDES = 256
+_FAR_MM = 1e3
+"""Over the throw's radius: beyond every web."""
+_BEYOND_MM = 1.0
+"""How far a zone where material may be removed goes on beyond the web's faces."""
+
+
+def frozen_at(scene: Scene, z_mm: float) -> list[Section]:
+    """Return the frozen zones at a height, where nothing is designed."""
+    return [] if scene.envelope is None else _sections(scene.envelope.frozen, z_mm)
+
+
+def staying_at(scene: Scene, z_mm: float) -> Iterator[tuple[Section, bool]]:
+    """Yield what of the web stays as it is at a height: in frozen zones, and beside those to remove from.
+
+    Each with whether it lies in what else would be designed.
+    """
+    if scene.envelope is None or not has_zones(scene):
+        return
+    own, frozen = own_section(scene, z_mm), frozen_at(scene, z_mm)
+    if frozen:
+        yield common(own, frozen[0] if len(frozen) == 1 else together(*frozen)), False
+    if scene.envelope.removable:
+        removable = _sections(scene.envelope.removable, z_mm)
+        yield section_difference(own, *removable, *frozen), True
+
+
+def own_section(scene: Scene, z_mm: float) -> Section:
+    """Return the scene's own web, or that of its original's file, at a height."""
+    if scene.original is not None:
+        return _slice(_original(scene), z_mm)
+    bodies = [body for body in web_bodies(scene) if not body.drilled]
+    return lambda y_mm, z: list(zip(*web_spans(bodies, y_mm, z), strict=True))
+
+
+def _sections(zones: Sequence[Zone], z_mm: float) -> list[Section]:
+    found = []
+    for zone in zones:
+        low, high = zone.z_mm
+        if low < z_mm < high:
+            file = zone.body_file
+            found.append(zone.spans if file is None else _slice(envelope_from_file(file, key="zone"), z_mm))
+    return found
+
+
+def _slice(body: Manifold, z_mm: float) -> Section:
+    return polygon_section([np.asarray(contour) for contour in body.slice(z_mm).to_polygons()])
+
+
+def zone_heights_mm(scene: Scene) -> list[float]:
+    """Return heights between which zones, and the web in them, have one section or change smoothly."""
+    if scene.envelope is None or not has_zones(scene):
+        return []
+    zones = (*scene.envelope.frozen, *scene.envelope.removable)
+    found = [z for zone in zones for z in zone.z_mm if abs(z) < _FAR_MM * scene.throw.radius_mm]
+    if scene.original is not None or any(zone.body_file for zone in zones):
+        found += np.linspace(*scene.web_z_mm, SECTIONS + 1).tolist()
+    bodies = web_bodies(scene) if scene.original is None else []
+    return found + [z for body in bodies for ends in (body.z_mm, *body.changing_z_mm) for z in ends]
+
+
+def zones_change(scene: Scene, z_mm: float) -> bool:
+    """Tell whether the web that stays in zones changes along the crank axis at a height."""
+    bodies = web_bodies(scene) if has_zones(scene) and scene.original is None else []
+    ranges = (ends for body in bodies if not body.drilled for ends in body.changing_z_mm)
+    return any(low < z_mm < high for low, high in ranges)
+
+
+@lru_cache(maxsize=4)
+def zone_solids(scene: Scene) -> tuple[Manifold, Manifold]:
+    """Return what of the web stays, and what of zones stays empty, as bodies."""
+    if scene.envelope is None or not has_zones(scene):
+        return Manifold(), Manifold()
+    start, end = scene.web_z_mm
+    own = _own_solid(scene)
+    frozen = reduce(operator.add, (_solid(zone, start, end) for zone in scene.envelope.frozen), Manifold())
+    kept = own ^ frozen
+    if scene.envelope.removable:
+        free = (_solid(zone, start - _BEYOND_MM, end + _BEYOND_MM) for zone in scene.envelope.removable)
+        kept += own - reduce(operator.add, free)
+    return kept, frozen - own
+
+
+def _own_solid(scene: Scene) -> Manifold:
+    if scene.original is None:
+        return solid_of(kernel_surface_of(scene, "web"), "web")
+    start, end = scene.web_z_mm
+    body = _original(scene).trim_by_plane((0.0, 0.0, 1.0), start)
+    return body.trim_by_plane((0.0, 0.0, -1.0), -end)
+
+
+def _original(scene: Scene) -> Manifold:
+    assert scene.original is not None
+    return envelope_from_file(Path(scene.original.file), key="original.file")
+
+
+def _solid(zone: Zone, start_mm: float, end_mm: float) -> Manifold:
+    """Return a zone as a body between two heights."""
+    low, high = (max(zone.z_mm[0], start_mm), min(zone.z_mm[1], end_mm))
+    if low >= high:
+        return Manifold()
+    match zone:
+        case BoxZone():
+            size = zone.x_max_mm - zone.x_min_mm, zone.y_max_mm - zone.y_min_mm, high - low
+            return Manifold.cube(size).translate((zone.x_min_mm, zone.y_min_mm, low))
+        case CylinderZone():
+            radius = zone.diameter_mm / 2
+            body = Manifold.cylinder(high - low, radius, radius, _SIDES)
+            return body.translate((zone.x_mm, zone.y_mm, low))
+        case _:
+            body = envelope_from_file(zone.body_file, key="zone")
+            return body.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)

@@ -1,0 +1,114 @@
+"""Rules that keep the zones of a web as they are while its parameters change.
+
+Points of the web in a zone, and points of its voids there, are taken along lines across the web, a little
+inward of every surface. What cuts the former, or fills the latter, breaks a rule by the distance.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.spans import Section, holds, section_difference
+from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
+from cranktopo.design.halves import has_zones
+from cranktopo.design.schema import Scene
+from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
+
+_INWARD_MM = 0.05
+"""How far inward of a surface its points lie; the web's own surfaces may move by a part of it."""
+_STEP_MM, _HEIGHTS = 1.0, 9
+_KEEPS, _EMPTY = "what stays of the web is not cut by the", "empty part of a frozen zone"
+
+
+@dataclass(frozen=True)
+class ZonePoints:
+    """Points (3, n) of the web that stay material, and of zones that stay empty, at x >= 0."""
+
+    solid: Array
+    empty: Array
+
+
+@functools.lru_cache(maxsize=8)
+def zone_points(scene: Scene) -> ZonePoints | None:
+    """Return the points that zones hold; None without any."""
+    if not has_zones(scene):
+        return None
+    solid, empty = list[Array](), list[Array]()
+    for z in _heights_mm(scene):
+        own = own_section(scene, z)
+        solid += [_along_lines(scene, stays, own, z, solid=True) for stays, _ in staying_at(scene, z)]
+        voids = (section_difference(zone, own) for zone in frozen_at(scene, z))
+        empty += [_along_lines(scene, void, own, z, solid=False) for void in voids]
+    return ZonePoints(*(np.concatenate([np.zeros((3, 0)), *found], axis=1) for found in (solid, empty)))
+
+
+def _heights_mm(scene: Scene) -> list[float]:
+    """Return heights through the web, among them one on either side of every change of its section."""
+    (start, end), off = scene.web_z_mm, 2 * _INWARD_MM
+    steps = np.linspace(start + off, end - off, _HEIGHTS).tolist()
+    beside = [z + side * off for z in zone_heights_mm(scene) for side in (-1, 1)]
+    return sorted({round(z, 6) for z in (*steps, *beside) if start < z < end})
+
+
+def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, solid: bool) -> Array:
+    """Return points inside a section on lines across the web, at x >= 0, inward of the web's surfaces."""
+    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
+    y = np.arange(low + _INWARD_MM, high, _STEP_MM)
+    found = []
+    for left, right in section(y, np.full_like(y, z_mm)):
+        start, stop = np.maximum(left, 0.0) + _INWARD_MM * (left > 0), right - _INWARD_MM
+        held = stop > start
+        share = np.linspace(0.0, 1.0, max(2, int(np.ceil(np.max(stop - start, initial=0.0) / _STEP_MM))))
+        x = start[held, None] + (stop - start)[held, None] * share
+        found.append(np.stack([x.ravel(), np.repeat(y[held], len(share)), np.full(x.size, z_mm)]))
+    at = np.concatenate([np.zeros((3, 0)), *found], axis=1)
+    around = [
+        holds(own(at[1] + up, at[2] + off), at[0]) == solid
+        for up, off in ((_INWARD_MM, 0.0), (-_INWARD_MM, 0.0), (0.0, _INWARD_MM), (0.0, -_INWARD_MM))
+    ]
+    return at[:, np.logical_and.reduce(around)]
+
+
+def zone_rules(
+    own: ZonePoints, scene: Scene, outline_mm: Array, named: Sequence[tuple[FittedFeature, Named]]
+) -> Iterator[Rule]:
+    """Yield the rules, mm: outline with counterweight, each feature, each bore, and what stays empty.
+
+    Args:
+        outline_mm: points (n, 2) of the outline's right half, upward.
+    """
+    if own.solid.size:
+        yield f"{_KEEPS} outline", CLEAR_MM - float(_inside_outline(scene, outline_mm, own.solid).min())
+        for part, values in named:
+            away = _outside_part(part, values, outline_mm, scene, own.solid)
+            yield f"{_KEEPS} {part.title}", CLEAR_MM - float(away.min())
+        yield f"{_KEEPS} bores", CLEAR_MM - float(_outside_bores(scene, own.solid).min())
+    if own.empty.size:
+        parts = (_outside_part(part, values, outline_mm, scene, own.empty) for part, values in named)
+        fields = [_inside_outline(scene, outline_mm, own.empty), _outside_bores(scene, own.empty), *parts]
+        yield _EMPTY, CLEAR_MM + float(np.min(fields, axis=0).max())
+
+
+def _inside_outline(scene: Scene, outline_mm: Array, at: Array) -> Array:
+    """Return how far points lie inside the outline, across the throw, or inside the counterweight."""
+    (x, y), (low, high) = outline_mm.T, (outline_mm[0, 1], outline_mm[-1, 1])
+    inside = np.minimum(np.interp(at[1], y, x) - at[0], np.minimum(at[1] - low, high - at[1]))
+    weight = scene.web.counterweight
+    for part in () if weight is None or weight.bolted else weight.parts(scene)[:1]:
+        inside = np.maximum(inside, part.inside_mm(at[0], at[1]))
+    return np.asarray(inside)
+
+
+def _outside_part(part: FittedFeature, values: Named, outline_mm: Array, scene: Scene, at: Array) -> Array:
+    faces = part.faces_mm(values, outline_mm[[0, -1], 1], (at[0], at[1], at[2]), scene.web_z_mm)
+    return functools.reduce(np.maximum, (np.broadcast_to(face, at.shape[1:]) for face in faces))
+
+
+def _outside_bores(scene: Scene, at: Array) -> Array:
+    away = [np.hypot(at[0], at[1] - y) - journal.bore_radius_mm for journal, y in scene.throw.journals]
+    return np.asarray(np.min(away, axis=0))
