@@ -28,20 +28,21 @@ DESIGNS = {
 }
 _LEAST_SHARE = 0.01
 _DRAG = """async ([key, share]) => {
-    const slider = document.querySelector(`input[type=range][data-key="${key}"]`), viewer = document.getElementById("viewer");
-    const before = Number(viewer.dataset.shown), dials = document.getElementById("dials"), told = dials.textContent;
+    const slider = document.querySelector(`input[type=range][data-key="${key}"]`);
+    const viewer = document.getElementById("viewer"), dials = document.getElementById("dials");
+    const before = Number(viewer.dataset.shown), told = dials.textContent;
     const middle = (Number(slider.min) + Number(slider.max)) / 2, begun = performance.now();
     slider.value = middle * (1 + share);
     slider.dispatchEvent(new Event("input", { bubbles: true }));
     while (Number(viewer.dataset.shown) <= before) await new Promise((done) => setTimeout(done, 1));
     await new Promise(requestAnimationFrame);
-    const taken = performance.now() - begun;
-    const gl = viewer.querySelector("canvas").getContext("webgl2");
-    const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
-    gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    const taken = performance.now() - begun, gl = viewer.querySelector("canvas").getContext("webgl2");
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+    const pixels = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     let painted = 0;
     for (let i = 3; i < pixels.length; i += 4) painted += pixels[i] > 0;
-    return [taken, painted / (pixels.length / 4), dials.textContent !== told];
+    return [taken, painted / (width * height), dials.textContent !== told];
 }"""
 
 
@@ -70,7 +71,7 @@ def _measured(browser: Any, design: str, drags: int) -> str:
         shown(page)
         settled(page)
         page.evaluate("() => document.querySelectorAll('#tree details').forEach((one) => (one.open = true))")
-        shares = 0.02 + 0.1 * np.random.default_rng(1).random(drags + 10)
+        shares = (0.02 + 0.06 * np.random.default_rng(1).random(drags + 10)) * (-1.0) ** np.arange(drags + 10)
         for share in shares[:10]:
             page.evaluate(_DRAG, [DESIGNS[design], share])
         heap, answers, cpu = [_heap(page)], [], _seconds(process.pid)

@@ -57,6 +57,17 @@ def gauge(page: Any, name: str) -> float:
     return float(text.split()[0].replace(",", ""))
 
 
+def reads(page: Any, name: str, value: float, within: float) -> None:
+    """Wait until a gauge shows a value within a share of it."""
+    page.wait_for_function(
+        """([name, value, within]) => {
+            const text = document.querySelector(`[data-gauge=${name}] .value`)?.textContent ?? "";
+            return Math.abs(parseFloat(text.replaceAll(",", "")) - value) <= within * Math.abs(value);
+        }""",
+        arg=[name, value, within],
+    )
+
+
 def set_slider(page: Any, key: str, value: float, release: bool) -> None:
     """Move a slider as a pointer does: an input for every place, a change at the end."""
     page.evaluate(
@@ -116,11 +127,13 @@ class Actions:
         self.click(self.page.locator(f"#write [data-kind={kind}]"))
         self.page.wait_for_function(
             "(n) => document.querySelectorAll('#made li').length > n"
-            " || !document.querySelector('#message').hidden",
+            " || document.querySelector('#message:not([hidden]):not(.calm)')",
             arg=made,
             timeout=JOB_MS,
         )
-        assert self.page.locator("#message").is_hidden(), self.page.locator("#message").inner_text()
+        assert self.page.locator("#message:not(.calm)").is_hidden(), self.page.locator(
+            "#message"
+        ).inner_text()
 
     def job(self, name: str) -> None:
         """Start a job, and wait until it has come back as a variant."""
@@ -130,7 +143,8 @@ class Actions:
         self.click(form.get_by_role("button", name="Start"))
         self.page.wait_for_function(
             "(n) => document.querySelectorAll('tr[data-variant]').length > n"
-            " || document.querySelector('[data-job=failed]') || !document.querySelector('#message').hidden",
+            " || document.querySelector('[data-job=failed]')"
+            " || document.querySelector('#message:not([hidden]):not(.calm)')",
             arg=kept,
             timeout=JOB_MS,
         )
@@ -142,7 +156,8 @@ class Actions:
         act()
         self.page.wait_for_function(
             "(was) => document.querySelector('#history li.here').textContent !== was"
-            " || document.querySelector('.is-broken') || !document.querySelector('#message').hidden",
+            " || document.querySelector('.is-broken')"
+            " || document.querySelector('#message:not([hidden]):not(.calm)')",
             arg=before,
         )
         if self.page.locator("#history li.here").inner_text() == before:

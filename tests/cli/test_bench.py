@@ -5,10 +5,13 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import random
 import signal
 import socket
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +23,8 @@ from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
 from cranktopo.app.main import main
+from cranktopo.design.loading import design_text
+from cranktopo.tasks.bench.jobs import Jobs, reap
 
 PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
 CHANGES = {"web.width_mm": 52, "web.thickness_mm": 20}
@@ -74,6 +79,88 @@ def test_a_killed_bench_loses_nothing_and_leaves_no_process(tmp_path: Path) -> N
     assert process.wait(60) == 0, "Ctrl-C ends it well"
     assert process.stdout is not None
     process.stdout.close()
+
+
+@pytest.mark.slow
+def test_a_server_killed_at_any_moment_loses_no_step(tmp_path: Path) -> None:
+    """Ten times: every step that a page was told of is there again, and at most the one in hand besides."""
+    dice, told = random.Random(5), 0
+    for _ in range(10):
+        process, address = started(tmp_path)
+        steps = len(state_after(address, {"do": "hello"})["steps"])
+        assert told <= steps <= told + 1, "what was told is kept"
+        told = asyncio.run(_edits_until_killed(process, address, steps, dice.uniform(0.0, 1.5)))
+    process, address = started(tmp_path)
+    state = state_after(address, {"do": "hello"})
+    assert told <= len(state["steps"]) <= told + 1
+    files = {step["file"] for step in state["steps"]}
+    assert files <= {path.name for path in (tmp_path / "bench" / "mikron-iiic-plain").iterdir()}
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 0
+    assert process.stdout is not None
+    process.stdout.close()
+
+
+async def _edits_until_killed(
+    process: subprocess.Popen[str], address: str, steps: int, after_s: float
+) -> int:
+    """Take step after step until the server is killed; return how many steps it told of."""
+    origin = address.rpartition("/")[0].rpartition("/")[0]
+    where = f"{address.replace('http:', 'ws:')}talk"
+    line = await websocket_connect(HTTPRequest(where, headers={"Origin": origin}, connect_timeout=90))
+    asyncio.get_running_loop().call_later(after_s, process.kill)
+    for number in range(1000):
+        changes = {"web.width_mm": 50 + 0.001 * (steps + number), "web.thickness_mm": 19}
+        await line.write_message(json.dumps({"do": "edit", "changes": changes, "what": "wider"}))
+        while (message := await line.read_message()) is not None:
+            told = json.loads(str(message))
+            if told["type"] == "state" and len(told["project"]["steps"]) > steps:
+                steps = len(told["project"]["steps"])
+                break
+        else:
+            break
+    line.close()
+    await asyncio.sleep(0.1)
+    process.wait(10)
+    assert process.stdout is not None
+    process.stdout.close()
+    return steps
+
+
+@pytest.mark.slow
+def test_a_job_killed_at_any_moment_goes_on(tmp_path: Path) -> None:
+    """Ten times while it lives: it is found stopped, is continued, and comes to its end."""
+    dice, jobs = random.Random(3), Jobs(tmp_path)
+    options = {"volume-fraction": 0.3, "resolution-mm": 6, "max-iterations": 40}
+    job = jobs.start("optimise", design_text("mikron-iiic-plain"), options)
+    iterations = 0
+    for _ in range(10):
+        time.sleep(dice.uniform(0.0, 12.0))
+        if jobs.job(job.known.id).state == "done":
+            break
+        with suppress(ProcessLookupError):
+            os.killpg(jobs.job(job.known.id).known.pid, signal.SIGKILL)
+        _until_not_running(jobs, job.known.id)
+        assert jobs.job(job.known.id).state in ("stopped", "done")
+        history = job.out / "history.csv"
+        rows = len(history.read_text(encoding="utf-8").splitlines()) if history.is_file() else 0
+        assert rows >= iterations, "no iteration is lost"
+        iterations = max(0, rows - 1)  # the last row may have been written before its checkpoint
+        if jobs.job(job.known.id).state == "stopped":
+            jobs.resume(job.known.id)
+    _until_not_running(jobs, job.known.id)
+    found = jobs.job(job.known.id)
+    assert found.state == "done", found.as_json()["notes"]
+    assert found.command.startswith("cranktopo optimise design.toml --volume-fraction=0.3"), "told as begun"
+    assert (found.out / "metrics.json").is_file()
+
+
+def _until_not_running(jobs: Jobs, id_: str) -> None:
+    for _ in range(6000):
+        reap()
+        if jobs.job(id_).state != "running":
+            return
+        time.sleep(0.1)
 
 
 def test_what_is_no_design_is_refused_before_anything_is_served(

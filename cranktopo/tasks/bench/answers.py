@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.tasks.bench.coarse_error import stated_errors
 from cranktopo.tasks.bench.workers import Newest, Worker
 
 Tell = Callable[[dict[str, Any]], None]
@@ -28,7 +29,7 @@ class Answers:
         self._settle, self._originals = Newest(self._answer_settled), Newest(self._answer_original)
         self._settled: dict[str, dict[str, Any]] = {}
         self._exact: dict[str, dict[str, float]] = {}
-        self._shares: dict[str, float] = {}
+        self._calibrated: tuple[Data, dict[str, float], dict[str, float]] = {}, {}, {}
         self._now = self._original = ""
 
     def close(self) -> None:
@@ -42,7 +43,7 @@ class Answers:
 
     def coarse(self, data: Data, seq: int | None, tell: Tell) -> None:
         """Ask for the stiffness of a drag; nothing before the first stiffness has settled."""
-        if self._shares:
+        if self._calibrated[1]:
             self._coarse.put((data, seq, tell))
 
     def settle(self, data_of: Callable[[str], Data], now: str, original: str) -> None:
@@ -107,9 +108,11 @@ class Answers:
             found = await self._coarse_values(data)
         except CranktopoError:
             return  # the live answer tells what is broken
-        gauges = {name: value * self._shares[name] for name, value in found.items() if name in self._shares}
-        if gauges:
-            tell({"type": "coarse", "seq": seq, "gauges": gauges})
+        settled, cells, truth = self._calibrated
+        changes = {name: value / cells[name] - 1 for name, value in found.items() if name in truth}
+        errors = stated_errors(settled, data, {name: 100 * change for name, change in changes.items()})
+        gauges = {name: truth[name] * (1 + change) for name, change in changes.items() if name in errors}
+        tell({"type": "coarse", "seq": seq, "gauges": gauges, "error_percent": errors})
 
     async def _coarse_values(self, data: Data) -> dict[str, float]:
         found: dict[str, float] = await self._workers["coarse"].ask("coarse.coarse_stiffness", data)
@@ -132,14 +135,12 @@ class Answers:
                     return  # a newer design waits
 
     async def _calibrate(self, data: Data, truth: dict[str, float]) -> None:
-        """Learn by how much the cells err at this design."""
+        """Learn what the cells say of a design that has settled."""
         try:
             coarse = await self._coarse_values(data)
         except CranktopoError:
             return
-        self._shares = {
-            name: truth[name] / value for name, value in coarse.items() if name in truth and value
-        }
+        self._calibrated = data, coarse, truth
 
     def _keep(self, text: str, part: str, found: dict[str, Any]) -> None:
         before = self._settled.get(text, {"gauges": {}, "parts": ()})

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -25,6 +26,8 @@ from cranktopo.base.result import Result
 
 JobState = Literal["running", "done", "stopped", "failed"]
 _JOB, _NOTES, _CODE, _OUT = "job.json", "notes.txt", "code", "out"
+_SAVED = "manifest.json"
+"""In a run that resumes, whatever else a kill keeps back."""
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
 _TAIL = 4000
 
@@ -102,6 +105,13 @@ class Job:
         """The command line that does the same."""
         return shlex.join(["cranktopo", *self.known.words])
 
+    @property
+    def resumable(self) -> bool:
+        """True where it can go on: from what it saved, or anew where it was killed before that."""
+        if self.known.kind not in RESUMABLE:
+            return False
+        return self.state == "stopped" or (self.state == "failed" and self.out.is_dir())
+
     def as_json(self) -> dict[str, Any]:
         """Return what the page shows of it."""
         lines = self._notes()
@@ -111,9 +121,7 @@ class Job:
             "kind": self.known.kind,
             "command": self.command,
             "state": state,
-            "resumable": state in ("stopped", "failed")
-            and self.known.kind in RESUMABLE
-            and self.out.is_dir(),
+            "resumable": self.resumable,
             "notes": lines[-6:],
             "seconds": round(time.time() - self.known.started),
             "variant": self.known.variant,
@@ -185,17 +193,22 @@ class Jobs:
         (place / "design.toml").write_text(design, encoding="utf-8")
         words = [kind, "design.toml", *given]
         words += ["--out", _OUT] if kind in ("optimise", "shape", "sweep") else ["--json"]
-        return self._run(place, f"{number:03d}", kind, words)
+        known = _Job(id=place.name, kind=kind, words=tuple(words), started=time.time())
+        return self._run(place, known, words)
 
     def resume(self, id_: str) -> Job:
         """Continue a job that was stopped."""
         job = self.job(id_)
-        if job.state == "running" or job.known.kind not in RESUMABLE:
+        if not job.resumable:
             raise CranktopoError("job: there is nothing to continue.")
         (job.place / _CODE).unlink(missing_ok=True)
-        return self._run(job.place, id_, job.known.kind, [job.known.kind, "--resume", _OUT])
+        if (job.out / _SAVED).is_file():
+            return self._run(job.place, job.known, [job.known.kind, "--resume", _OUT])
+        if job.out.is_dir():
+            shutil.rmtree(job.out)
+        return self._run(job.place, job.known, job.known.words)
 
-    def _run(self, place: Path, id_: str, kind: str, words: Sequence[str]) -> Job:
+    def _run(self, place: Path, known: _Job, words: Sequence[str]) -> Job:
         line = ["/bin/sh", "-c", _SHELL, "sh", *own_command(*words)]
         process = subprocess.Popen(
             line,
@@ -207,7 +220,7 @@ class Jobs:
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         )
         born = psutil.Process(process.pid).create_time()
-        known = _Job(id=id_, kind=kind, words=tuple(words), started=time.time(), pid=process.pid, born=born)
+        known = known.model_copy(update={"started": time.time(), "pid": process.pid, "born": born})
         write_json(place / _JOB, known.as_json())
         _running.append(process)
         return Job(place, known)

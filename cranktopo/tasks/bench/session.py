@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import re
 import shlex
 import subprocess
@@ -114,7 +115,8 @@ class Bench:
                 else ["cranktopo", "bench", name]
             )
             self.open_text(text, source, f"dropped {name}", shlex.join(command))
-        remarks = [line.removeprefix("# ") for line in (text or "").splitlines() if line.startswith("# ")]
+        head = itertools.takewhile(lambda line: line.startswith("#"), (text or "").splitlines())
+        remarks = [line.removeprefix("# ") for line in head]
         return {"opened": name, "told": "\n".join(remarks[:_REMARKS]) if path.suffix != ".toml" else ""}
 
     def made(self, name: str) -> Path:

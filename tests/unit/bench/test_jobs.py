@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import time
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text
 from cranktopo.tasks.bench.jobs import Job, Jobs, reap
-from cranktopo.tasks.bench.results import job_numbers, variant_of
+from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
 
 TEXT = design_text("mikron-iiic-plain")
 
@@ -55,4 +56,24 @@ def test_the_result_of_shape_is_a_design(tmp_path: Path) -> None:
     job.out.mkdir()
     shutil.copy(job.place / "design.toml", job.out / "web.toml")
     assert variant_of(job) == TEXT
-    assert variant_of(ran) is None
+    assert variant_of(ran) == TEXT, "a check comes back with the design that it was of"
+    assert variant_of(Job(ran.place, ran.known.model_copy(update={"kind": "bound"}))) is None
+
+
+def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Path) -> None:
+    ran = ended(Jobs(tmp_path), Jobs(tmp_path).start("fatigue", TEXT, {"method": "none"}).known.id)
+    values = {"pin": {"acceptability": 0.9}, "journal": {"acceptability": 1.2}}
+    both = {"closed_form": values, "finite_elements": {**values, "pin": {"acceptability": 0.8}}}
+    found = {"safety": 0.8, "verdict": "not accepted", "least_acceptability": 1.15, "fillets": both}
+    found |= {"governing_factors": {"pin": "elements", "journal": "polynomials"}}
+    (ran.place / "stdout.txt").write_text(json.dumps({"method": "m53", "fatigue": [found]}), encoding="utf-8")
+    lines = job_words(ran)
+    assert lines[1] == "pin fillet: 0.9 by polynomials, 0.8 by elements; elements govern"
+    assert job_numbers(ran)["m53_pin_elements"] == 0.8
+    shape = Job(ran.place, ran.known.model_copy(update={"kind": "shape"}))
+    (ran.place / "stdout.txt").write_text("met: mass -5.0 %\nmore\n", encoding="utf-8")
+    shape.out.mkdir()
+    price = {"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 1.59}
+    told = {"goal": {"minimise": "mass"}, "prices": [price, {**price, "goal_percent_per_percent": 0.0}]}
+    (shape.out / "shape.json").write_text(json.dumps(told), encoding="utf-8")
+    assert job_words(shape) == ["met: mass -5.0 %", "1 % of bending >= costs 1.59 % mass"]

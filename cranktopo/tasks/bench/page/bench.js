@@ -93,6 +93,8 @@ function hearOriginal(message) {
 function hearCoarse(message) {
   if (state.dragging ? !message.seq : message.seq && message.seq < line.seq) return;
   state.coarse = message.gauges;
+  state.coarseErrors = message.error_percent;
+  state.tooFar = !Object.keys(message.gauges).length;
   showGauges();
 }
 
@@ -104,7 +106,7 @@ function hearSettled(message) {
     state.settledParts = message.parts;
     state.place = message.place;
     state.missing = message.missing;
-    state.coarse = {};
+    Object.assign(state, { coarse: {}, tooFar: false });
     state.fresh = true;
     state.settledPicture = message.picture || null;
     if (!state.broken.length) status(message.parts.includes("safety") ? "Settled" : "Stiffness settled; safety follows");
@@ -147,6 +149,7 @@ $("hint").querySelector("button").addEventListener("click", () => {
   $("hint").hidden = true;
 });
 $("find").addEventListener("input", filterForms);
+$("tree").addEventListener("focusin", (event) => ($("help").textContent = event.target.closest(".row")?.querySelector(".help")?.textContent ?? ""));
 $("ghost").addEventListener("change", () => (showGhost(), showFront()));
 for (const id of ["safety", "crank"]) $(id).addEventListener("change", () => showPicture());
 new ResizeObserver(() => state.front && ((state.frontDrawn = false), delete $("front").dataset.held, showFront())).observe($("front"));

@@ -6,12 +6,12 @@ import { complain, drag, edit, say, status } from "./talk.js";
 const GROUPS = [
   ["Engine", ["engine"]], ["Throw and journals", ["throw"]], ["Web", ["web"]], ["Material", ["material"]],
   ["Goal and limits", ["goal"]], ["Design space", ["envelope"]], ["Supports", ["supports"]], ["Shaft line", ["shaft"]],
-  ["Fatigue", ["fatigue"]], ["Search", ["shape", "optimise"]], ["Effects", ["effects"]],
+  ["Fatigue", ["fatigue"]], ["Original", ["original"]], ["Search", ["shape", "optimise"]], ["Effects", ["effects"]],
 ];
 
 export function showForms() {
   if (!state.reference) return;
-  const held = document.activeElement?.dataset?.key, open = openTables(), scroll = $("forms").scrollTop;
+  const held = document.activeElement?.dataset?.key, open = openTables(), scroll = $("tree").scrollTop;
   const groups = GROUPS.map(([title, roots]) => {
     const body = roots.flatMap((root) => tableForms(root, root));
     return make("details", { "data-path": `group:${title}`, open: open.has(`group:${title}`) || (!open.size && title === "Web") }, make("summary", {}, title), ...body);
@@ -19,7 +19,7 @@ export function showForms() {
   $("tree").replaceChildren(...groups);
   filterForms();
   showBroken();
-  $("forms").scrollTop = scroll;
+  $("tree").scrollTop = scroll;
   if (held) document.querySelector(`[data-key="${CSS.escape(held)}"]:not([type=range])`)?.focus({ preventScroll: true });
 }
 const openTables = () => new Set([...document.querySelectorAll("#tree details[open]")].map((d) => d.dataset.path));

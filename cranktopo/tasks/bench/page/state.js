@@ -28,10 +28,12 @@ export const valueAt = (key, data = state.project.data) => parts(key).reduce((at
 
 export function valueOf(name) {
   if (!SOLVED.has(name)) return [state.live[name], "live, exact"];
-  if ((state.dragging || !state.fresh) && state.coarse?.[name] !== undefined) return [state.coarse[name], "coarse: 4 mm cells brought to the settled value"];
+  const moving = state.dragging || !state.fresh;
+  if (moving && state.coarse?.[name] !== undefined) return [state.coarse[name], `coarse, error about ${state.coarseErrors[name].toFixed(1)} %`];
+  if (moving && state.tooFar) return [undefined, "waits: too far from the last settled web"];
   const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
   if (value === undefined) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits"];
-  if (state.dragging || !state.fresh) return [value, "stale: of the last settled web"];
+  if (moving) return [value, "stale: of the last settled web"];
   return [value, name.includes("safety") ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
 }
 

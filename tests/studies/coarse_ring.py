@@ -1,0 +1,79 @@
+"""Error of the bench's coarse ring against the settled one, on random moves of several throws.
+
+    python -m tests.studies.coarse_ring [MOVES] [SEED] > coarse.csv
+
+Each move changes one dimension of a settled web by at most 5 mm (10 deg). A line for each quantity: what the
+cells say the change is, what body-fitted elements say, and what the bench states as the error.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from typing import Any
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import design_text, value_at
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench.coarse import coarse_stiffness
+from cranktopo.tasks.bench.coarse_error import stated_errors
+from cranktopo.tasks.bench.edits import changed_data
+from cranktopo.tasks.bench.settled import settled_stiffness
+
+THROWS = ("mikron-iiic-plain", "mikron-iiic", "car-diesel", "opposed-piston")
+KEYS = (
+    "web.width_mm",
+    "web.thickness_mm",
+    "throw.radius_mm",
+    "throw.main_journal.outer_diameter_mm",
+    "throw.main_journal.bore_diameter_mm",
+    "throw.main_journal.length_mm",
+    "throw.main_journal.fillet_mm",
+    "throw.crankpin.outer_diameter_mm",
+    "throw.crankpin.bore_diameter_mm",
+    "throw.crankpin.length_mm",
+    "throw.crankpin.fillet_mm",
+    "web.counterweight.outer_radius_mm",
+    "web.counterweight.half_angle_deg",
+)
+_MOST_MM, _MOST_DEG = 5.0, 10.0
+QUANTITIES = ("torsion", "bending")
+
+
+def main(moves: int, seed: int) -> None:
+    """Print a table of moves."""
+    print("throw,key,from,to,quantity,settled_percent,coarse_percent,error_percent,stated", flush=True)
+    kept = 0
+    dice = random.Random(seed)
+    known: dict[str, Any] = {}
+    done = 0
+    while done < moves:
+        throw, key = dice.choice(THROWS), dice.choice(KEYS)
+        data = parse_toml(design_text(throw), throw)
+        value = value_at(data, key)
+        if not value:
+            continue
+        most = _MOST_DEG if key.endswith("_deg") else min(_MOST_MM, value / 2)
+        new = round(value + dice.uniform(-most, most), 2)
+        moved = changed_data(data, {key: new})
+        try:
+            cells, truth = coarse_stiffness(moved), settled_stiffness(moved)["gauges"]
+        except CranktopoError:
+            continue
+        if throw not in known:
+            known[throw] = coarse_stiffness(data), settled_stiffness(data)["gauges"]
+        first_cells, first_truth = known[throw]
+        for name in QUANTITIES:
+            settled = 100 * (truth[name] / first_truth[name] - 1)
+            coarse = 100 * (cells[name] / first_cells[name] - 1)
+            error = 100 * ((1 + coarse / 100) / (1 + settled / 100) - 1)
+            stated = stated_errors(data, moved, {name: coarse})[name]
+            kept += abs(error) <= stated
+            line = f"{throw},{key},{value},{new},{name},{settled:.3f},{coarse:.3f},{error:.3f},{stated:.3f}"
+            print(line, flush=True)
+        done += 1
+    print(f"within what is stated: {kept} of {done * len(QUANTITIES)}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main(*(int(word) for word in (sys.argv[1:] + ["200", "1"][len(sys.argv) - 1 :])))
