@@ -70,6 +70,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.fea.stage import Evaluations, MeshRequest, evaluate_target, evaluate_targets
     from cranktopo.tasks.fea.studies import StudyResult
     from cranktopo.tasks.fea.targets import Target, resolve_target, resolve_targets
+    from cranktopo.tasks.film.result import FilmResult
+    from cranktopo.tasks.film.stage import oil_films
     from cranktopo.tasks.iterate.loop import continue_loop, loop_scene, start_loop
     from cranktopo.tasks.iterate.result import LoopResult, LoopRun, loop_settings
     from cranktopo.tasks.loads.result import Loads
@@ -199,6 +201,8 @@ _HOMES = {
     "check_bolts": "tasks.bolts.stage",
     "check_rod_strength": "tasks.rod.stage",
     "shaft_vibration": "tasks.vibration.stage",
+    "FilmResult": "tasks.film.result",
+    "oil_films": "tasks.film.stage",
 }
 
 __all__ = [
@@ -222,6 +226,7 @@ __all__ = [
     "Extraction",
     "FatigueAssessment",
     "FatigueResult",
+    "FilmResult",
     "FittedWeb",
     "Goal",
     "Limit",
@@ -279,6 +284,7 @@ __all__ = [
     "loads_at_speeds",
     "loop_scene",
     "loop_settings",
+    "oil_films",
     "optimise_density",
     "optimise_design",
     "plan",

@@ -42,6 +42,7 @@ BEHIND = {
     "bolts": ["check_bolts"],
     "rod": ["check_rod_strength"],
     "balancer": ["check_balancer"],
+    "film": ["oil_films"],
     "extract": ["extract_surface"],
     "remodel": ["remodel_run"],
     "shape": ["web_target", "shape_design", "resume_shape", "shape_settings"],

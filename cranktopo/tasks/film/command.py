@@ -31,12 +31,12 @@ def command(design: str, speeds: list[float] | None, throw: int | None, as_json:
     from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.one_throw import one_throw
-    from cranktopo.tasks.film.stage import films
+    from cranktopo.tasks.film.stage import oil_films
     from cranktopo.tasks.film.text import film_text
 
     with redirected(partial(click.echo, err=True)):
         scene = one_throw(load_scene(design, whole=True), throw)
-    result = films(scene, speeds)
+    result = oil_films(scene, speeds)
     if as_json:
         click.echo(json.dumps(result.as_json(), indent=2))
         return

@@ -46,7 +46,7 @@ class LoadedBearing:
     number: int = 1
 
 
-def films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
+def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> FilmResult:
     """Return the oil films of a design at some speeds, by default at the engine's.
 
     Raises:

@@ -15,7 +15,7 @@ from cranktopo.design.loading import designs_folder, parse_scene
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
-from cranktopo.tasks.film.stage import _loaded_big_end, films, main_bearing
+from cranktopo.tasks.film.stage import _loaded_big_end, main_bearing, oil_films
 from cranktopo.tasks.film.text import film_text
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -63,7 +63,7 @@ def test_what_cannot_be_is_refused(bearings: str, message: str) -> None:
 
 
 def test_every_bearing_has_its_film() -> None:
-    result = films(scene())
+    result = oil_films(scene())
     (at,) = result.speeds
     assert [one.bearing for one in at.bearings] == [*(f"main {n}" for n in range(1, 6)), "big end"]
     first, last = at.bearings[0], at.bearings[4]
@@ -88,24 +88,24 @@ def test_a_groove_takes_film() -> None:
     whole, parted = main_bearing(scene()), main_bearing(scene(OIL + "groove_mm = 5"))
     assert (whole.width_mm, whole.films) == (35.0, 1)
     assert (parted.width_mm, parted.films) == (15.0, 2)
-    thinner = [films(scene(OIL + f"groove_mm = {g}")).speeds[0].bearings[1].film_um for g in (0, 5)]
+    thinner = [oil_films(scene(OIL + f"groove_mm = {g}")).speeds[0].bearings[1].film_um for g in (0, 5)]
     assert thinner[1] < 0.8 * thinner[0]
 
 
 def test_what_is_worse_than_permitted_is_said_first() -> None:
-    result = films(scene(OIL + "permitted_film_um = 2\npermitted_pressure_MPa = 40"))
+    result = oil_films(scene(OIL + "permitted_film_um = 2\npermitted_pressure_MPa = 40"))
     assert result.holds is False
     lines = film_text(result).splitlines()
     assert lines[0] == "below the permitted 2 um: big end 1.59 um at 2100 rpm"
     assert lines[1].startswith("above the permitted 40 MPa: main 2 4")
     assert all(len(line) <= 80 for line in lines)
-    assert films(scene(OIL + "permitted_film_um = 0.5")).holds is True
+    assert oil_films(scene(OIL + "permitted_film_um = 0.5")).holds is True
 
 
 def test_the_oil_is_assumed_where_none_is_given() -> None:
-    told = {one.key: one.value for one in films(scene("clearance_mm = 0.05")).assumed}
+    told = {one.key: one.value for one in oil_films(scene("clearance_mm = 0.05")).assumed}
     assert (told["bearings.oil"], told["bearings.temperature_C"]) == ("ISO VG 46", 100.0)
-    given = films(scene("clearance_mm = 0.05\nviscosity_mPas = 8"))
+    given = oil_films(scene("clearance_mm = 0.05\nviscosity_mPas = 8"))
     assert (given.oil, given.viscosity_mPas) == (None, 8.0)
     assert not {"bearings.oil", "bearings.temperature_C"} & {one.key for one in given.assumed}
 
