@@ -29,6 +29,7 @@ from cranktopo.engine.histories import every_degree
 from cranktopo.engine.kinematics import phase_shift
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
+from cranktopo.tasks.film.stage import LoadedBearing, film_of, main_bearing
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
@@ -273,7 +274,7 @@ def continuous_shaft(
         speed_rpm=engine_of(scene).speed_rpm,
         spring_N_per_mm=spring_N_per_mm,
         webs=webs,
-        main_bearings=_main_bearings(cycle, single, angles, carried(scene)),
+        main_bearings=_with_films(_main_bearings(cycle, single, angles, carried(scene)), cycle, scene),
     )
 
 
@@ -311,4 +312,20 @@ def _main_bearings(
             offset_um=float(offset[number]),
         )
         for number in numbers
+    )
+
+
+def _with_films(found: tuple[ShaftBearing, ...], cycle: ShaftCycle, scene: Scene) -> tuple[ShaftBearing, ...]:
+    """Return the bearings with their oil films under these forces, where the scene has bearings with oil."""
+    if scene.bearings is None:
+        return found
+    loads, still, main = loads_on_bearings_N(cycle), np.zeros_like(cycle.angle_deg), main_bearing(scene)
+    films = []
+    for one in found:
+        x, y = loads[one.bearing - 1]  # the shaft turns from y to x
+        loaded = LoadedBearing(f"main {one.bearing}", main, y + 1j * x, still)
+        films.append(film_of(loaded, cycle.angle_deg, scene))
+    return tuple(
+        one.model_copy(update={"film_um": film.film_um, "pressure_MPa": film.pressure_MPa})
+        for one, film in zip(found, films, strict=True)
     )

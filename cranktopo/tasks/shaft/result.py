@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 
 
 class WebMoment(Result):
@@ -31,6 +31,8 @@ class ShaftBearing(Result):
         halves_N: the largest force if each throw stood alone: half of either neighbour's.
         tilt_mrad: largest angle between journal and bearing axis.
         offset_um: largest distance of the journal from the bearing axis; 0 in rigid bearings.
+        film_um, pressure_MPa: least thickness and largest pressure of the oil film, where the design has
+            `[bearings]`.
     """
 
     bearing: int
@@ -39,6 +41,8 @@ class ShaftBearing(Result):
     halves_N: float
     tilt_mrad: float
     offset_um: float
+    film_um: float | None = UNLESS_NONE
+    pressure_MPa: float | None = UNLESS_NONE
 
 
 class ContinuousShaft(Result):

@@ -18,6 +18,8 @@ _BEARING_DIGITS = {
     "throws_alone_kN": 2,
     "tilt_mrad": 2,
     "offset_um": 1,
+    "film_um": 2,
+    "pressure_MPa": 1,
 }
 
 
@@ -146,10 +148,12 @@ def bearing_table(at: ContinuousShaft) -> ResultTable:
             "throws_alone_kN": bearing.halves_N / N_PER_KN,
             "tilt_mrad": bearing.tilt_mrad,
             "offset_um": bearing.offset_um,
+            **({} if bearing.film_um is None else {"film_um": bearing.film_um}),
+            **({} if bearing.pressure_MPa is None else {"pressure_MPa": bearing.pressure_MPa}),
         }
         for bearing in at.main_bearings
     )
-    return ResultTable(dict(_BEARING_DIGITS), rows)
+    return ResultTable({key: _BEARING_DIGITS[key] for key in rows[0]}, rows)
 
 
 def _over_speeds(speeds: tuple[ContinuousShaft, ...]) -> str:

@@ -11,10 +11,23 @@ from numpy.typing import NDArray
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
-from cranktopo.tasks.shaft.continuous import CycleForces, continuous_shaft, shaft_cycle, web_moments_Nmm
+from cranktopo.tasks.film.stage import oil_films
+from cranktopo.tasks.shaft.continuous import (
+    CycleForces,
+    _of_throw,
+    _with_films,
+    continuous_shaft,
+    cycle_forces,
+    loads_on_bearings_N,
+    shaft_cycle,
+    web_moments_Nmm,
+)
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
+from cranktopo.tasks.shaft.result import ShaftBearing
 from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
 
 Array = NDArray[np.float64]
@@ -170,6 +183,23 @@ def test_a_single_throw_carries_half_of_its_pin_force() -> None:
     expected = forces.radial_N[0] / 2 * arm
     assert np.abs(moments[0, 0]) == pytest.approx(np.abs(expected), rel=1e-4)
     assert np.abs(moments[0, 1]) == pytest.approx(np.abs(expected), rel=1e-4)
+
+
+def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> None:
+    """Direction and sense of rotation, too: the film follows the load as it turns."""
+    scene = load_scene("car-diesel")
+    _, throw = meshed(scene, 20.0)
+    cycle = shaft_cycle([throw], (0.0,), _of_throw(cycle_forces(scene), 0), None)
+    x, y = loads_on_bearings_N(cycle)[0]
+    loads = main_bearings(scene, turning_masses(scene))
+    stride = round(1.0 / float(loads.angle_deg[1] - loads.angle_deg[0]))
+    first = loads.load_N[0][::stride]
+    assert np.abs(y + 1j * x - first).max() < 5e-3 * np.abs(first).max()
+    bearing = ShaftBearing(bearing=1, largest_N=0, at_deg=0, halves_N=0, tilt_mrad=0, offset_um=0)
+    found = _with_films((bearing,), cycle, scene)
+    alone = oil_films(scene).speeds[0].bearings[0]
+    assert found[0].film_um == pytest.approx(alone.film_um, rel=0.01)
+    assert found[0].pressure_MPa == pytest.approx(alone.pressure_MPa, rel=0.01)
 
 
 @pytest.mark.slow
