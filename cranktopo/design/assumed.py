@@ -115,7 +115,8 @@ def _limits(scene: Scene) -> Iterator[Assumption]:
 
 def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:
     """Assumptions of a table and of the tables in it, in the order of the schema."""
-    measured = getattr(table, "indicator_csv", None) is not None
+    mapped = getattr(table, "map", ())
+    measured = getattr(table, "indicator_csv", None) is not None or (mapped and all(at.file for at in mapped))
     unused = _QUIET | (_ROD_PARTS if getattr(table, "rod_kg", None) is not None else set())
     for name in type(table).model_fields:
         value, key = getattr(table, name), f"{path}.{name}"

@@ -21,6 +21,7 @@ from cranktopo.base.table import (
     SceneTable,
     Speed,
     Torque,
+    TurningSpeed,
     WholeNumber,
 )
 
@@ -92,6 +93,19 @@ class Arrangement(SceneTable):
     balancer_shaft: tuple[BalancerShaft, ...] = ()
 
 
+class GasAtSpeed(SceneTable):
+    """Cylinder pressure at one speed: a measured indicator diagram, or the peak of the combustion model."""
+
+    rpm: TurningSpeed = Field(examples=[1000.0])
+    """Speed that it belongs to; between two of them pressures are interpolated, beyond the last kept."""
+    file: str | None = Field(default=None, examples=["indicator_1000.csv"])
+    """CSV of the measured pressure, as `engine.gas.indicator_csv`."""
+    peak_pressure_MPa: Pressure | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
+    """Peak pressure at this speed, in place of a file."""
+    peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
+    """Crank angle of that peak after firing top dead centre."""
+
+
 class Gas(SceneTable):
     """Cylinder pressure: a measured indicator diagram, or a combustion model fitted to the peak.
 
@@ -108,6 +122,8 @@ class Gas(SceneTable):
     """Peak pressure that the combustion model is fitted to."""
     peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
     """Crank angle of the peak after firing top dead centre, below 60."""
+    map: tuple[GasAtSpeed, ...] = Field(default=(), max_length=100)
+    """Pressures over speed, in place of one indicator diagram or peak that serves all speeds."""
     ambient_pressure_MPa: Pressure = 0.101325
     """Pressure below the piston."""
     intake_pressure_MPa: Pressure | None = Field(default=None, examples=[0.09])

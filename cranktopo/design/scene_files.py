@@ -12,6 +12,7 @@ from cranktopo.design.schema import Scene
 
 FILE_KEYS = (
     ("engine", "gas", "indicator_csv"),
+    ("engine", "gas", "map", "file"),
     ("envelope", "file"),
     ("envelope", "frozen", "file"),
     ("envelope", "removable", "file"),

@@ -22,7 +22,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
-from cranktopo.design.engine import Engine, Gas
+from cranktopo.design.engine import Engine, Gas, GasAtSpeed
 from cranktopo.design.schema import Scene
 from cranktopo.engine.indicator import read_indicator
 from cranktopo.engine.kinematics import exact_motion
@@ -240,17 +240,48 @@ def file_state(path: str | Path) -> FileState:
 
 
 def pressure_curve(scene: Scene) -> PressureCurve | None:
-    """Return the cylinder pressure of a scene; None when the scene has no `[engine.gas]`.
+    """Return the cylinder pressure of a scene at its speed; None when the scene has no `[engine.gas]`.
 
-    The same curve serves every speed and stage. Raises CranktopoError for an indicator file that cannot be
-    used and a peak that no combustion reaches.
+    The same curve serves every speed, unless the scene has a map over speed. Raises CranktopoError for an
+    indicator file that cannot be used and a peak that no combustion reaches.
     """
     engine = scene.engine
     if engine is None or engine.gas is None:
         return None
-    measured = engine.gas.indicator_csv
-    state = None if measured is None else file_state(measured)
-    return _curve(engine.gas, scene.throw.radius_mm, engine.rod_length_mm, engine.cycle_deg, state)
+    if not engine.gas.map:
+        return _curve_of(scene, engine, engine.gas)
+    (low, below), (high, above) = _around(mapped_curves(scene), engine.speed_rpm)
+    part = (engine.speed_rpm - low) / (high - low) if high > low else 0.0
+    part = min(max(part, 0.0), 1.0)
+    pressure = below.pressure_MPa + part * (above.pressure_MPa - below.pressure_MPa)
+    source = f"map over speed at {engine.speed_rpm:g} rpm, between {low:g} and {high:g} rpm"
+    return PressureCurve(below.angle_deg, pressure, below.cycle_deg, source)
+
+
+def mapped_curves(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:
+    """Return speed and pressure of each entry of a scene's map over speed, the slowest first."""
+    engine = scene.engine
+    if engine is None or engine.gas is None:
+        return ()
+    return tuple((at.rpm, _curve_of(scene, engine, _gas_of(engine.gas, at))) for at in engine.gas.map)
+
+
+def _gas_of(gas: Gas, at: GasAtSpeed) -> Gas:
+    own = {"indicator_csv": at.file, "peak_pressure_MPa": at.peak_pressure_MPa}
+    return gas.model_copy(update={**own, "peak_angle_deg": at.peak_angle_deg, "map": ()})
+
+
+def _around(
+    curves: tuple[tuple[float, PressureCurve], ...], speed_rpm: float
+) -> tuple[tuple[float, PressureCurve], tuple[float, PressureCurve]]:
+    """Return the curves on both sides of a speed, the nearest one twice beyond the ends."""
+    after = sum(rpm <= speed_rpm for rpm, _ in curves)
+    return curves[max(after - 1, 0)], curves[min(after, len(curves) - 1)]
+
+
+def _curve_of(scene: Scene, engine: Engine, gas: Gas) -> PressureCurve:
+    state = None if gas.indicator_csv is None else file_state(gas.indicator_csv)
+    return _curve(gas, scene.throw.radius_mm, engine.rod_length_mm, engine.cycle_deg, state)
 
 
 @lru_cache(maxsize=64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.engine import Arrangement, BalancerShaft, Engine, Gas
@@ -254,24 +255,48 @@ def _check_rod(scene: Scene, engine: Engine) -> None:
         )
 
 
+_PEAK_RANGE = "must be > 0 and < 60 deg after firing top dead centre"
+
+
+def _check_map(scene: Scene, gas: Gas) -> None:
+    """Check that a map takes the place of a single curve, rises in speed, and gives each pressure once."""
+    if (gas.indicator_csv, gas.peak_pressure_MPa, gas.peak_angle_deg) != (None, None, None):
+        raise CranktopoError(
+            "engine.gas: a map over speed and a single curve are both given.",
+            hint="Keep [[engine.gas.map]], or indicator_csv, or the peak.",
+        )
+    for index, (before, at) in enumerate(pairwise((None, *gas.map))):
+        key = f"engine.gas.map[{index}]"
+        if at is None:
+            continue
+        if before is not None and at.rpm <= before.rpm:
+            raise scene.invalid(f"{key}.rpm", f"must be above the {before.rpm:g} rpm before it")
+        if (at.file is None) != (None not in (at.peak_pressure_MPa, at.peak_angle_deg)):
+            raise CranktopoError(
+                f"{key}: give either file, or peak_pressure_MPa and peak_angle_deg.", hint="Give one of them."
+            )
+        if at.peak_angle_deg is not None and not 0 < at.peak_angle_deg < 60:
+            raise scene.invalid(f"{key}.peak_angle_deg", _PEAK_RANGE)
+
+
 def _check_gas(scene: Scene, strokes: int, gas: Gas) -> None:
     peak = (gas.peak_pressure_MPa, gas.peak_angle_deg)
-    if gas.indicator_csv is not None:
+    if gas.map:
+        _check_map(scene, gas)
+    elif gas.indicator_csv is not None:
         if peak != (None, None):
             raise CranktopoError(
                 "engine.gas: indicator_csv and a peak are both given.",
                 hint="Keep either indicator_csv or peak_pressure_MPa with peak_angle_deg.",
             )
         return
-    if gas.peak_pressure_MPa is None or gas.peak_angle_deg is None:
+    elif gas.peak_pressure_MPa is None or gas.peak_angle_deg is None:
         raise CranktopoError(
             "engine.gas: neither an indicator diagram nor a peak is given.",
             hint="Give indicator_csv, or peak_pressure_MPa and peak_angle_deg.",
         )
-    if not 0 < gas.peak_angle_deg < 60:
-        raise scene.invalid(
-            "engine.gas.peak_angle_deg", "must be > 0 and < 60 deg after firing top dead centre"
-        )
+    elif not 0 < gas.peak_angle_deg < 60:
+        raise scene.invalid("engine.gas.peak_angle_deg", _PEAK_RANGE)
     if strokes == 2 and gas.exhaust_pressure_MPa is not None:
         raise scene.invalid(
             "engine.gas.exhaust_pressure_MPa",

@@ -100,8 +100,9 @@ def _file_states(scene: Scene) -> tuple[FileState, ...]:
     envelope = scene.envelope.stl_file if scene.envelope else None
     zones = (*scene.envelope.frozen, *scene.envelope.removable) if scene.envelope else ()
     bodies = (zone.body_file for zone in zones)
-    indicator = scene.engine.gas.indicator_csv if scene.engine and scene.engine.gas else None
-    return tuple(file_state(name) for name in (envelope, indicator, *bodies) if name is not None)
+    gas = scene.engine.gas if scene.engine else None
+    indicators = (gas.indicator_csv, *(at.file for at in gas.map)) if gas else ()
+    return tuple(file_state(name) for name in (envelope, *indicators, *bodies) if name is not None)
 
 
 @lru_cache(maxsize=64)

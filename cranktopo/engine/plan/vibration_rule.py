@@ -115,10 +115,8 @@ def _resonance(scene: Scene) -> _Resonance | None:
     speeds = frequency / (angular_speed_rad_s(1.0) * orders)
     # Torque of the worst section without magnification, every order at the speeds of these frequencies.
     together = (harmonics.shifts[1 : ORDERS + 1] * mode.shape[mode.driven]).sum(axis=1)
-    one = (
-        harmonics.gas_Nm[1 : ORDERS + 1, None]
-        + (frequency / orders) ** 2 * (harmonics.inertia_Nm_s2[1 : ORDERS + 1, None])
-    )
+    gas = np.stack([harmonics.gas_at_Nm(at)[:, order] for order, at in enumerate(speeds, start=1)])
+    one = gas + (frequency / orders) ** 2 * (harmonics.inertia_Nm_s2[1 : ORDERS + 1, None])
     static = np.abs(together)[:, None] * np.abs(one) * mode.torque_per_Nm
     low, high = speed_range_rpm(scene)
     added = np.where((speeds >= low) & (speeds <= high), static * (magnifier - 1), 0.0)

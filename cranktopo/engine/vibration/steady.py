@@ -59,7 +59,7 @@ class Vibration:
         orders: those that are solved, without the mean.
         twist_rad: complex amplitudes of the disks, shape (speeds, orders, disks).
         torque_Nm: complex amplitudes of the sections, shape (speeds, orders, sections).
-        mean_torque_Nm: of the sections, toward the takeoff.
+        mean_torque_Nm: of the sections, toward the takeoff, at the speed where the engine's is largest.
         torque_amplitude_Nm: shape (speeds, sections).
         twist_amplitude_deg: of each section, one end against the other, shape (speeds, sections).
         free_end_deg: amplitude of the first disk of the crankshaft, ring of the damper apart, (speeds,).
@@ -166,7 +166,8 @@ def vibration(
         twisted[index] = np.degrees(_half_range(_summed(relative)))
         end_twist = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
         free_end[index] = np.degrees(_half_range(_summed(end_twist.T)))[0]
-    mean = np.cumsum(on_disks(shaft, harmonics.of_throws_Nm(0.0))[0].real)[:-1]
+    means = [on_disks(shaft, harmonics.of_throws_Nm(float(speed)))[0].real for speed in speeds_rpm]
+    mean = np.cumsum(max(means, key=lambda disks: float(disks.sum())))[:-1]
     return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, amplitude, twisted, free_end)
 
 

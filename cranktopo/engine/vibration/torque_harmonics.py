@@ -20,7 +20,7 @@ from cranktopo.base.units import MM2_PER_M2, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
-from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.gas import PressureCurve, mapped_curves, pressure_curve
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
 
@@ -34,9 +34,10 @@ class TorqueHarmonics:
 
     Attributes:
         orders: of the rotation, from 0 in steps of one over the turns of a cycle.
-        gas_Nm: complex amplitudes of one cylinder, a from its own firing dead centre.
+        gas_Nm: complex amplitudes of one cylinder, a from its own firing dead centre, at the scene's speed.
         inertia_Nm_s2: the same of its reciprocating mass, over the square of the angular speed in rad/s.
         firing_deg: crank angle at which each cylinder fires, cylinder 1 first.
+        gas_map: speed in rpm and `gas_Nm` of each entry of a map over speed.
     """
 
     orders: Array
@@ -44,10 +45,19 @@ class TorqueHarmonics:
     inertia_Nm_s2: ComplexArray
     firing_deg: tuple[float, ...]
     throw_of: tuple[int, ...]
+    gas_map: tuple[tuple[float, ComplexArray], ...] = ()
+
+    def gas_at_Nm(self, speed_rpm: float | Array) -> ComplexArray:
+        """Return `gas_Nm` at speeds, between the entries of a map, shape (*speeds, orders)."""
+        if not self.gas_map:
+            return np.broadcast_to(self.gas_Nm, (*np.shape(speed_rpm), self.gas_Nm.size))
+        speeds = np.array([speed for speed, _ in self.gas_map])
+        shares = np.stack([np.interp(speed_rpm, speeds, one) for one in np.eye(len(speeds))], axis=-1)
+        return np.asarray(shares @ np.stack([gas for _, gas in self.gas_map]))
 
     def of_throws_Nm(self, speed_rpm: float) -> ComplexArray:
         """Complex amplitudes of the torque on every throw at a speed, one clock for all, (orders, throws)."""
-        single = self.gas_Nm + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
+        single = self.gas_at_Nm(speed_rpm) + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
         return np.asarray(single[:, None] * self.shifts)
 
     def in_phase(self) -> NDArray[np.bool_]:
@@ -72,15 +82,18 @@ def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) ->
     if engine is None or curve is None:
         return None
     balance = throw_balance(scene)
-    gas, both = (
-        throw_forces(engine, scene.throw.radius_mm, curve, balance, _ANY_SPEED_RPM, effects).torque_Nm
-        for effects in (frozenset(), enabled)
-    )
+
+    def torque(of: PressureCurve, effects: frozenset[str]) -> Array:
+        radius = scene.throw.radius_mm
+        return throw_forces(engine, radius, of, balance, _ANY_SPEED_RPM, effects).torque_Nm
+
+    gas, both = torque(curve, frozenset()), torque(curve, enabled)
     inertia = (both - gas) / angular_speed_rad_s(_ANY_SPEED_RPM) ** 2
     of_gas, of_inertia = _amplitudes(gas), _amplitudes(inertia)
     orders = np.arange(len(of_gas), dtype=float) * 360.0 / engine.cycle_deg
     throws = tuple(engine.throw_of(cylinder) for cylinder in range(1, engine.cylinders + 1))
-    return TorqueHarmonics(orders, of_gas, of_inertia, engine.firing_angles_deg, throws)
+    over_speed = tuple((rpm, _amplitudes(torque(at, frozenset()))) for rpm, at in mapped_curves(scene))
+    return TorqueHarmonics(orders, of_gas, of_inertia, engine.firing_angles_deg, throws, over_speed)
 
 
 def curve_of(amplitudes: ComplexArray, points: int) -> Array:

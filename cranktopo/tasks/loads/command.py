@@ -33,7 +33,7 @@ def command(
     """Forces of one throw over the working cycle, their extremes and the load cases; mean pressure and power.
 
     DESIGN is a TOML file or the name of a built-in design. A sweep repeats the analysis with the same gas
-    pressures; the plot shows its last speed.
+    pressures, or with those of each speed where the design has a map; the plot shows its last speed.
 
     Example: cranktopo loads mikron-iiic --speed 1000:2800:200 --plot loads.png
     """

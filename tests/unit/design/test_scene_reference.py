@@ -87,6 +87,9 @@ def test_a_table_that_is_off_works_when_it_is_switched_on(number: int) -> None:
     text = TEMPLATE
     for block in (*above, OFF[number]):
         text = text.replace(block, switched_on(block))
+    if table_of(OFF[number]) == "engine.gas.map":  # in place of one peak for all speeds
+        gas, found, more = text.partition("[[engine.gas.map]]")
+        text = re.sub(r"(?m)^peak_(pressure_MPa|angle_deg) = .*\n", "", gas) + found + more
     scene = parse_scene(text)
     assert scene != parse_scene(TEMPLATE)
 
