@@ -257,7 +257,7 @@ def test_plan_json(capsys):
     assert (payload["schema_version"], payload["design"], len(payload["effects"])) == (
         1,
         "mikron-iiic",
-        14,
+        15,
     )
 
 

@@ -33,6 +33,7 @@ from cranktopo.engine.plan.rules import (
     rotating_rod_mass,
     whole_throw,
 )
+from cranktopo.engine.plan.shaft_rule import continuous_shaft
 from cranktopo.engine.plan.simulated import Feature, simulated_scene
 from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
@@ -43,6 +44,7 @@ _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
     "centrifugal": centrifugal,
     "torsional_vibration": torsional_vibration,
     "bearing_compliance": bearing_compliance,
+    "continuous_shaft": continuous_shaft,
     "fillets": fillets,
     "bores": bores,
     "lateral_symmetry": lateral_symmetry,
@@ -52,7 +54,7 @@ _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
 }
 _VIBRATION = "torsional_vibration"
 """It comes first: the loads that the other rules look at depend on it."""
-_LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, _VIBRATION}
+_LOADS = {*LOAD_TYPES, *INERTIA_EFFECTS, _VIBRATION, "continuous_shaft"}
 
 
 def plan(scene: DesignLike, rates: CostRates | None = None, goal: Goal | None = None) -> PhysicsPlan:

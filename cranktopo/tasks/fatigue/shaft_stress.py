@@ -10,10 +10,17 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
+from cranktopo.design.crank_throws import carried
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import at_worst_speed, engine_of
+from cranktopo.engine.bearings import bearing_spring_N_per_mm
+from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, mesh_for_stress, stress_model
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import UnitField
-from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, throw_body
+from cranktopo.tasks.shaft.continuous import cycle_forces, shaft_cycle, throw_states
+from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, loaded_throw, throw_body
+from cranktopo.tasks.shaft.stage import shaft_effects
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,51 @@ def solve_shaft_stress(target: Target, fillet_fraction: float = RULE_FRACTION) -
     mesh, solve, stress = (float(taken) for taken in np.diff(times))
     quality = replace(model.quality, mesh_seconds=mesh, solve_seconds=solve + stress)
     return ShaftStress(body, replace(model, quality=quality), np.vstack(shares), (mesh, solve, stress))
+
+
+def shaft_loads(
+    throws: Sequence[ShaftStress], scene: Scene, at: Scene, spring_N_per_mm: float | None
+) -> tuple[Array, Array]:
+    """Return the angles of the cycle, and the factors of the fields of every throw, (throws, states, fields).
+
+    Args:
+        at: the scene at the speed of the cycle.
+        spring_N_per_mm: of each main bearing; None: rigid.
+
+    Raises:
+        CranktopoError: no engine, or no pressures.
+    """
+    loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in throws]
+    forces = cycle_forces(at, shaft_effects(scene))
+    cycle = shaft_cycle(loaded, scene.shaft_angles_deg, forces, spring_N_per_mm, carried(scene))
+    states = throw_states(loaded, scene.shaft_angles_deg, forces, cycle)
+    return forces.angle_deg, np.stack([one.loads(own) for one, own in zip(throws, states, strict=True)])
+
+
+def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:
+    """Return the safety by each method of the throw that the shaft on all its bearings loads worst.
+
+    All throws are that of the target. Every angle of the cycle counts, at the engine's speed and where the
+    shaft vibrates at its worst one.
+
+    Raises:
+        CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
+    """
+    scene = target.scene
+    stress = solve_shaft_stress(target, fillet_fraction)
+    throws = [stress] * len(scene.shaft_angles_deg)
+    effects, spring = shaft_effects(scene), bearing_spring_N_per_mm(scene)
+    speeds = [scene] + ([at_worst_speed(scene, effects)] if "torsional_vibration" in effects else [])
+    found = [(engine_of(at).speed_rpm, *shaft_loads(throws, scene, at, spring)) for at in speeds]
+    labels = [f"{angle:g} deg at {rpm:,.0f} rpm" for rpm, angles, _ in found for angle in angles]
+
+    def field(method: str, throw: int) -> FatigueField:
+        loads = np.concatenate([of_throws[throw] for _, _, of_throws in found])
+        named = tuple(f"throw {throw + 1}, {label}" for label in labels)
+        return field_of_states(stress.model, method, loads, named)
+
+    every = [[field(method, throw) for throw in range(len(throws))] for method in methods]
+    return tuple(min(fields, key=lambda one: one.critical.safety) for fields in every)
 
 
 def _fields(part: LoadedBlock) -> tuple[Sequence[UnitField], Array]:

@@ -30,6 +30,7 @@ from cranktopo.tasks.fatigue.result import (
 )
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_fields
+from cranktopo.tasks.fatigue.shaft_stress import worst_throw
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
@@ -163,7 +164,7 @@ def assess_by_methods(
     resolved = [with_throw_stiffness(target) for target in resolved]
     assumed = tuple(filter_by_table(target.assumed, USED) for target in resolved)
     local = [method for method in methods if method != "m53"]
-    solved = [fatigue_fields(one, local, loads, fillet_fraction) for one in resolved if local]
+    solved = [_fields(one, local, loads, fillet_fraction) for one in resolved if local]
     for target, own in zip(resolved, solved, strict=False):
         _note_fields(target, own)
     fields = dict(zip(local, zip(*solved, strict=True), strict=True))
@@ -173,6 +174,16 @@ def assess_by_methods(
         else FatigueAssessment(method, loads, fields[method], (), baseline, assumed, tuple(resolved))
         for method in methods
     ]
+
+
+def _fields(
+    target: Target, methods: Sequence[FatigueMethod], loads: HistoryKind, fillet_fraction: float
+) -> tuple[FatigueField, ...]:
+    """Fields of a throw alone, or where the plan has the continuous shaft on of its worst throw."""
+    if "continuous_shaft" not in plan_for_stress(target.scene).enabled:
+        return fatigue_fields(target, methods, loads, fillet_fraction)
+    note(f"{target.name}: effect continuous_shaft: every angle of the cycle, throws on all main bearings")
+    return worst_throw(target, methods, fillet_fraction)
 
 
 def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:

@@ -167,7 +167,15 @@ def evaluate_shaft(
         error_estimate_percent=TorsionError(torsion=error),
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
-        on_bearings=_at_speeds(condensed, throws, scene, bearings, speeds_rpm or ()) if loaded else (),
+        on_bearings=_at_speeds(
+            condensed,
+            throws,
+            of_stiffness(scene, stiffness.throws_Nm_per_rad),
+            bearings,
+            speeds_rpm or (),
+        )
+        if loaded
+        else (),
         assumed=assumed,
         throw_inertias_kg_mm2=inertias,
     )
@@ -191,8 +199,16 @@ def with_throw_stiffness(target: Target) -> Target:
     note(
         f"{target.name}: torque of the vibrating shaft with {stiffness:,.0f} N m/rad for a throw, by elements"
     )
+    return replace(target, scene=of_stiffness(scene, throws))
+
+
+def of_stiffness(scene: Scene, throws_Nm_per_rad: Sequence[float]) -> Scene:
+    """Return the scene with the mean stiffness of its throws in its shaft table, where that has none."""
+    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+        return scene
+    stiffness = sum(throws_Nm_per_rad) / len(throws_Nm_per_rad)
     shaft = scene.shaft.model_copy(update={"throw_stiffness_Nm_per_rad": stiffness})
-    return replace(target, scene=scene.model_copy(update={"shaft": shaft}))
+    return scene.model_copy(update={"shaft": shaft})
 
 
 def shaft_tables(scene: Scene, bearings: Bearings, *, loaded: bool = False) -> tuple[str, ...]:

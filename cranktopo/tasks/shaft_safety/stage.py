@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,29 +14,26 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import filter_by_table
 from cranktopo.design.crank_throws import carried
-from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, check_method, field_of_states
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
+from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress
 from cranktopo.tasks.fatigue.stage import note_quality, note_yielding
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.continuous import (
-    CycleForces,
-    ShaftCycle,
     cycle_forces,
     loads_on_bearings_N,
     shaft_cycle,
-    throw_states,
 )
-from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, loaded_throw
+from cranktopo.tasks.shaft.loaded_throw import loaded_throw
 from cranktopo.tasks.shaft.stage import (
     evaluate_shaft,
+    of_stiffness,
     shaft_effects,
     speed_scenes,
     stands_on_bearings,
@@ -91,6 +87,8 @@ def assess_shaft(
     found = evaluate_shaft(resolved, bearings, speeds_rpm=speeds_rpm, bodies=bodies)
     own = [stresses[throw.name] for throw in throws]
     note(f"{resolved.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
+    vibrating = of_stiffness(resolved.scene, found.stiffness.throws_Nm_per_rad)
+    resolved = replace(resolved, scene=vibrating)
     judged = _Judged(resolved, bearings, own, speeds_rpm, method)
     assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
     if report is not None:
@@ -154,31 +152,24 @@ class _Judged:
 
     def bearing_loads(self, speed_rpm: float) -> BearingLoads:
         """Return the forces on the main bearings at one speed."""
-        cycle = self._cycle(at_speed(self.target.scene, speed_rpm))[1]
-        sections = carried(self.target.scene)
-        forces = loads_on_bearings_N(cycle)[list(sections)]
-        return BearingLoads(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), forces)
+        scene, sections = self.target.scene, carried(self.target.scene)
+        loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in self.throws]
+        forces = cycle_forces(at_speed(scene, speed_rpm), shaft_effects(scene))
+        cycle = shaft_cycle(loaded, scene.shaft_angles_deg, forces, self._spring, sections)
+        on_bearings = loads_on_bearings_N(cycle)[list(sections)]
+        return BearingLoads(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
 
-    @cached_property
-    def _loaded(self) -> list[LoadedThrow]:
-        return [loaded_throw(one.body.blocks, one.model.scene) for one in self.throws]
-
-    def _cycle(self, at: Scene) -> tuple[CycleForces, ShaftCycle]:
-        scene = self.target.scene
-        spring = required_bearing_spring_N_per_mm(scene) if self.bearings == "spring" else None
-        forces = cycle_forces(at, shaft_effects(scene))
-        return forces, shaft_cycle(self._loaded, scene.shaft_angles_deg, forces, spring, carried(scene))
+    @property
+    def _spring(self) -> float | None:
+        return required_bearing_spring_N_per_mm(self.target.scene) if self.bearings == "spring" else None
 
     def _loads(self) -> tuple[Array, list[Array]]:
         """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
         scene = self.target.scene
-        cycles = [self._cycle(at) for at in speed_scenes(scene, self.speeds_rpm)]
-        states = [throw_states(self._loaded, scene.shaft_angles_deg, *cycle) for cycle in cycles]
-        loads = [
-            np.stack([throw.loads(of_speed[index]) for of_speed in states])
-            for index, throw in enumerate(self.throws)
+        found = [
+            shaft_loads(self.throws, scene, at, self._spring) for at in speed_scenes(scene, self.speeds_rpm)
         ]
-        return cycles[0][0].angle_deg, loads
+        return found[0][0], list(np.stack([loads for _, loads in found], axis=1))
 
     def _least(self, loads: Sequence[Array]) -> dict[tuple[int, int, Part], Array]:
         """Least safety at every speed by throw, its web and part; equal throws are judged at once."""

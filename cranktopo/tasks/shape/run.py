@@ -119,7 +119,12 @@ def shape_design(
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)
-    note_left_off(scene.name, scene, plan_for_stress(scene))
+    stress = plan_for_stress(scene)
+    note_left_off(scene.name, scene, stress)
+    if "continuous_shaft" in stress.enabled:
+        note(
+            f"{scene.name}: effect continuous_shaft counts in `fatigue` and `compare`; here a throw is alone"
+        )
     assumed = assumptions(scene, _TABLES)
     if assumed:
         note(assumed_text(assumed))

@@ -15,6 +15,7 @@ from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.histories import LoadHistory
 from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
+from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.fea.targets import Target
@@ -188,3 +189,19 @@ def test_safety_falls_as_all_forces_grow(stress: ShaftStress) -> None:
     material = scene.material.model_copy(update={"E_GPa": 2 * scene.material.E_GPa})
     stiff = solve_shaft_stress(Target("stiff", scene.model_copy(update={"material": material})), COARSE)
     assert np.abs(by_web(stiff, at_speeds(stiff, scene)) / once - 1).max() < 1e-9
+
+
+@pytest.mark.slow
+def test_fatigue_takes_the_worst_throw_of_the_shaft(stress: ShaftStress) -> None:
+    """The effect switched on: the least safety of all webs at the engine's speed, every angle one state."""
+    scene = stress.model.scene
+    effects = scene.effects.model_copy(update={"continuous_shaft": "on"})
+    target = Target("mikron", scene.model_copy(update={"effects": effects}))
+    ((found,),) = (one.fields for one in assess_by_methods([target], ("lsa",), fillet_fraction=COARSE))
+    of_throws = loads(stress, scene.shaft_angles_deg, cycle_forces(scene), None)
+    least = [one for own in of_throws for one in least_safeties(stress.model, [own[None]], "lsa")]
+    assert found.critical.safety == pytest.approx(
+        min(float(safety[0]) for one in least for safety in one.values()), rel=1e-9
+    )
+    assert found.critical.states[0].startswith("throw 4, ")
+    assert len(found.labels) == 720
