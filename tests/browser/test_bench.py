@@ -43,3 +43,26 @@ def test_a_drag_moves_numbers_and_picture(bench: Any, tmp_path: Path) -> None:
     assert [line for line in seen.complaints if "favicon" not in line] == []
     assert all(url.startswith(("http://127.0.0.1:", "blob:")) for url in seen.requests)
     assert len(list((tmp_path / "bench").glob("*/0002.toml"))) == 1, "each step is a file"
+
+
+def test_a_limit_is_dragged_and_the_section_is_seen(bench: Any) -> None:
+    seen = bench("mikron-iiic-plain")
+    page = seen.page
+    shown(page)
+    whole = seen.picture()
+    page.locator("#section").check()
+    assert (np.abs(seen.picture() - whole).max(axis=2) > 30).mean() > 0.01, "the section is drawn"
+    page.wait_for_selector("[data-gauge=inertia] .track u")
+    mark = page.locator("[data-gauge=inertia] .track u")
+    mark.scroll_into_view_if_needed()
+    box, track = mark.bounding_box(), page.locator("[data-gauge=inertia] .track").bounding_box()
+    page.mouse.move(box["x"] + 1, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(track["x"] + track["width"] / 3, box["y"] + 5, steps=4)
+    page.mouse.up()
+    page.wait_for_selector("#history li.here:has-text('limit: inertia about the crank axis <= 90 %')")
+    page.wait_for_selector("[data-gauge=inertia] .limit:has-text('not kept')")
+    assert "Limit not kept" in page.locator("#worse").inner_text()
+    page.get_by_role("button", name="Undo").click()
+    page.wait_for_selector("[data-gauge=inertia] .limit", state="detached")
+    assert seen.complaints == []

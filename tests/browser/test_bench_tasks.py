@@ -13,7 +13,7 @@ from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.proposals import counterweight_changes
-from tests.browser.bench_page import Actions, gauge, reads, settled, shown
+from tests.browser.bench_page import JOB_MS, Actions, gauge, reads, settled, shown
 
 pytest.importorskip("tornado")
 pytestmark = pytest.mark.slow
@@ -129,7 +129,7 @@ def test_a_crank_from_cad(bench: Any, tmp_path: Path) -> None:
     crank_step(tmp_path / "cad" / "crank.stp")
     do = Actions(bench().page)
     do.drop(tmp_path / "cad" / "crank.stp")
-    shown(do.page)
+    shown(do.page, JOB_MS)
     assert do.page.locator("#name").inner_text() == "crank"
     do.page.wait_for_selector("#message.calm:has-text('Read from')")
     assert gauge(do.page, "mass") > 1
@@ -143,8 +143,7 @@ def test_a_crank_from_cad(bench: Any, tmp_path: Path) -> None:
     do.open("masses")
     for name, text in {"piston_group": "0,7", "rod_reciprocating": "0,2", "rod_rotating": "0,5"}.items():
         do.enter(f"engine.masses.{name}_kg", text)
-    do.open("Search")
-    do.press("Add free")
+    do.open("Search", "free")
     do.enter("shape.free.counterweight_radius_mm", "55, 80")
     settled(do.page)
     assert gauge(do.page, "fatigue_safety") > 0

@@ -12,7 +12,7 @@
     in vec3 position; in vec3 normal; in float share;
     uniform mat3 turn; uniform vec3 low, size, flip, shift, target, colour0, colour1; uniform vec2 spin;
     uniform vec3 scale; uniform float nearer; uniform vec3 ramp[STOPS]; uniform bool ramped;
-    out vec3 tint; out float light, height;
+    out vec3 tint; out float light, height, aside;
     const vec3 KEY = normalize(vec3(-0.45, 0.60, 0.65));
     const vec3 FRONT = normalize(vec3(0.10, 0.0, 1.0));
     const vec3 RIM = normalize(vec3(0.95, -0.10, 0.30));
@@ -31,18 +31,22 @@
         + 0.16 * max(dot(n, RIM), 0.0);
       tint = colour();
       height = own.z;
+      aside = own.x * flip.x;
       gl_Position = vec4(scale * p, 1.0) - vec4(0.0, 0.0, nearer, 0.0);
     }`;
   const FRAGMENT = `#version 300 es
     precision highp float;
-    uniform vec2 sides; uniform vec3 beyond; uniform float alpha;
-    in vec3 tint; in float light, height; out vec4 pixel;
+    const vec3 SECTION = vec3(0.93, 0.62, 0.33);
+    uniform vec2 sides; uniform vec3 beyond; uniform float alpha, cut; uniform bool flipped;
+    in vec3 tint; in float light, height, aside; out vec4 pixel;
     void main() {
+      if (aside > cut) discard;
+      bool inside = gl_FrontFacing == flipped && cut < 1e8; // seen through the cut: the section
       vec3 colour = height < sides.x || height > sides.y ? beyond : tint;
-      pixel = vec4(min(colour * light, 1.0) * alpha, alpha);
+      pixel = vec4(inside ? SECTION : min(colour * light, 1.0) * alpha, alpha);
     }`;
   const WEB = [0.30, 0.52, 0.80], JOURNAL = [0.78, 0.79, 0.81], THIN = [1.0, 0.86, 0.5], GHOST = [0.62, 0.64, 0.68];
-  const EVERYWHERE = [-1e9, 1e9], SHARP = Math.cos(35 * Math.PI / 180);
+  const EVERYWHERE = [-1e9, 1e9], NEVER = 1e9, SHARP = Math.cos(35 * Math.PI / 180);
   const EDGE = [0.10, 0.16, 0.30], START = { yaw: 0.75, pitch: 0.39, zoom: 1 };
 
   const { header, arrays } = await unpack(packed.textContent);
@@ -52,7 +56,7 @@
   const steps = header.steps;
   const state = { ...START, body: header.first, colour: -1,
     step: steps ? steps.iterations.length : 0, cut: 0.25, whole: false };
-  let blocks = null, waiting = false, other = null, asked = 0, ghost = null, aimed = null, turns = null;
+  let blocks = null, waiting = false, other = null, asked = 0, ghost = null, aimed = null, turns = null, section = null;
 
   gl.enable(gl.DEPTH_TEST);
   controls();
@@ -73,6 +77,11 @@
   // Shows all throws of the crank, each turned about z, deg; one alone without them.
   box.turns = (angles) => {
     turns = angles && angles.map((deg) => (deg * Math.PI) / 180);
+    redraw();
+  };
+  // Takes away what lies beyond a plane x, mm, and shows the section; nothing without it.
+  box.section = (x) => {
+    section = x;
     redraw();
   };
   box.dataset.ready = "yes";
@@ -96,7 +105,7 @@
     program = link();
     uniforms = Object.fromEntries(
       ["turn", "low", "size", "flip", "shift", "target", "colour0", "colour1", "scale", "nearer", "ramp",
-        "ramped", "sides", "beyond", "spin", "alpha"].map((n) => [n, gl.getUniformLocation(program, n)]),
+        "ramped", "sides", "beyond", "spin", "alpha", "cut", "flipped"].map((n) => [n, gl.getUniformLocation(program, n)]),
     );
   }
 
@@ -380,6 +389,8 @@
     for (const mirrored of state.whole || turns ? [false, true] : [false]) {
       const half = mirrored ? body.beyond : body;
       gl.uniform3f(uniforms.flip, 1, 1, mirrored ? -1 : 1);
+      gl.uniform1i(uniforms.flipped, mirrored ? 1 : 0);
+      gl.uniform1f(uniforms.cut, section ?? NEVER);
       gl.uniform3f(uniforms.shift, 0, 0, along + (mirrored ? pitch(body) : 0));
       place(half.low_mm, half.size_mm, half.sides_mm);
       gl.uniform3fv(uniforms.beyond, journal);

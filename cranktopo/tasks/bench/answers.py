@@ -62,11 +62,9 @@ class Answers:
         found: list[dict[str, str]] = await self._workers["live"].ask("live.broken_rules_of", data)
         return found
 
-    async def counterweight(self, data: Data, percent: float) -> dict[str, Any]:
-        """Return changes that balance a share of the oscillating mass."""
-        found: dict[str, Any] = await self._workers["live"].ask(
-            "proposals.counterweight_changes", data, percent
-        )
+    async def proposed(self, name: str, data: Data, wanted: float | str) -> dict[str, Any]:
+        """Return changes that a function of `proposals` finds for what is wanted."""
+        found: dict[str, Any] = await self._workers["live"].ask(f"proposals.{name}", data, wanted)
         return found
 
     async def exact(self, data: Data) -> dict[str, float]:

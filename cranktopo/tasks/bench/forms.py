@@ -27,6 +27,8 @@ _OWN = {
 _BETWEEN_MPA = {"engine.gas.peak_pressure_MPa": (1.5, 40.0), "engine.gas.intake_pressure_MPa": (0.6, 0.03)}
 """Pressures that give a power, from the least power to the most: at one peak, more intake means less heat."""
 _HALVINGS = 14
+BODIES = (".step", ".stp", ".brep", ".stl", ".3mf", ".obj")
+"""Files that may hold a crank from CAD."""
 
 
 def form_reference() -> list[dict[str, Any]]:
@@ -117,10 +119,6 @@ def read_upload(path: Path) -> tuple[str | None, str]:
     if path.suffix.lower() == ".csv":
         read_text_file(path, f"'{path.name}'")  # the design that names it checks what it says
         return None, path.name
-    if path.suffix.lower() == ".stl":
-        raise CranktopoError(
-            f"'{path.name}': triangles do not tell axes and journals.", hint="Export the crank as STEP."
-        )
     from cranktopo.tasks.crank_import.stage import import_crank
 
     name = design_name(path.with_suffix(".toml"))

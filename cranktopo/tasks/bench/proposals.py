@@ -7,6 +7,7 @@ from typing import Any
 
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.pitch import lengths_at_pitch
+from cranktopo.engine.gas import pressure_curve
 from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
 from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.throw.envelope import BoxEnvelope
@@ -29,6 +30,17 @@ def counterweight_changes(data: dict[str, Any], percent: float) -> dict[str, Any
     if found.refused and isinstance(scene.envelope, BoxEnvelope):
         changes |= _room(scene.envelope, found)
     scene_from_dict(changed_data(data, changes), "design", whole=True)
+    return changes
+
+
+def trace_changes(data: dict[str, Any], path: str) -> dict[str, Any]:
+    """Return changes by which a sound pressure trace takes the place of a peak."""
+    changes = {
+        "engine.gas.indicator_csv": path,
+        "engine.gas.peak_pressure_MPa": None,
+        "engine.gas.peak_angle_deg": None,
+    }
+    pressure_curve(scene_from_dict(changed_data(data, changes), "design", whole=True))
     return changes
 
 

@@ -23,7 +23,7 @@ from cranktopo.design.material import material_library
 from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside
-from cranktopo.tasks.bench.forms import form_reference, new_design, read_upload
+from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload
 from cranktopo.tasks.bench.jobs import PARTLY, Job, Jobs, own_command, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
@@ -34,7 +34,7 @@ Tell = Callable[[dict[str, Any]], None]
 _WATCH_S = 1.0
 _REMARKS = 8
 _WRITE_S = 900.0
-_UPLOADS = (".toml", ".step", ".stp", ".stl", ".csv")
+_UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
     "hello|drag|edit|balance|undo|redo|pin|keep|drop|take|compare|job|stop|resume|write|save|start|open|close"
@@ -106,7 +106,9 @@ class Bench:
         write_bytes(path, content)
         text, source = await asyncio.to_thread(in_child, f"'{name}'", read_upload, path)
         if text is None:
-            self._required.change({"engine.gas.indicator_csv": name}, f"pressure trace {name}")
+            data = self._required.data()
+            changes = await self.answers.proposed("trace_changes", data, str(path))
+            self._required.change({**changes, "engine.gas.indicator_csv": name}, f"pressure trace {name}")
             self._moved()
         else:
             command = (
@@ -201,7 +203,7 @@ class Bench:
     async def _balance(self, asked: Mapping[str, Any], tell: Tell) -> None:
         """Give the web the counterweight that balances a share of the oscillating mass."""
         percent = float(asked["percent"])
-        changes = await self.answers.counterweight(self._required.data(), percent)
+        changes = await self.answers.proposed("counterweight_changes", self._required.data(), percent)
         self._required.change(changes, f"counterweight for a balance factor of {percent:g} %")
         self._moved()
 

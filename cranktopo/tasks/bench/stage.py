@@ -13,12 +13,10 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, load_scene, resolve_design
 from cranktopo.design.writing import toml_text
 from cranktopo.tasks.bench.edits import changed_files
-from cranktopo.tasks.bench.forms import read_upload
+from cranktopo.tasks.bench.forms import BODIES, read_upload
 from cranktopo.tasks.bench.server import Server
 from cranktopo.tasks.bench.session import Bench
 from cranktopo.tasks.designs.run_webs import parametric_scene, web_target
-
-_BODIES = (".step", ".stp")
 
 
 def run_bench(folder: Path, target: str | None, port: int, ready: Callable[[str], None]) -> None:
@@ -57,7 +55,7 @@ async def _serve(
 def _beginning(target: str) -> tuple[str, str]:
     """Return the text of what is put on the bench, and a file name for it."""
     path = Path(target)
-    if path.suffix.lower() in _BODIES:
+    if path.suffix.lower() in BODIES:
         text, source = in_child(f"'{target}'", read_upload, path)
         assert text is not None
         return text, source

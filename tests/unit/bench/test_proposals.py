@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
@@ -10,7 +13,7 @@ from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.tasks.bench.forms import new_design
-from cranktopo.tasks.bench.proposals import counterweight_changes, with_pitch_kept
+from cranktopo.tasks.bench.proposals import counterweight_changes, trace_changes, with_pitch_kept
 
 TWIN = {"layout": "V", "cylinders": 2, "bore_mm": 100, "stroke_mm": 67.5, "rod_length_mm": 124}
 DATA = parse_toml(new_design(TWIN)[0], "twin")
@@ -32,3 +35,17 @@ def test_journals_give_what_webs_take_where_the_pitch_stays() -> None:
     changes = with_pitch_kept(DATA, {"web.thickness_mm": 28})
     assert changes == {"web.thickness_mm": 28, "throw.main_journal.length_mm": pytest.approx(33 - 2 * 2)}
     assert with_pitch_kept(DATA, {"web.width_mm": 88}) == {"web.width_mm": 88}
+
+
+def test_a_dropped_trace_takes_the_place_of_the_peak(tmp_path: Path) -> None:
+    angle = np.arange(0, 720, 2.0)
+    bar = 1 + 60 * np.exp(-(((angle - 372) / 25) ** 2))
+    trace = tmp_path / "trace.csv"
+    rows = [f"{a},{p:.3f}" for a, p in zip(angle, bar, strict=True)]
+    trace.write_text("\n".join(["crank_angle_deg,pressure_bar", *rows]), encoding="utf-8")
+    moved = changed_data(DATA, trace_changes(DATA, str(trace)))
+    assert moved["engine"]["gas"]["indicator_csv"] == str(trace)
+    assert "peak_pressure_MPa" not in moved["engine"]["gas"]
+    trace.write_text("angle,force\n1,2\n", encoding="utf-8")
+    with pytest.raises(CranktopoError, match=r"trace\.csv"):
+        trace_changes(DATA, str(trace))

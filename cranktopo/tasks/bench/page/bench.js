@@ -151,7 +151,7 @@ $("hint").querySelector("button").addEventListener("click", () => {
 $("find").addEventListener("input", filterForms);
 $("tree").addEventListener("focusin", (event) => ($("help").textContent = event.target.closest(".row")?.querySelector(".help")?.textContent ?? ""));
 $("ghost").addEventListener("change", () => (showGhost(), showFront()));
-for (const id of ["safety", "crank"]) $(id).addEventListener("change", () => showPicture());
+for (const id of ["safety", "crank", "section"]) $(id).addEventListener("change", () => showPicture());
 new ResizeObserver(() => state.front && ((state.frontDrawn = false), delete $("front").dataset.held, showFront())).observe($("front"));
 beginForm();
 outForms();

@@ -1,6 +1,7 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed } from "./base.js";
-import { GAUGES, SOLVED, limitOf, state, valueOf } from "./state.js";
+import { GAUGES, SOLVED, errorOf, limitOf, state, valueAt, valueOf } from "./state.js";
+import { edit } from "./talk.js";
 
 export function showGauges() {
   if (!state.project) return;
@@ -11,7 +12,7 @@ export function showGauges() {
     if (value === undefined && original === undefined && state.missing && name.includes("safety")) return null;
     const percent = value !== undefined && original ? 100 * (value / original - 1) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < 0.05 ? 0 : Math.sign(percent) * better * Math.sign(original);
-    const limit = limitOf(name), holds = limit && value !== undefined && (limit.sense === ">" ? value >= limit.required * (1 - 1e-4 * Math.sign(limit.required)) : value <= limit.required * (1 + 1e-4 * Math.sign(limit.required)));
+    const limit = limitOf(name), within = errorOf(name) / 100 + 1e-4, least = limit && limit.required * (1 - within * Math.sign(limit.required)), greatest = limit && limit.required * (1 + within * Math.sign(limit.required)), holds = limit && value !== undefined && (limit.sense === ">" ? value >= least : value <= greatest);
     const stale = ring.startsWith("stale") || ring.startsWith("waits");
     if (way < 0 && !stale) worse.push(`${lower(label)} ${signed(percent)}`);
     if (limit && !holds && !stale) broken.push(`${lower(label)} ${limit.text}`);
@@ -32,7 +33,7 @@ function gaugeRow(gauge, value, ring, percent, way, limit, holds, stale) {
   const change = percent === null ? "" : Math.abs(percent) < 0.05 ? "as original" : signed(percent);
   const item = make("li", { class: stale ? "stale" : "", "data-gauge": name, role: "group", "aria-label": `${label}: ${text}, ${change || "no original yet"}, ${ring}${limit ? `, limit ${limit.text} ${holds ? "holds" : "is not kept"}` : ""}` },
     make("span", {}, label), make("span", { class: "value" }, text), make("span", { class: `change ${way > 0 ? "better" : way < 0 ? "worse" : ""}` }, change));
-  if (percent !== null && !["unbalance", "balance_factor"].includes(name)) item.append(trackOf(percent, limit, original, bound));
+  if (percent !== null && !["unbalance", "balance_factor"].includes(name)) item.append(trackOf(gauge, percent, limit, original, bound));
   const line = make("div", { class: "ring" }, make("span", {}, ring));
   if (limit) line.append(make("span", { class: `limit ${holds ? "holds" : ""}` }, `limit ${limit.text}${holds ? "" : ": not kept"}`));
   if (bound !== undefined) line.append(make("span", {}, `no web beats ${plain(bound / size, digits)} ${unit} (proof)`));
@@ -40,19 +41,63 @@ function gaugeRow(gauge, value, ring, percent, way, limit, holds, stale) {
   return item;
 }
 
-// A bar from 70 to 130 % of the original; black: original, red: limit.
-function trackOf(percent, limit, original, bound) {
-  const at = (p) => `${Math.max(0, Math.min(100, 50 + (p / 30) * 50))}%`, track = make("span", { class: "track", "aria-hidden": "true" });
+// A bar from 70 to 130 % of the original; black: original, red: limit. A limit is set by dragging its mark.
+function trackOf(gauge, percent, limit, original, bound) {
+  const at = (p) => `${Math.max(0, Math.min(100, 50 + (p / REACH) * 50))}%`, track = make("span", { class: "track" });
   const bar = make("i"), mark = make("b");
   bar.style.left = at(Math.min(0, percent));
   bar.style.right = `calc(100% - ${at(Math.max(0, percent))})`;
   mark.style.left = "50%";
   track.append(bar, mark);
-  for (const value of [limit?.required, bound])
-    if (value !== undefined) {
-      const line = make("u");
-      line.style.left = at(100 * (value / original - 1));
-      track.append(line);
-    }
+  if (bound !== undefined) {
+    const line = make("s");
+    line.style.left = at(100 * (bound / original - 1));
+    track.append(line);
+  }
+  if (limitKeys().has(gauge[0])) track.append(limitMark(gauge, limit, limit ? 100 * (limit.required / original - 1) : 0, track, at));
   return track;
+}
+const REACH = 30;
+const limitKeys = () => new Set(state.reference?.find((table) => table.path === "goal.limits")?.keys.map((key) => key.name));
+
+function limitMark([name, label, , , better], limit, percent, track, at) {
+  const sense = `${limit?.sense ?? (better < 0 ? "<" : ">")}=`, most = REACH;
+  const mark = make("u", { class: limit ? "" : "none", role: "slider", tabindex: "0", "aria-label": `limit of ${lower(label)}`, "aria-valuemin": 100 - most, "aria-valuemax": 100 + most, title: "Drag: limit in % of the original; double click takes it away" });
+  let now = percent, held = false;
+  const show = (value) => {
+    now = Math.round(2 * Math.max(-most, Math.min(most, value))) / 2;
+    mark.style.left = at(now);
+    mark.setAttribute("aria-valuenow", 100 + now);
+    mark.setAttribute("aria-valuetext", `${sense} ${100 + now} %`);
+    mark.dataset.text = `${sense} ${100 + now} %`;
+  };
+  const take = () => {
+    const goal = valueAt("goal") ? {} : name === "mass" ? { "goal.maximise": "torsion_per_mass" } : { "goal.minimise": "mass" };
+    edit({ ...goal, [`goal.limits.${name}`]: `${sense} ${100 + now} %` }, `limit: ${lower(label)} ${sense} ${100 + now} %`);
+  };
+  show(percent);
+  mark.addEventListener("pointerdown", (event) => {
+    mark.setPointerCapture(event.pointerId);
+    held = true;
+    mark.classList.add("held");
+  });
+  mark.addEventListener("pointermove", (event) => {
+    const { left, width } = track.getBoundingClientRect();
+    if (held) show((2 * (event.clientX - left) / width - 1) * REACH);
+  });
+  mark.addEventListener("pointerup", () => {
+    if (held && now !== percent) take();
+    held = false;
+    mark.classList.remove("held");
+  });
+  mark.addEventListener("dblclick", () => limit && edit({ [`goal.limits.${name}`]: null }, `no limit: ${lower(label)}`));
+  mark.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 0.5, ArrowUp: 0.5, ArrowLeft: -0.5, ArrowDown: -0.5 }[event.key];
+    if (step) show(now + step);
+    else if (event.key === "Enter") take();
+    else if (event.key === "Delete" && limit) edit({ [`goal.limits.${name}`]: null }, `no limit: ${lower(label)}`);
+    else return;
+    event.preventDefault();
+  });
+  return mark;
 }

@@ -37,6 +37,13 @@ export function valueOf(name) {
   return [value, name.includes("safety") ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
 }
 
+// Percent by which a gauge may be off, as far as that is known.
+export function errorOf(name) {
+  if (!SOLVED.has(name)) return 0;
+  const errors = state.fresh && !state.dragging ? state.errors : state.coarseErrors;
+  return errors?.[name] ?? errors?.[name.replace("_per_mass", "")] ?? 0;
+}
+
 export function limitOf(name) {
   const text = valueAt(`goal.limits.${name}`), found = typeof text === "string" && text.match(/([<>])=\s*(-?[\d.]+)\s*(%)?/);
   if (!found) return null;

@@ -21,6 +21,7 @@ export function showPicture(number) {
     viewer.dataset.shown = String(number ?? 0); // of the drag that is painted
   });
   viewer.turns($("crank").checked ? state.turns : null);
+  viewer.section($("section").checked ? 0 : null);
 }
 
 function startViewer(text) {
