@@ -22,7 +22,8 @@ _CENTRED = 1e-5
 """Distance of a rim's axis from the crank axis over its radius."""
 _EDGE = 0.15
 """Share of the web's thickness at its faces that chamfers of a counterweight may take."""
-_ORIGIN, _ALONG = np.zeros(3), np.array([0.0, 0.0, 1.0])
+ORIGIN, ALONG = np.zeros(3), np.array([0.0, 0.0, 1.0])
+"""A point of the crank axis, and its direction, in the frame of a throw."""
 
 
 def counterweights(body: HalfBody) -> Iterator[dict[str, Any]]:
@@ -37,12 +38,30 @@ def counterweights(body: HalfBody) -> Iterator[dict[str, Any]]:
         **_depth(body, rim),
     }
     yield table
+    corners = _corners(body, rim)
+    tables = [table, *({**table, "corner_mm": corner} for corner in corners)]
+    yield from tables[1:]
     concave = {
         round(face.radius_mm, DIGITS)
         for face in body.faces.cylinders
         if face.upright and not face.outward and not face.full
     }
-    yield from ({**table, "fillet_mm": fillet} for fillet in sorted(concave)[:2])
+    yield from ({**one, "fillet_mm": fillet} for fillet in sorted(concave)[:2] for one in tables)
+
+
+def _corners(body: HalfBody, rim: CylinderFace) -> list[float]:
+    """Return radii of cylinders that touch the rim from inside below the crank axis, at its corners."""
+    touching = {
+        round(face.radius_mm, DIGITS)
+        for face in body.faces.cylinders
+        if face.upright
+        and face.outward
+        and not face.full
+        and face.middle_mm[1] <= 0
+        and abs(math.hypot(*face.point_mm[:2]) + face.radius_mm - rim.radius_mm) < FLAT * rim.radius_mm
+        and face.radius_mm < rim.radius_mm / 2
+    }
+    return sorted(touching)[:2]
 
 
 def _rims(body: HalfBody) -> Sequence[CylinderFace]:
@@ -56,7 +75,7 @@ def _rims(body: HalfBody) -> Sequence[CylinderFace]:
         and not face.full
         and face.middle_mm[1] <= 0
         and face.radius_mm > body.half.main.radius_mm
-        and from_line_mm(face.point_mm, _ORIGIN, _ALONG) < _CENTRED * face.radius_mm
+        and from_line_mm(face.point_mm, ORIGIN, ALONG) < _CENTRED * face.radius_mm
         and all(abs(face.radius_mm - end) > FLAT * end for end in ends)
     ]
 
@@ -80,7 +99,7 @@ def _half_angle_deg(faces: Faces, rim: CylinderFace) -> float:
 def _depth(body: HalfBody, rim: CylinderFace) -> dict[str, Any]:
     """Return thickness and face of a counterweight that is thinner than its web, chamfers aside."""
     start, thickness = body.half.main_length_mm / 2, body.half.thickness_mm
-    low, high = (height - start for height in span_along(rim, _ORIGIN, _ALONG))
+    low, high = (height - start for height in span_along(rim, ORIGIN, ALONG))
     if low < _EDGE * thickness and high > (1 - _EDGE) * thickness:
         return {}
     face = "journal" if low < thickness - high else "pin"

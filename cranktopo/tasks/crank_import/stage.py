@@ -25,6 +25,7 @@ from cranktopo.tasks.crank_import.half_body import FoundBody, HalfBody
 from cranktopo.tasks.crank_import.kernel_halves import crank_by_kernel
 from cranktopo.tasks.crank_import.mesh_halves import crank_of_mesh
 from cranktopo.tasks.crank_import.meshes import MESH_SUFFIXES
+from cranktopo.tasks.crank_import.pockets import unread_holes
 from cranktopo.tasks.crank_import.result import (
     CrankImport,
     ImportedHalf,
@@ -252,6 +253,8 @@ def _unread(web: ImportedWeb) -> Iterator[str]:
                 f"throw.drilling[{index}].outlet_radius_mm = {drilling.outlet_radius_mm:g} follows from the "
                 "volume: no face tells it, check it against the drawing"
             )
+    for hole in unread_holes(web.body, scene):
+        yield f"{hole}: it is not in the design"
     cones = sum(other == "Cone" for other in faces.others)
     if cones:
         yield f"{cones} conical faces: chamfers and countersinks are not in the design"

@@ -22,6 +22,7 @@ from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.tasks.crank_import.bevels import read_bevels
 from cranktopo.tasks.crank_import.half_body import HalfBody
 from cranktopo.tasks.crank_import.oil_drillings import read_drillings, with_outlet_radius
+from cranktopo.tasks.crank_import.pockets import read_pockets
 from cranktopo.tasks.crank_import.silhouette import apart_mm, drawn_outline, silhouette
 from cranktopo.tasks.crank_import.web_candidates import web_candidates
 
@@ -139,10 +140,11 @@ def _shown(scene: Scene) -> Manifold:
 
 
 def _with_features(body: HalfBody, read: ReadWeb) -> ReadWeb:
-    """Return the web with the bevels and drillings that bring it nearer to the body."""
+    """Return the web with the bevels, pockets and drillings that bring it nearer to the body."""
     data = read.scene.model_dump(mode="json", exclude_none=True)
     bevels = sorted(read_bevels(body, read.scene), key=lambda bevel: str(bevel["face"]))
     features = [("web", "bevel", table) for table in bevels]
+    features += [("web", "pocket", table) for table in read_pockets(body, read.scene)]
     features += [("throw", "drilling", table) for table in read_drillings(body, read.scene)]
     for table, key, feature in features:
         feature = rounded(feature, body.near.digits)

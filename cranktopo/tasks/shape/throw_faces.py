@@ -136,6 +136,8 @@ def _counterweight_faces(scene: Scene) -> Iterator[_DistanceOf]:
     if weight is None or weight.bolted:
         return
     yield lambda scene, at: sector_of(scene).below_rim_mm(at[0], at[1])
+    if weight.corner_mm is not None:
+        yield lambda scene, at: sector_of(scene).inside_corner_mm(at[0], at[1])
     if weight.fillet_mm is None:
         yield lambda scene, at: sector_of(scene).inside_flank_mm(at[0], at[1])
     if weight.thickness_mm is not None and weight.thickness_mm < scene.web.thickness_mm:

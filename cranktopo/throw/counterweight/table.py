@@ -60,6 +60,8 @@ class Counterweight(Feature):
     """Web face with which it is flush if it is thinner than the web."""
     fillet_mm: Length | None = None
     """Radius of the fillet between each flank and the side of the web; left out: a sharp corner."""
+    corner_mm: Length | None = None
+    """Radius of the round corner between each flank and the rim; left out: sharp."""
     density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
     """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""
     plug: tuple[Plug, ...] = ()
@@ -73,7 +75,8 @@ class Counterweight(Feature):
     def sector(self, scene: ThrowView, key: str = "web.counterweight") -> Sector:
         """Its body without the fillets to the web."""
         z_mm = depth_range_mm(scene, self.face, self.thickness_mm or scene.web.thickness_mm)
-        return Sector(key, z_mm, self.outer_radius_mm, math.radians(self.half_angle_deg))
+        angle = math.radians(self.half_angle_deg)
+        return Sector(key, z_mm, self.outer_radius_mm, angle, self.corner_mm or 0.0)
 
     def parts(self, scene: ThrowView, key: str = "web.counterweight") -> tuple[Sector | CornerFillet, ...]:
         """Its sector, and the fillets that it has."""
@@ -137,6 +140,7 @@ class Counterweight(Feature):
                 f"must be larger than {least:.4g} mm, what the main journal needs for its radius and fillet",
                 "Enlarge it, or remove the counterweight.",
             )
+        self._check_corner(scene, key)
         x, y = self.sector(scene).rim_mm()
         if (x <= web.half_width_mm(scene.throw.radius_mm, y)).all():
             raise scene.invalid(
@@ -150,6 +154,14 @@ class Counterweight(Feature):
             if found is not None:
                 raise scene.invalid(f"{key}.{name}.{found[0]}", found[1], "Change or move it.")
 
+    def _check_corner(self, scene: ThrowView, key: str) -> None:
+        """Both round corners are apart, and leave a flank beyond the main journal."""
+        sine, outer = math.sin(math.radians(self.half_angle_deg)), self.outer_radius_mm
+        journal = scene.throw.main_journal.clear_radius_mm
+        most = min(outer * sine / (1 + sine), (outer**2 - journal**2) / (2 * outer))
+        if self.corner_mm is not None and self.corner_mm >= most:
+            raise scene.invalid(f"{key}.corner_mm", f"must be smaller than {most:.4g} mm", "Reduce it.")
+
     def _check_fillet(self, scene: ThrowView, key: str) -> None:
         if self.fillet_mm is None:
             return
@@ -157,7 +169,8 @@ class Counterweight(Feature):
             allowed = "a part of its own (density_kg_m3) has no fillet to the web"
             raise scene.invalid(f"{key}.fillet_mm", allowed, "Leave one of them out.")
         outline, half_angle = _outline(scene.web, scene.throw.radius_mm), math.radians(self.half_angle_deg)
-        largest = largest_radius_mm(outline, half_angle, self.outer_radius_mm)
+        flank_mm = math.hypot(*self.sector(scene, key).corner.on_flank)
+        largest = largest_radius_mm(outline, half_angle, flank_mm if self.corner_mm else self.outer_radius_mm)
         if largest < _NO_CORNER_MM:
             raise scene.invalid(
                 f"{key}.fillet_mm",
@@ -202,6 +215,7 @@ class Counterweight(Feature):
         yield f"{key}.outer_radius_mm", self.outer_radius_mm, SMALLEST
         yield f"{key}.thickness_mm", self.thickness_mm or 0.0, SMALLEST
         yield f"{key}.fillet_mm", self.fillet_mm or 0.0, SMALLEST_FILLET
+        yield f"{key}.corner_mm", self.corner_mm or 0.0, SMALLEST_FILLET
         for name, hole in self.drilled():
             yield f"{key}.{name}.diameter_mm", hole.diameter_mm, SMALLEST
 

@@ -95,6 +95,45 @@ def test_a_half_throw_with_a_counterweight(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_round_corners_and_round_pockets_come_back(tmp_path: Path) -> None:
+    """A half disc with round corners and fillets, a hole through the web, blind ones from both faces."""
+    data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
+    weight = {"outer_radius_mm": 66.0, "half_angle_deg": 90.0, "corner_mm": 7.0, "fillet_mm": 6.0}
+    hole = {"shape": "cylinder", "diameter_mm": 9.0}
+    pockets = [
+        {**hole, "x_mm": 24.0, "y_mm": -44.0, "face": "through"},
+        {**hole, "x_mm": -22.0, "y_mm": -44.0, "face": "journal", "depth_mm": 8.0},
+        {**hole, "x_mm": 0.0, "y_mm": -52.0, "face": "pin", "depth_mm": 6.0},
+    ]
+    data["web"] |= {"counterweight": weight, "pocket": pockets}
+    del data["envelope"], data["shape"]
+    scene = scene_from_dict(data, "corners")
+    export_solid(scene, "half", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "corners", tmp_path / "out")
+    found = load_scene(result.halves[0].design).web
+    assert found.counterweight == scene.web.counterweight
+    assert set(found.pocket) == set(scene.web.pocket)
+    assert result.halves[0].design_volume_mm3 == pytest.approx(result.halves[0].volume_mm3, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_holes_of_plugs_come_back_or_are_told(tmp_path: Path) -> None:
+    """Axial ones as pockets, a radial one in words: CAD has no mass of plugs."""
+    data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
+    plug = {"axis": "axial", "x_mm": 22.0, "y_mm": -43.0, "diameter_mm": 20.0, "length_mm": 14.0}
+    data["web"]["counterweight"] |= {
+        "plug": [{**plug, "density_kg_m3": 17500.0}],
+        "hole": [{"angle_deg": -20.0, "diameter_mm": 10.0, "depth_mm": 15.0}],
+    }
+    del data["envelope"]
+    export_solid(scene_from_dict(data, "plugged"), "half", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "plugged", tmp_path / "out")
+    (pocket,) = load_scene(result.halves[0].design).web.pocket
+    assert (pocket.x_mm, pocket.y_mm, pocket.diameter_mm, pocket.depth_mm) == pytest.approx((22, -43, 20, 14))
+    assert any("a hole of 10 mm across the crank" in line for line in result.halves[0].unread)
+
+
+@pytest.mark.slow
 def test_unlike_halves_become_a_design_each(tmp_path: Path) -> None:
     """A web 22 mm thick beyond the pin, and a longer main journal there."""
     scene = load_scene("mikron-iiic-plain", whole=True)
