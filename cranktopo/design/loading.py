@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted, suggest
 from cranktopo.base.files import read_text_file
+from cranktopo.design.checks.bolts import check_bolt_dimensions
 from cranktopo.design.checks.crank import check_crank
 from cranktopo.design.checks.rod import check_rod
 from cranktopo.design.checks.scene import check_scene
@@ -244,6 +245,7 @@ def scene_from_dict(data: dict[str, Any], source: str = "scene", *, whole: bool 
     scene = _with_usual_cells(scene)
     check_scene(scene)
     check_crank(scene)
+    check_bolt_dimensions(scene)
     check_rod(scene)
     scene = _with_rod_masses(scene)
     if not whole:

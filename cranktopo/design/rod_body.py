@@ -2,7 +2,7 @@
 
 Frame: y from the axis of the big end to that of the small end, x across in the plane of motion, z along the
 pins. Every cross-section is a set of strips of constant x-range, each with one range of z: areas and moments
-are exact. Along y they are added up by Gauss points 0.1 mm apart, to some 1e-6 of the mass.
+are exact. Along y they are added up by Gauss points, to some 1e-6 of the mass.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.material import Material
 from cranktopo.design.rod import Rod
 
-_PANEL_MM = 0.1
+_PANELS = 1660
+"""Panels over the length of a rod."""
 _BOLT_KG_PER_MM3 = density_kg_per_mm3(7850.0)
 
 
@@ -83,7 +84,7 @@ def fillet(rod: Rod, length_mm: float, small: bool) -> Fillet | None:
     stretch = math.hypot(1, slope)
     base = rod.shank_big_mm / 2 + radius * stretch
     half_b, c = base * slope - eye_y, base**2 + eye_y**2 - (eye + radius) ** 2
-    root = math.sqrt(half_b**2 - stretch**2 * c)
+    root = math.sqrt(max(half_b**2 - stretch**2 * c, 0.0))
     y = (-half_b - root if small else -half_b + root) / stretch**2
     x = base + slope * y
     share = eye / (eye + radius)
@@ -183,7 +184,7 @@ def _places(rod: Rod, length_mm: float) -> tuple[Array, Array]:
     marks |= {length_mm + side * d / 2 for d in small for side in (-1, 1)}
     ordered = sorted(marks)
     pieces = [
-        np.linspace(low, high, max(2, math.ceil((high - low) / _PANEL_MM) + 1))[:-1]
+        np.linspace(low, high, max(2, math.ceil((high - low) / length_mm * _PANELS) + 1))[:-1]
         for low, high in pairwise(ordered)
     ]
     edges = np.append(np.concatenate(pieces), ordered[-1])

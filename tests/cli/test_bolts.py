@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
 
@@ -37,3 +39,22 @@ def test_a_design_without_joints_and_a_thread_that_is_none(capsys, tmp_path):
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert "ISO 261" in err
+
+
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [
+        ("hole_diameter_mm = 20.0", "hole_diameter_mm"),
+        ("hole_diameter_mm = 9.0", "hole_diameter_mm"),
+        ("head_diameter_mm = 11.0", "head_diameter_mm"),
+        ("member_diameter_mm = 11.0", "member_diameter_mm"),
+        ("shank_mm = 31.0", "grip_mm"),
+        ("shank_diameter_mm = 20.0", "shank_diameter_mm"),
+    ],
+)
+def test_bolts_that_cannot_be(capsys, tmp_path, line, key):
+    design = tmp_path / "bolted.toml"
+    design.write_text(f"{PLAIN}{JOINT}{line}\n")
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert f"bolted_joint[0].{key}" in err

@@ -34,6 +34,8 @@ from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.safety_field import check_method
 
 _TURN_POINTS = 360
+_PLACES = 2
+"""Decimals of a millimetre to which places along the shaft count: shorter steps would be ill-conditioned."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def _checked(scene: Scene) -> BalancerPart:
         )
     if not part.step:
         raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
-    if len({b.z_mm for b in part.bearing if not _is_thrust(b)}) < 2:
+    if len({round(b.z_mm, _PLACES) for b in part.bearing if not _is_thrust(b)}) < 2:
         raise scene.invalid("balancer.bearing", "needs two radial bearings at different places")
     for one in part.placed:
         if not 0 <= one.z_mm <= part.length_mm:
@@ -118,6 +120,8 @@ def _checked(scene: Scene) -> BalancerPart:
             raise scene.invalid(
                 f"balancer.notch[{number}].diameter_mm", f"must be > {low:g} and < {high:g} mm there"
             )
+        if notch_stress(notch, outer, bore)[0] <= 0:
+            raise scene.invalid(f"balancer.notch[{number}].diameter_mm", "leaves nothing of the hollow shaft")
     if part.notch:
         check_method(scene.model_copy(update={"material": part.material or scene.material}), "lsa")
     return part
@@ -153,8 +157,8 @@ def _gear(part: BalancerPart) -> GearForces | None:
 
 def _load(scene: Scene, part: BalancerPart) -> _Loaded:
     material = part.material or scene.material
-    ends = np.cumsum([0.0, *(step.length_mm for step in part.step)])
-    z = np.unique(np.round([*ends, *(one.z_mm for one in part.placed)], 6)).astype(float)
+    ends = np.round(np.cumsum([0.0, *(step.length_mm for step in part.step)]), _PLACES)
+    z = np.unique(np.round([*ends, *(one.z_mm for one in part.placed)], _PLACES)).astype(float)
     middle = (z[1:] + z[:-1]) / 2
     step = np.searchsorted(ends, middle) - 1
     outer = np.array([part.step[i].diameter_mm for i in step])

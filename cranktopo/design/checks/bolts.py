@@ -1,0 +1,42 @@
+"""Consistency of every bolt: head over hole over thread, parts about it, shank within the grip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cranktopo.design.bolt import Bolt
+from cranktopo.design.schema import Scene
+
+
+def check_bolt_dimensions(scene: Scene) -> None:
+    """Check that every bolt of a design can be."""
+    for path, bolt in _bolts(scene):
+        diameter = bolt.nominal.diameter_mm
+        least = (
+            ("hole_diameter_mm", bolt.hole_diameter_mm, diameter),
+            ("member_diameter_mm", bolt.member_diameter_mm, 1.05 * bolt.hole_mm),
+            ("grip_mm", bolt.grip_mm, bolt.shank_mm),
+        )
+        for key, value, smallest in least:
+            if value is not None and value < smallest:
+                raise scene.invalid(
+                    f"{path}.{key}", f"must be at least {smallest:.4g} mm beside the bolt's other dimensions"
+                )
+        if bolt.head_mm < 1.05 * bolt.hole_mm:
+            key = "hole_diameter_mm" if bolt.head_diameter_mm is None else "head_diameter_mm"
+            sizes = f"a head of {bolt.head_mm:.4g} mm over a hole of {bolt.hole_mm:.4g} mm"
+            raise scene.invalid(f"{path}.{key}", f"must give the head a bearing face: {sizes} has none")
+        if bolt.shank_diameter_mm is not None and not 0.5 < bolt.shank_diameter_mm / diameter < 1.5:
+            raise scene.invalid(
+                f"{path}.shank_diameter_mm", f"must be near the {diameter:g} mm of the thread"
+            )
+
+
+def _bolts(scene: Scene) -> Iterator[tuple[str, Bolt]]:
+    for number, joint in enumerate(scene.bolted_joint):
+        yield f"bolted_joint[{number}]", joint
+    if scene.rod is not None and scene.rod.bolt is not None:
+        yield "rod.bolt", scene.rod.bolt
+    for number, weight in enumerate(scene.balancer.weight if scene.balancer else ()):
+        if weight.bolt is not None:
+            yield f"balancer.weight[{number}].bolt", weight.bolt

@@ -1,0 +1,36 @@
+"""Sixty engines drawn at random get a rod each: its strength by both methods, its solid, its bolts."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from cranktopo.bodies.solid.rod import add_rod
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.rod.stage import check_rod_strength
+from tests.random_rods import random_rod_engine
+
+
+def check_rod_of(seed: int) -> None:
+    scene = scene_from_dict(random_rod_engine(seed))
+    with cad_session("rod") as gmsh:
+        assert len(add_rod(gmsh.model.occ, scene)) == 1  # its volume is checked against the sections
+    found = check_rod_strength(scene)
+    assert all(0 < section.yield_safety < math.inf for section in found.sections)
+    assert all(0 < section.fatigue_safety < math.inf for section in found.sections)
+    assert all(strut.rankine_N < strut.euler_N for strut in found.buckling)
+    assert 0.2 < found.masses.centre_from_big_end_mm / scene.engine.rod_length_mm < 0.7
+    assert found.push_N > 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_random_engine_gets_a_rod(seed: int) -> None:
+    check_rod_of(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3, 60))
+def test_every_random_engine_gets_a_rod(seed: int) -> None:
+    check_rod_of(seed)
