@@ -86,6 +86,7 @@ TABLE: dict[str, dict[str, Case]] = {
     "film": {
         **_THROW,
         "--speed": Acts("car-diesel", "--speed 1000"),
+        "--plot": Acts("car-diesel", "--plot p.png"),
         "--json": Acts("car-diesel", "--json"),
     },
     "bolts": {"--json": Acts("", "--json")},

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
+from pathlib import Path
 
 import click
 
@@ -18,8 +19,16 @@ from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
 @click.argument("design", default=DEFAULT_DESIGN, shell_complete=designs)
 @click.option("--speed", "speeds", type=Speeds(), help="Speed or sweep of speeds instead of the scene's.")
 @throw_option
+@click.option(
+    "--plot",
+    "plot_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a plot of the last speed.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def command(design: str, speeds: list[float] | None, throw: int | None, as_json: bool) -> None:
+def command(
+    design: str, speeds: list[float] | None, throw: int | None, plot_path: Path | None, as_json: bool
+) -> None:
     """Oil film of main and big-end bearings over the cycle: least thickness, largest pressure, friction.
 
     DESIGN is a TOML file with `[bearings]` (clearance and oil), or the name of a built-in design. Journals
@@ -31,12 +40,15 @@ def command(design: str, speeds: list[float] | None, throw: int | None, as_json:
     from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.one_throw import one_throw
+    from cranktopo.tasks.film.plot import plot_films
     from cranktopo.tasks.film.stage import oil_films
     from cranktopo.tasks.film.text import film_text
 
     with redirected(partial(click.echo, err=True)):
         scene = one_throw(load_scene(design, whole=True), throw)
     result = oil_films(scene, speeds)
+    if plot_path is not None:
+        plot_films(scene, plot_path, None if speeds is None else speeds[-1])
     if as_json:
         click.echo(json.dumps(result.as_json(), indent=2))
         return

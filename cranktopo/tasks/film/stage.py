@@ -88,6 +88,11 @@ def plain_bearings(scene: Scene) -> PlainBearings:
 
 def films_at(scene: Scene) -> tuple[BearingFilm, ...]:
     """Return the films at the scene's speed: main bearings from the free end, then a big end."""
+    return tuple(_film(loaded, steady) for loaded, steady in orbits_at(scene))
+
+
+def orbits_at(scene: Scene) -> tuple[tuple[LoadedBearing, Orbit], ...]:
+    """Return the bearings with their loads and the orbits of their journals, in the same order."""
     loads = main_bearings(scene, turning_masses(scene))
     step = round(_STEP_DEG / float(loads.angle_deg[1] - loads.angle_deg[0]))
     angle = loads.angle_deg[::step]
@@ -98,15 +103,18 @@ def films_at(scene: Scene) -> tuple[BearingFilm, ...]:
         for number, load in enumerate(loads.load_N, start=1)
     ]
     every.append(_loaded_big_end(scene, step))
-    return tuple(film_of(one, angle, scene) for one in every)
+    return tuple((one, _orbit(one, angle, scene)) for one in every)
 
 
 def film_of(loaded: LoadedBearing, angle_deg: Array, scene: Scene) -> BearingFilm:
     """Return the film of a bearing at the speed of a scene."""
+    return _film(loaded, _orbit(loaded, angle_deg, scene))
+
+
+def _orbit(loaded: LoadedBearing, angle_deg: Array, scene: Scene) -> Orbit:
     speed = angular_speed_rad_s(engine_of(scene).speed_rpm)
     surfaces = np.full_like(angle_deg, speed), loaded.sleeve * speed
-    steady = orbit(loaded.bearing, angle_deg, loaded.load_N, speed, surfaces)
-    return _film(loaded, steady)
+    return orbit(loaded.bearing, angle_deg, loaded.load_N, speed, surfaces)
 
 
 def _film(loaded: LoadedBearing, steady: Orbit) -> BearingFilm:

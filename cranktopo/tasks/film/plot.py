@@ -1,0 +1,74 @@
+"""Plot of the oil films over the cycle, and of the orbits of the journals in their clearances."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.files import replacing
+from cranktopo.base.formats import PLOTS
+from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.engine.analysis import at_speed, engine_of
+from cranktopo.numerics.bearing_film.orbit import Orbit
+from cranktopo.report.plot import save_figure
+from cranktopo.runs.destination import check_file
+from cranktopo.tasks.film.stage import LoadedBearing, orbits_at
+
+_UM_PER_MM = 1e3
+_COLUMNS = 4
+
+
+def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) -> None:
+    """Write film and pressure over the crank angle, and the orbit of every journal; PNG, SVG or PDF.
+
+    Raises:
+        CranktopoError: no `[bearings]`, no engine, an ending that is no plot format, or it cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    check_file(path, "--plot", PLOTS)
+    scene = as_scene(scene)
+    at = scene if speed_rpm is None else at_speed(scene, speed_rpm)
+    found = orbits_at(at)
+    rows = -(-len(found) // _COLUMNS)
+    figure = Figure(figsize=(10, 6 + 2.6 * rows), layout="constrained")
+    upper, lower = figure.subfigures(2, 1, height_ratios=(6, 2.6 * rows))
+    _draw_cycle(upper, found)
+    for axes, (loaded, steady) in zip(
+        lower.subplots(rows, _COLUMNS, squeeze=False).flat, found, strict=False
+    ):
+        _draw_orbit(axes, loaded, steady)
+    for axes in lower.axes[len(found) :]:
+        axes.set_axis_off()
+    figure.suptitle(f"Oil film of {scene.name} at {engine_of(at).speed_rpm:g} rpm")
+    with replacing(path) as temporary:
+        save_figure(figure, temporary, dpi=120)
+
+
+def _draw_cycle(figure: Any, found: tuple[tuple[LoadedBearing, Orbit], ...]) -> None:
+    film, pressure = figure.subplots(2, 1, sharex=True)
+    for loaded, steady in found:
+        style = {"color": "k", "lw": 1.5} if loaded is found[-1][0] else {"lw": 1.0}
+        film.plot(steady.angle_deg, steady.film_mm * _UM_PER_MM, label=loaded.name, **style)
+        pressure.plot(steady.angle_deg, steady.pressure_MPa, **style)
+    film.set(yscale="log", ylabel="least film [um]")
+    film.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, frameon=False)
+    pressure.set(ylabel="largest pressure [MPa]", xlabel="crank angle [deg]", ylim=(0, None))
+    for axes in (film, pressure):
+        axes.set(xlim=(0, steady.angle_deg[-1]))
+        axes.grid(alpha=0.3)
+
+
+def _draw_orbit(axes: Any, loaded: LoadedBearing, steady: Orbit) -> None:
+    """The path of the journal's centre in the clearance; up is along the axis of the first cylinder."""
+    edge = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
+    path = np.append(steady.eccentricity, steady.eccentricity[0])
+    axes.plot(edge.imag, edge.real, color="0.6", lw=1)
+    axes.plot(path.imag, path.real, lw=1)
+    thinnest = steady.eccentricity[int(steady.film_mm.argmin())]
+    axes.plot(thinnest.imag, thinnest.real, "r.")
+    axes.set(aspect="equal", title=loaded.name, xticks=[], yticks=[])
+    axes.title.set_fontsize(9)
+    axes.set_frame_on(False)
