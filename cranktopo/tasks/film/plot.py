@@ -34,13 +34,13 @@ def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) ->
     found = orbits_at(at)
     rows = -(-len(found) // _COLUMNS)
     figure = Figure(figsize=(10, 6 + 2.6 * rows), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(6, 2.6 * rows))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(6, 2.6 * rows))
+    upper, lower = parts
     _draw_cycle(upper, found)
-    for axes, (loaded, steady) in zip(
-        lower.subplots(rows, _COLUMNS, squeeze=False).flat, found, strict=False
-    ):
+    places = list(lower.subplots(rows, _COLUMNS, squeeze=False).flat)
+    for axes, (loaded, steady) in zip(places, found, strict=False):
         _draw_orbit(axes, loaded, steady)
-    for axes in lower.axes[len(found) :]:
+    for axes in places[len(found) :]:
         axes.set_axis_off()
     figure.suptitle(f"Oil film of {scene.name} at {engine_of(at).speed_rpm:g} rpm")
     with replacing(path) as temporary:
