@@ -86,6 +86,22 @@ def plain_bearings(scene: Scene) -> PlainBearings:
     return scene.bearings
 
 
+def film_change(before: Scene, after: Scene) -> str:
+    """Return one line with the least films of a design beside those before; empty without `[bearings]`."""
+    if before.bearings is None or before.engine is None or not before.engine.speed_rpm:
+        return ""
+    (main, big), (old_main, old_big) = (_least_um(films_at(scene)) for scene in (after, before))
+    return (
+        f"oil film at {before.engine.speed_rpm:g} rpm: main bearings {main:.2f} um at least "
+        f"({old_main:.2f} before), big ends {big:.2f} um ({old_big:.2f})"
+    )
+
+
+def _least_um(found: Sequence[BearingFilm]) -> tuple[float, float]:
+    """Least film of the main bearings, and of the big end."""
+    return min(one.film_um for one in found[:-1]), found[-1].film_um
+
+
 def films_at(scene: Scene) -> tuple[BearingFilm, ...]:
     """Return the films at the scene's speed: main bearings from the free end, then a big end."""
     return tuple(_film(loaded, steady) for loaded, steady in orbits_at(scene))

@@ -43,6 +43,7 @@ from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.sheet import export_drawing
 from cranktopo.tasks.extraction.release import shaped_undercuts
+from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
 from cranktopo.tasks.importing.original import check_original, original_file
 from cranktopo.tasks.refit.family import free_dimensions, parameter_unit, with_free
@@ -197,6 +198,9 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         page = shape_page(found, run.manifest(), scene, _bodies(scene, optimum, half))
         write_report(page, run.path / REPORT)
     run.log(f"{found.status}: {found.stop_reason}")
+    films = film_change(scene, optimum.result.web.scene)  # thickness of a web is taken from the bearings
+    if films:
+        note(films)
     return ShapedRun(run.path, found)
 
 

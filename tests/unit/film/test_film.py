@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,11 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, parse_scene
+from cranktopo.design.named import with_values
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, engine_of
-from cranktopo.tasks.film.stage import _loaded_big_end, main_bearing, oil_films
+from cranktopo.tasks.film.stage import _loaded_big_end, film_change, main_bearing, oil_films
 from cranktopo.tasks.film.text import film_text
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -108,6 +110,21 @@ def test_the_oil_is_assumed_where_none_is_given() -> None:
     given = oil_films(scene("clearance_mm = 0.05\nviscosity_mPas = 8"))
     assert (given.oil, given.viscosity_mPas) == (None, 8.0)
     assert not {"bearings.oil", "bearings.temperature_C"} & {one.key for one in given.assumed}
+
+
+def test_length_taken_from_a_bearing_has_its_price() -> None:
+    """A thicker web at the same pitch leaves a shorter main bearing."""
+    base = scene()
+    assert film_change(parse_scene(MIKRON), parse_scene(MIKRON)) == ""
+    thicker = with_values(base, {"web.thickness_mm": 23.0, "throw.main_journal.length_mm": 32.0})
+    line = film_change(base, thicker)
+    least, before = (
+        float(number) for number in re.findall(r"main bearings (.*?) um .*?\((.*?) before", line)[0]
+    )
+    assert before == pytest.approx(
+        min(one.film_um for one in oil_films(base).speeds[0].bearings[:-1]), abs=0.005
+    )
+    assert least < 0.9 * before
 
 
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
