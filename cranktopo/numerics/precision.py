@@ -39,12 +39,17 @@ def double_precision() -> Iterator[None]:
         yield
 
 
+def check_room() -> None:
+    """Check that JAX can be loaded and begun here: without the addresses that it takes it ends the process."""
+    check_addresses("JAX", _XLA_ADDRESSES_MIB + addresses_of_threads_MiB())
+
+
 @cache
 def check_device() -> None:
     """Check that JAX has something to compute on; raises CranktopoError where it has not, or cannot begin."""
+    check_room()
     import jax
 
-    check_addresses("JAX", _XLA_ADDRESSES_MIB + addresses_of_threads_MiB())
     try:
         jax.devices()
     except Exception as error:  # JAX raises whatever its plugins raise, an empty AssertionError among it

@@ -13,8 +13,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
-from cranktopo.base.errors import EXTRAS, install_line
+from cranktopo.base.errors import EXTRAS, CranktopoError, install_line
 from cranktopo.base.machine import usable_cores
+from cranktopo.numerics.precision import check_room
 
 _EXAMPLE = "mikron-iiic"
 """Its default optimisation is what the memory must hold."""
@@ -86,6 +87,10 @@ def _gmsh() -> Check:
 
 
 def _jax_device() -> Check:
+    try:
+        check_room()
+    except CranktopoError as error:
+        return Check("JAX", "missing", error.message, "no optimisation", error.hint)
     try:
         import jax
 

@@ -19,6 +19,7 @@ from cranktopo.bodies import memory
 from cranktopo.numerics import precision
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra import solver
+from cranktopo.tasks.doctor import stage as doctor
 
 PROGRAM = f"{sys.executable} -c 'from cranktopo.app.launch import main; main()'"
 MIB = 2**20
@@ -115,6 +116,13 @@ def test_a_library_that_would_end_the_process_is_not_begun(
     monkeypatch.setattr(machine, "addresses_left_MiB", lambda: 800.0)
     with pytest.raises(CranktopoError, match=rf"memory: {told} of addresses, 0\.8 left"):
         begins()
+
+
+def test_doctor_tells_of_too_few_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "addresses_left_MiB", lambda: 800.0)
+    told = doctor._jax_device()
+    assert (told.state, told.remedy) == ("missing", "Allow more (ulimit -v).")
+    assert "JAX needs" in told.value
 
 
 def test_a_mesh_is_not_begun_without_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
