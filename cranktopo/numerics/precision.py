@@ -40,7 +40,7 @@ def double_precision() -> Iterator[None]:
 
 
 def check_room() -> None:
-    """Check that JAX can be loaded and begun here: without the addresses that it takes it ends the process."""
+    """Check that JAX can be loaded and begun: without the addresses that it takes it ends the process."""
     check_addresses("JAX", _XLA_ADDRESSES_MIB + addresses_of_threads_MiB())
 
 
