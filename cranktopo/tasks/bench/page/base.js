@@ -15,6 +15,7 @@ const SVG = new Set(["svg", "path", "circle", "line", "text", "g"]);
 
 // A number as people write it: decimal point or comma.
 export function numberOf(text) {
+  if (/,\s/.test(text)) return null; // a list
   const plain = text.trim().replace(/\s/g, "").replace(/^([+-]?\d+),(\d+)$/, "$1.$2");
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : null;
 }
