@@ -152,12 +152,12 @@ class Actions:
         assert self.page.locator("tr[data-variant]").count() == kept + 1, told
 
     def _stepped(self, act: Any) -> None:
-        before = self.page.locator("#history li.here").inner_text()
+        before = self.page.locator("#history li.here").text_content()
         act()
         self.page.wait_for_function(
             "(was) => document.querySelector('#history li.here').textContent !== was"
             " || document.querySelector('#message:not([hidden]):not(.calm)')",
             arg=before,
         )
-        if self.page.locator("#history li.here").inner_text() == before:
+        if self.page.locator("#history li.here").text_content() == before:
             raise CranktopoError(self.page.locator("#message").inner_text())

@@ -15,6 +15,7 @@ const SVG = new Set(["svg", "path", "circle", "line", "text", "g"]);
 
 // A number as people write it: decimal point or comma.
 export function numberOf(text) {
+  if (/,\s/.test(text)) return null; // a list
   const plain = text.trim().replace(/\s/g, "").replace(/^([+-]?\d+),(\d+)$/, "$1.$2");
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : null;
 }
@@ -29,4 +30,4 @@ export const unitOf = (key) => (key.endsWith("_deg") ? "deg" : "mm");
 
 export const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
 
-export const signed = (percent) => `${percent > 0 ? "+" : "−"}${Math.abs(percent).toFixed(Math.abs(percent) < 10 ? 1 : 0)} %`;
+export const signed = (percent) => `${percent > 0 ? "+" : "−"}${Math.abs(percent).toFixed(Math.abs(percent) < 10 ? 1 : 0)}\u00a0%`;

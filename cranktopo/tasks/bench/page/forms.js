@@ -130,7 +130,7 @@ function selectOf(path, id, help, key, options, value) {
 function read(text, key) {
   if (!text.trim()) return key.required ? undefined : null;
   if (key.kind === "text") return text.trim();
-  if (key.kind.startsWith("list")) {
+  if (key.kind.startsWith("list") || Array.isArray(key.example)) {
     try {
       return JSON.parse(text.trim().startsWith("[") ? text : `[${text}]`);
     } catch {
@@ -152,7 +152,7 @@ function inputOf(path, id, help, key, value) {
     onchange: () => {
       const found = read(input.value, key);
       if (found === undefined) return mark(path, `'${input.value}' is ${numeric ? "no number" : "not understood"}.`);
-      if (found !== (value ?? null)) edit({ [path]: found }, `${words(key.name)}: ${found === null ? "as assumed" : `${shown(found)} ${key.unit}`}`);
+      if (found !== (value ?? null)) edit({ [path]: found }, `${words(key.name)}: ${found === null ? "as assumed" : `${shown(found)} ${key.unit}`}`.trim());
     } });
   return input;
 }

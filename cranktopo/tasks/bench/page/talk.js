@@ -34,6 +34,7 @@ export function complain(text, calm = false) {
 }
 
 export function drag(changes) {
+  if (!state.dragging) status("Moving");
   state.dragging = true;
   line.waiting = changes;
   if (line.answered === line.sent) next();
