@@ -119,7 +119,12 @@ class Actions:
     def enter(self, key: str, text: str) -> None:
         """Type the value of a dimension and press Enter; the step is in the history then."""
         field = self.page.locator(f"[id='f-{key}']")
-        self._stepped(lambda: (self.type(field, text), field.press("Enter")))
+
+        def act() -> None:
+            self.type(field, text)
+            field.press("Enter")
+
+        self._stepped(act)
 
     def write(self, kind: str) -> None:
         """Have a file written, and wait for it."""

@@ -129,9 +129,9 @@ async def _edits_until_killed(
 
 @pytest.mark.slow
 def test_a_job_killed_at_any_moment_goes_on(tmp_path: Path) -> None:
-    """Ten times while it lives: it is found stopped, is continued, and comes to its end."""
+    """At most ten times while it lives: it is found stopped, is continued, and comes to its end."""
     dice, jobs = random.Random(3), Jobs(tmp_path)
-    options = {"volume-fraction": 0.3, "resolution-mm": 6, "max-iterations": 40}
+    options = {"volume-fraction": 0.3, "resolution-mm": 4.5, "max-iterations": 40}
     job = jobs.start("optimise", design_text("mikron-iiic-plain"), options)
     iterations = 0
     for _ in range(10):

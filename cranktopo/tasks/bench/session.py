@@ -285,9 +285,13 @@ class Bench:
             lines = said.decode("utf-8", "replace").strip().splitlines() or ["failed"]
             tell({"type": "error", "message": f"{path.name}: {lines[-1].removeprefix('error: ')}"})
             return
-        if printed:
-            write_bytes(path, text)
-        self._tell_made(path, shown)
+        try:
+            if printed:
+                write_bytes(path, text)
+        except OSError as error:
+            tell({"type": "error", "message": f"{path.name}: cannot be written: {error.strerror}."})
+        else:
+            self._tell_made(path, shown)
 
     def _save(self, asked: Mapping[str, Any], tell: Tell) -> None:
         path = self._target(asked)
