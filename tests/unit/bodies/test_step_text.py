@@ -14,6 +14,7 @@ from cranktopo.base.formats import PARTS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import StepLabel, labelled, step_string
+from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
@@ -62,7 +63,8 @@ def check(text: str, product: str) -> None:
 @pytest.mark.usefixtures("first_day")
 @pytest.mark.parametrize("part", PARTS)
 def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
-    export_solid(mikron, part, tmp_path / "one.step")
+    with_rod = mikron.model_copy(update={"rod": load_scene("mikron-iiic-rod").rod})
+    export_solid(with_rod, part, tmp_path / "one.step")
     text = (tmp_path / "one.step").read_text(encoding="ascii")
     check(text, f"mikron-iiic-plain {'half throw' if part == 'half' else part.replace('_', ' ')}")
     header = text[: text.index("DATA;")]
