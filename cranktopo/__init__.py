@@ -8,7 +8,7 @@ The stages, in the order in which data flows through them; each takes what the o
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`, `check_bolts`,
-`check_rod_strength`, `check_balancer`, `oil_films`,
+`check_rod_strength`, `lighten_rod`, `check_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
@@ -82,7 +82,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
-    from cranktopo.tasks.rod.result import RodStrength
+    from cranktopo.tasks.rod.lighter import lighten_rod
+    from cranktopo.tasks.rod.result import LighterRod, RodStrength
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
@@ -200,6 +201,8 @@ _HOMES = {
     "check_balancer": "tasks.balancer.stage",
     "check_bolts": "tasks.bolts.stage",
     "check_rod_strength": "tasks.rod.stage",
+    "LighterRod": "tasks.rod.result",
+    "lighten_rod": "tasks.rod.lighter",
     "shaft_vibration": "tasks.vibration.stage",
     "FilmResult": "tasks.film.result",
     "oil_films": "tasks.film.stage",
@@ -229,6 +232,7 @@ __all__ = [
     "FilmResult",
     "FittedWeb",
     "Goal",
+    "LighterRod",
     "Limit",
     "LoadCase",
     "Loads",
@@ -279,6 +283,7 @@ __all__ = [
     "extract_surface",
     "fit_web",
     "import_crank",
+    "lighten_rod",
     "load_cases",
     "load_scene",
     "loads_at_speeds",

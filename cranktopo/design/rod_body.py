@@ -154,10 +154,14 @@ def drilled(rod: Rod, found: RodSection) -> RodSection:
     return RodSection(found.area_mm2 - area, found.swing_mm4 - moment, found.side_mm4 - moment, found.edge_mm)
 
 
-@lru_cache(maxsize=64)
 def rod_mass(rod: Rod, length_mm: float, material: Material) -> RodMass:
     """Return the masses of a rod of a length, of its own material or else of that given."""
-    density = density_kg_per_mm3((rod.material or material).density_kg_m3)
+    return _mass(rod, length_mm, (rod.material or material).density_kg_m3)
+
+
+@lru_cache(maxsize=64)
+def _mass(rod: Rod, length_mm: float, density_kg_m3: float) -> RodMass:
+    density = density_kg_per_mm3(density_kg_m3)
     y, step = _places(rod, length_mm)
     sections = section(rod, length_mm, y)
     removed_mm2 = _holes_mm2(rod, length_mm, y)

@@ -40,7 +40,7 @@ BEHIND = {
     "balance": ["engine_balance", "balance_result", "report_balance"],
     "vibration": ["shaft_vibration"],
     "bolts": ["check_bolts"],
-    "rod": ["check_rod_strength"],
+    "rod": ["check_rod_strength", "lighten_rod"],
     "balancer": ["check_balancer"],
     "film": ["oil_films"],
     "extract": ["extract_surface"],

@@ -68,3 +68,22 @@ def test_its_solid_is_written_and_read_back(capsys, tmp_path):
     code, out, _ = run(capsys, "export", "mikron-iiic-rod", str(file), "--part", "rod")
     assert code == 0, out
     assert "mikron-iiic-rod rod" in file.read_text()
+
+
+def test_a_lighter_rod_is_found_and_written(capsys, tmp_path):
+    file = tmp_path / "lighter.toml"
+    code, out, _ = run(capsys, "rod", "--lighter", str(file), "--json")
+    assert code == 0
+    data = json.loads(out)
+    found = data["lighter"]
+    assert found["result_kg"] < 0.9 * found["start_kg"]
+    assert data["masses"]["total_kg"] == pytest.approx(found["result_kg"])
+    code, text, _ = run(capsys, "rod", str(file))
+    assert code == 0
+    assert f"{found['result_kg']:.4f} kg" in text
+
+
+def test_a_lighter_rod_needs_a_toml_file(capsys, tmp_path):
+    code, _, err = run(capsys, "rod", "--lighter", str(tmp_path / "rod.step"))
+    assert code == 2
+    assert ".toml" in err

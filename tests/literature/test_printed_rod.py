@@ -14,6 +14,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.rod.eye import pulled_arch, pushed_arch, ring_stress_MPa
+from cranktopo.tasks.rod.lighter import lighten_rod
 from cranktopo.tasks.rod.stage import check_rod_strength
 
 PRINTED = {
@@ -149,3 +150,17 @@ def test_curved_beam_against_timoshenko_and_goodier(ratio, error):
     inner, outer = ring_stress_MPa(a, b, 1.0, np.array([-1.0]), np.array([0.0]), 1.0)
     assert abs(inner[0]) == pytest.approx(abs(exact(a)), rel=error)
     assert abs(outer[0]) == pytest.approx(abs(exact(b)), rel=error)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "share"), [("mikron-iiic-rod-h", 0.96), ("mikron-iiic-rod-i", 0.86)])
+def test_a_lighter_rod_than_printed_at_no_less_safety(name, share):
+    """No section less safe than the weakest of the printed rod; walls, eyes and bolts stay what they are."""
+    changed, found = lighten_rod(name)
+    assert found.result_kg < share * found.start_kg
+    assert found.smallest_yield_safety[1] >= found.smallest_yield_safety[0]
+    assert found.smallest_fatigue_safety[1] >= found.smallest_fatigue_safety[0]
+    assert found.crankpin_pull_N[1] < found.crankpin_pull_N[0]
+    assert changed.rod.flange_mm >= 3.0
+    assert changed.rod.web_mm >= 3.0
+    assert changed.rod.small_end_diameter_mm >= load_scene(name).rod.small_end_diameter_mm

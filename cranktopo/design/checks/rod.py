@@ -26,6 +26,14 @@ def check_rod(scene: Scene) -> None:
     rod = scene.rod
     if rod is None:
         return
+    for key, smallest in least_dimensions(rod):
+        if getattr(rod, key) < smallest:
+            raise scene.invalid(f"rod.{key}", f"must be at least {smallest:g} mm beside the other dimensions")
+    _check_length(scene, rod)
+
+
+def least_dimensions(rod: Rod) -> list[tuple[str, float]]:
+    """Return keys of a rod with the least value that its other dimensions leave them."""
     wall = 2 * _LEAST_WALL_MM
     hole = rod.bolt_hole_mm
     least = [
@@ -47,10 +55,7 @@ def check_rod(scene: Scene) -> None:
         least += [("shank_width_mm", rod.web_mm), *((key, 2 * rod.flange_mm) for key in heights)]
     if rod.shank == "H":
         least += [("shank_width_mm", 2 * rod.flange_mm), *((key, rod.web_mm) for key in heights)]
-    for key, smallest in least:
-        if getattr(rod, key) < smallest:
-            raise scene.invalid(f"rod.{key}", f"must be at least {smallest:g} mm beside the other dimensions")
-    _check_length(scene, rod)
+    return least
 
 
 def _check_length(scene: Scene, rod: Rod) -> None:

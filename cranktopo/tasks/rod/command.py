@@ -6,9 +6,11 @@ Strength of the connecting rod: masses, stresses, buckling, fatigue, piston pin,
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import click
 
+from cranktopo.base.notes import note
 from cranktopo.cli.options import Choice, designs
 from cranktopo.cli.verbosity import verbosity_options
 
@@ -24,19 +26,36 @@ _DESIGN = "mikron-iiic-rod"
     show_default=True,
     help="Fatigue by local stress analysis or by the FKM guideline.",
 )
+@click.option(
+    "--lighter",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Search a lighter rod at no less safety and write the design with it (.toml).",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
-def command(design: str, method: str, as_json: bool) -> None:
+def command(design: str, method: str, lighter: Path | None, as_json: bool) -> None:
     """Connecting rod of DESIGN: masses from its geometry, stresses over the cycle, buckling, pin and bolts.
 
     The rod is [rod]; its masses replace those of [engine.masses] in every command. `export --part rod` writes
     its solid.
 
-    Example: cranktopo rod mikron-iiic-rod
+    Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
     from cranktopo.design.loading import load_scene
+    from cranktopo.design.writing import design_name, save_scene
+    from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.rod.lighter import lighten_rod
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
 
-    found = check_rod_strength(load_scene(design, whole=True), method)
+    scene = load_scene(design, whole=True)
+    if lighter is None:
+        found = check_rod_strength(scene, method)
+    else:
+        check_file(lighter, "--lighter", (".toml",))
+        changed, searched = lighten_rod(scene, method)
+        save_scene(changed.model_copy(update={"name": design_name(lighter)}), lighter)
+        note(str(lighter))
+        found = check_rod_strength(changed, method).model_copy(update={"lighter": searched})
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else rod_text(found))

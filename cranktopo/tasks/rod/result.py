@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.rod.pin import PinCheck
 
@@ -57,6 +57,33 @@ class Buckling(Result):
     yield_safety: float
 
 
+class FreeDimension(Result):
+    """A dimension of the rod that the search was free to change."""
+
+    name: str
+    start_mm: float
+    value_mm: float
+    low_mm: float
+    high_mm: float
+
+
+class LighterRod(Result):
+    """A rod that was searched: of two values the first is that of the design's own rod."""
+
+    start_kg: float
+    result_kg: float
+    smallest_yield_safety: tuple[float, float]
+    """Of all sections and struts."""
+    smallest_fatigue_safety: tuple[float, float]
+    speed_rpm: float
+    """Highest speed, of the next two."""
+    crankpin_pull_N: tuple[float, float]
+    """Largest radial force on the crankpin away from the crank."""
+    rotating_unbalance_kg_mm: tuple[float, float]
+    """The rod's part of the unbalance of a throw."""
+    dimensions: tuple[FreeDimension, ...]
+
+
 class RodStrength(Result):
     """The rod of a design over the cycle at speed and overspeed."""
 
@@ -80,3 +107,5 @@ class RodStrength(Result):
     buckling: tuple[Buckling, ...]
     pin: PinCheck | None
     bolt: JointCheck | None
+    lighter: LighterRod | None = UNLESS_NONE
+    """What `--lighter` changed; the strength is then that of the lighter rod."""

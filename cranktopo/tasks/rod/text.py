@@ -7,7 +7,13 @@ from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks
 from cranktopo.tasks.bolts.text import bolts_text
 from cranktopo.tasks.rod.pin import PinCheck
-from cranktopo.tasks.rod.result import Buckling, RodSectionCheck, RodStrength
+from cranktopo.tasks.rod.result import (
+    Buckling,
+    FreeDimension,
+    LighterRod,
+    RodSectionCheck,
+    RodStrength,
+)
 
 _SECTIONS: tuple[Column[RodSectionCheck], ...] = (
     Column("section", 0, lambda s: s.section),
@@ -31,6 +37,14 @@ _BUCKLING: tuple[Column[Buckling], ...] = (
     Column("yield", 2, lambda b: b.yield_safety),
 )
 
+_FREE: tuple[Column[FreeDimension], ...] = (
+    Column("dimension", 0, lambda d: d.name.removesuffix("_mm").replace("_", " ")),
+    Column("start_mm", 2, lambda d: d.start_mm),
+    Column("found_mm", 2, lambda d: d.value_mm),
+    Column("low_mm", 2, lambda d: d.low_mm),
+    Column("high_mm", 2, lambda d: d.high_mm),
+)
+
 
 def rod_text(rod: RodStrength) -> str:
     """Return what `cranktopo rod` prints."""
@@ -45,6 +59,7 @@ def rod_text(rod: RodStrength) -> str:
         ("small end", f"held {rod.held_deg:.0f} deg from its crown; bush {rod.bush_pressure_MPa:.1f} MPa"),
     )
     parts = [
+        *([_lighter(rod.lighter)] if rod.lighter else []),
         f"{rod.design}: {rod.shank} shank at {speeds} rpm",
         labelled(rows),
         f"Stresses over the cycle, tension positive; fatigue by method {rod.method}",
@@ -67,3 +82,19 @@ def _pin(pin: PinCheck) -> str:
         ("pressure in the bosses", f"{pin.boss_pressure_MPa:.1f} MPa"),
     )
     return f"Piston pin under {pin.force_N:,.0f} N\n\n{labelled(rows)}"
+
+
+def _lighter(found: LighterRod) -> str:
+    change = 100 * (found.result_kg / found.start_kg - 1)
+    rows = (
+        ("mass", f"{found.start_kg:.4f} -> {found.result_kg:.4f} kg ({change:+.1f} %)"),
+        ("smallest against yield", "{:.2f} -> {:.2f}".format(*found.smallest_yield_safety)),
+        ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*found.smallest_fatigue_safety)),
+        ("rod's unbalance", "{:.2f} -> {:.2f} kg mm".format(*found.rotating_unbalance_kg_mm)),
+        (
+            f"pull on the crankpin at {found.speed_rpm:g} rpm",
+            "{:,.0f} -> {:,.0f} N".format(*found.crankpin_pull_N),
+        ),
+    )
+    changed = terminal(tabulate(_FREE, found.dimensions))
+    return f"A lighter rod at no less safety\n\n{labelled(rows)}\n\n{changed}"
