@@ -179,11 +179,23 @@ def assess_by_methods(
 def _fields(
     target: Target, methods: Sequence[FatigueMethod], loads: HistoryKind, fillet_fraction: float
 ) -> tuple[FatigueField, ...]:
-    """Fields of a throw alone, or where the plan has the continuous shaft on of its worst throw."""
+    """Fields of a throw alone, or where the plan has the continuous shaft on of its worst throw.
+
+    Where the plan alone decided so, the lower safety of both is told: the shaft over the cycle is milder than
+    the extreme states of a throw alone in one thing, and may be worse in another.
+    """
     if "continuous_shaft" not in plan_for_stress(target.scene).enabled:
         return fatigue_fields(target, methods, loads, fillet_fraction)
     note(f"{target.name}: effect continuous_shaft: every angle of the cycle, throws on all main bearings")
-    return worst_throw(target, methods, fillet_fraction)
+    on_bearings = worst_throw(target, methods, fillet_fraction)
+    if target.scene.effects.continuous_shaft == "on":
+        return on_bearings
+    alone = fatigue_fields(target, methods, loads, fillet_fraction)
+    for one, other in zip(alone, on_bearings, strict=True):
+        safeties = f"{one.critical.safety:.3f} of a throw alone, {other.critical.safety:.3f} on all bearings"
+        note(f"{target.name}: safety by {one.method} {safeties}: the lower one is told")
+    pairs = zip(alone, on_bearings, strict=True)
+    return tuple(min(pair, key=lambda field: field.critical.safety) for pair in pairs)
 
 
 def _note_fields(target: Target, fields: Sequence[FatigueField]) -> None:

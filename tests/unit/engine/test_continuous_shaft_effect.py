@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,10 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.continuous_beam import _web_moments, span_bending
-from cranktopo.engine.plan.planning import left_off, plan
+from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.stage import assess_by_methods
-from cranktopo.tasks.fea.targets import resolve_target
+from cranktopo.tasks.fea.targets import Target, resolve_target
 
 EI, SPAN_MM, ARM_MM, FORCE_N = 4e10, 90.0, 20.0, 1e4
 
@@ -115,3 +116,17 @@ def test_off_costs_nothing(choice: str, called: str, monkeypatch: pytest.MonkeyP
     target = resolve_target(on_springs("mikron-iiic", None, continuous_shaft=choice), fillets=True)
     with pytest.raises(BegunError, match=called):
         assess_by_methods([target], ("lsa",))
+
+
+@pytest.mark.parametrize(("state", "told"), [("auto", 0.9), ("on", 1.1)])
+def test_where_the_plan_switches_it_on_the_lower_safety_is_told(
+    state: str, told: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The cycle on all bearings may be milder than the extreme states of a throw alone."""
+    scene = on_springs("industrial-gas", 3e5, continuous_shaft=state)
+    assert "continuous_shaft" in plan_for_stress(scene).enabled
+    alone, shaft = (SimpleNamespace(method="lsa", critical=SimpleNamespace(safety=s)) for s in (0.9, 1.1))
+    monkeypatch.setattr(stage, "fatigue_fields", lambda *_: (alone,))
+    monkeypatch.setattr(stage, "worst_throw", lambda *_: (shaft,))
+    (found,) = stage._fields(Target(scene.name, scene), ("lsa",), "extremes", 0.25)
+    assert found.critical.safety == told
