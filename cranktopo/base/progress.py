@@ -47,7 +47,7 @@ class Work:
         return self.kept[name]
 
 
-class KeptWork(MutableMapping[str, Json]):
+class StageCache(MutableMapping[str, Json]):
     """Results of finished parts by name in a file of a run, each with its digest, written at every one.
 
     What was damaged meanwhile is left out, so that it is done again.

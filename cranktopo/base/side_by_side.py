@@ -14,7 +14,7 @@ First = TypeVar("First")
 Second = TypeVar("Second")
 
 
-class Ahead(Generic[First]):
+class LazyFuture(Generic[First]):
     """A work that a thread does before its result is asked for."""
 
     def __init__(self, work: Callable[[], First]) -> None:

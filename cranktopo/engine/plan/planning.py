@@ -34,7 +34,7 @@ from cranktopo.engine.plan.rules import (
     whole_throw,
 )
 from cranktopo.engine.plan.shaft_rule import continuous_shaft
-from cranktopo.engine.plan.simulated import Feature, simulated_scene
+from cranktopo.engine.plan.simulated import Feature, apply_physics_plan
 from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
 _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
@@ -146,7 +146,7 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
 
 def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
     """Return the scene as its own effects plan has it simulated, features that are `kept` left in anyway."""
-    return simulated_scene(scene, plan(scene), kept)
+    return apply_physics_plan(scene, plan(scene), kept)
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:

@@ -16,7 +16,7 @@ _WITHOUT: dict[Feature, dict[str, float | None]] = {
 }
 
 
-def simulated_scene(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] = ()) -> Scene:
+def apply_physics_plan(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] = ()) -> Scene:
     """Return the scene that is meshed: effects that are off taken out, but for features that are `kept`.
 
     These are bores, fillets and the mirror; the manufacturing constraint is on where the plan has it on. It

@@ -55,7 +55,7 @@ class ShaftChain:
 
     @property
     def in_crankshaft(self) -> tuple[bool, ...]:
-        """Which sections are journals of the crankshaft."""
+        """Tell of each section whether it is a journal of the crankshaft."""
         start = max(self.first - 1, 0)
         return tuple(start <= i < self.behind.stop for i in range(len(self.sections)))
 

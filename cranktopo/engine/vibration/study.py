@@ -156,7 +156,7 @@ class VibrationStudy:
 
     @property
     def varying_change_percent(self) -> float | None:
-        """What the varying part changes in the largest torque amplitude; None where it is left out."""
+        """Change of the largest torque amplitude by the varying part; None where it is left out."""
         if not self.varying.included:
             return None
         return 100 * (self.response.worst_Nm / self.mean_response.worst_Nm - 1)

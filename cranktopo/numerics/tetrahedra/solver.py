@@ -23,7 +23,7 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.machine import addresses_of_threads_MiB, check_addresses
 from cranktopo.base.notes import at_work
 from cranktopo.base.reproducible import SEED
-from cranktopo.base.side_by_side import Ahead
+from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.numerics.tetrahedra.block_code import assembly, product
 from cranktopo.numerics.tetrahedra.symmetric_blocks import SymmetricBlocks
 
@@ -47,7 +47,7 @@ _BAND = 14.0
 @cache
 def get_ready() -> None:
     """Begin to load and compile what solves need, in a thread beside the making of a mesh."""
-    Ahead(_load).begin()
+    LazyFuture(_load).begin()
 
 
 def _load() -> None:

@@ -32,7 +32,7 @@ from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.cost import CostRates, ExpectedWork, effort
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import load_cases
 from cranktopo.numerics.precision import CompileClock, double_precision
 from cranktopo.numerics.surfaces.files import write_stl
@@ -273,7 +273,7 @@ def _for_budget(choices: list[CellChoice], budget_s: float) -> CellChoice:
 def _choices(scene: Scene, measured: StoredStudy | None) -> list[CellChoice]:
     """Return the usable cell sizes, coarsest first; CranktopoError where walls or memory allow none."""
     effects = plan(scene, goal=wanted(scene))
-    simulated = simulated_scene(scene, effects)
+    simulated = apply_physics_plan(scene, effects)
     quarter, cases = laterally_symmetric(simulated, "envelope"), len(load_cases(simulated, effects.enabled))
     sizes, available = cell_sizes(simulated), available_memory_MiB()
     usable = [cell for cell in sizes if optimiser_memory_MiB(simulated, cell, quarter, cases) <= available]

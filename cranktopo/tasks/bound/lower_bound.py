@@ -26,7 +26,7 @@ from cranktopo.design.halves import without_zones
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.bound.certificate import (
     Certificate,
@@ -151,7 +151,7 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
         CranktopoError: no envelope, or a failed solve.
     """
     effects = plan(scene, goal=goal)
-    scene = simulated_scene(scene, effects).with_optimise(resolution_mm=resolution_mm)
+    scene = apply_physics_plan(scene, effects).with_optimise(resolution_mm=resolution_mm)
     cases = load_cases(scene, effects.enabled - set(LOAD_TYPES) | set(MAIN_KINDS))
     domain = build_domain(_without_counterweight(scene), resolution_mm)
     model = build_model(scene, domain, cases)

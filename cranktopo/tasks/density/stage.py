@@ -24,7 +24,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.density import loop
 from cranktopo.tasks.density.build import build_problem
@@ -126,7 +126,7 @@ def prepare(scene: DesignLike) -> Prepared:
     if goal is not None:
         check_known(goal, "density")
     effects = plan(scene, goal=goal)
-    scene = simulated_scene(scene, effects)
+    scene = apply_physics_plan(scene, effects)
     quarter = laterally_symmetric(scene, "envelope")
     cases = load_cases(scene, effects.enabled)
     resolution = scene.optimise.resolution_mm

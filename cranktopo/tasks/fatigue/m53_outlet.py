@@ -54,7 +54,7 @@ class OutletCheck:
 
     @property
     def place(self) -> str:
-        """What it is called in a table."""
+        """Name in a table."""
         return f"outlet at {self.angle_deg:.0f} deg ({self.key})"
 
 

@@ -88,7 +88,7 @@ class FatigueAssessment:
         )
 
     def compared(self) -> FatigueComparison:
-        """What a comparison shows of it, of two different webs the worse one; there must be a baseline."""
+        """Return its share of a comparison, of two different webs the worse one; there must be a baseline."""
         assert self.baseline is not None
         if self.fields:
             return compare_fatigue(self.fields, self.baseline, self.result())

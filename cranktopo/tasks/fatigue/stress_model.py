@@ -93,7 +93,7 @@ class StressModel:
 
     @property
     def on_second(self) -> NDArray[np.bool_]:
-        """Which surface nodes are beyond the middle of the crankpin."""
+        """Tell of each surface node whether it is beyond the middle of the crankpin."""
         return self.surface.points_mm[2] > halves(self.scene)[0].pitch_mm / 2
 
     @cached_property
@@ -108,7 +108,7 @@ class StressModel:
 
     @property
     def on_fillet(self) -> NDArray[np.bool_]:
-        """Which surface nodes lie on either fillet."""
+        """Tell of each surface node whether it lies on either fillet."""
         return self.on_journal | self.on_pin
 
 

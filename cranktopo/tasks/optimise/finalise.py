@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
-from cranktopo.base.side_by_side import Ahead, side_by_side
+from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted
@@ -43,7 +43,7 @@ def cells_of_bound(run: RunStore, prepared: Prepared) -> Cells | None:
     """Return what gives the cells of the bound, begun in a thread; None where the plan leaves it out."""
     if prepared.plan["bound"].state != "on":
         return None
-    cells = Ahead(lambda: model_for_result(prepared.scene, wanted(prepared.scene)))
+    cells = LazyFuture(lambda: model_for_result(prepared.scene, wanted(prepared.scene)))
     with redirected(run.log):
         cells.begin()
     return cells.result

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cranktopo.base.notes import note
-from cranktopo.base.progress import KeptWork, Work
-from cranktopo.base.side_by_side import Ahead
+from cranktopo.base.progress import StageCache, Work
+from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.assumed import (
     ENVELOPE,
     GOAL,
@@ -106,7 +106,7 @@ def optimise_design(
     check_destination(out)
     check_device()
     check_original(scene)
-    Ahead(compile_kernels).begin()
+    LazyFuture(compile_kernels).begin()
     prepared = prepare(scene)
     assumed = assumptions(scene, RUN_TABLES)
     announce(prepared, assumed)
@@ -169,11 +169,11 @@ def _optimise(job: _Job, resume: bool = False) -> OptimisedRun:
     with working_in(run, "what is done is saved") as check, double_precision():
         if resume:
             run.resume()
-        Ahead(lambda: _compiled(problem)).begin()
-        end = Ahead(lambda: _ready_for_the_end(job))
+        LazyFuture(lambda: _compiled(problem)).begin()
+        end = LazyFuture(lambda: _ready_for_the_end(job))
         shown = _checked(job.progress, check, end)
         kept = _kept(run, shown)
-        prepared, work = job.prepared, Work(KeptWork(run.path / EVALUATIONS), check)
+        prepared, work = job.prepared, Work(StageCache(run.path / EVALUATIONS), check)
         state = (_saved_state(job) if resume else None) or first_state(
             problem, prepared.scene, prepared.domain, prepared.cases, shown
         )
@@ -214,7 +214,7 @@ def _ready_for_the_end(job: _Job) -> Cells | None:
     return cells
 
 
-def _checked(progress: Progress, check: Callable[[], None], end: Ahead[Cells | None]) -> Progress:
+def _checked(progress: Progress, check: Callable[[], None], end: LazyFuture[Cells | None]) -> Progress:
     """Return progress after which a run may be interrupted; after the first design the end is got ready."""
 
     def show(problem: DensityProblem, state: State) -> None:

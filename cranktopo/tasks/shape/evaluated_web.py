@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, Work
-from cranktopo.base.side_by_side import Ahead, side_by_side
+from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
@@ -92,7 +92,7 @@ def evaluated_original(
     found = EvaluationResult.of_json(work.once("original", make), "evaluation 'original'")
     web, safety = EvaluatedWeb(scene, found, time.perf_counter() - began), "original-fatigue"
     with silent():
-        ahead = Ahead(lambda: _safety(target))
+        ahead = LazyFuture(lambda: _safety(target))
         if fatigue and safety not in work.kept:
             check_inputs(target, "lsa", "extremes")
             ahead.begin()

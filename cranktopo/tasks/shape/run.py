@@ -10,7 +10,7 @@ from pathlib import Path
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import write_json, write_text
 from cranktopo.base.notes import note
-from cranktopo.base.progress import KeptWork, Work
+from cranktopo.base.progress import StageCache, Work
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
 from cranktopo.design.assumed import (
     ENVELOPE,
@@ -174,7 +174,7 @@ def _goal(scene: Scene) -> Goal:
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
     began, goal = time.perf_counter(), _goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
-        work = Work(KeptWork(run.path / _KEPT), check)
+        work = Work(StageCache(run.path / _KEPT), check)
         optimum = optimise_shape(scene, goal, settings, work, start)
         judge = sum(web.seconds for web in (optimum.original, *(one.web for one in optimum.rounds)))
         seconds = {"search": time.perf_counter() - began - judge, "judge": judge}

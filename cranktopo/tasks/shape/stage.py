@@ -17,7 +17,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
-from cranktopo.base.side_by_side import Ahead
+from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
@@ -181,17 +181,17 @@ class _LocalRefinement:
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
         self._fatigue = "fatigue_safety" in goal.quantities
-        self._coarse: dict[bytes, Ahead[MeshResponses]] = {}
+        self._coarse: dict[bytes, LazyFuture[MeshResponses]] = {}
 
     def anchored(self, web: ShapeRound) -> MeshResponses:
         """Return the quantities of a web as the evaluation tells them, with gradients of a coarse mesh."""
         return self._on_coarse_mesh(web.values).result().calibrated(web.web.values)
 
-    def _on_coarse_mesh(self, values: Array) -> Ahead[MeshResponses]:
+    def _on_coarse_mesh(self, values: Array) -> LazyFuture[MeshResponses]:
         """Return the work on a coarse mesh of a web, the same for the same web."""
         fraction = _FILLET_FRACTION if self._fatigue else None
         webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
-        work = Ahead(lambda: webs.responses(webs.web(self._layout), values))
+        work = LazyFuture(lambda: webs.responses(webs.web(self._layout), values))
         return self._coarse.setdefault(values.tobytes(), work)
 
     def rounds(self, start: Array) -> tuple[ShapeRound, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.numerics.grid.boundary_conditions import CaseSupports, build_supports
 from cranktopo.numerics.grid.lattice import Cells, Lattice
 from cranktopo.tasks.density.model import ThrowModel
@@ -23,7 +23,7 @@ def forged(scene: Scene, **settings: float) -> Scene:
     """The scene with a forged web, as simulated; `settings` are further keys of `optimise`."""
     changed = scene.optimise.model_copy(update={"process": "forged", **settings})
     scene = scene.model_copy(update={"optimise": changed})
-    return simulated_scene(scene, plan(scene))
+    return apply_physics_plan(scene, plan(scene))
 
 
 def clamped_beam(

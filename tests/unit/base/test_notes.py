@@ -7,7 +7,7 @@ import logging
 import pytest
 
 from cranktopo.base.notes import Pace, detail, duration_text, indented, note, redirected, silent
-from cranktopo.base.side_by_side import Ahead, side_by_side
+from cranktopo.base.side_by_side import LazyFuture, side_by_side
 
 
 def test_notes_go_to_the_logger(caplog: pytest.LogCaptureFixture) -> None:
@@ -25,7 +25,7 @@ def test_another_listener_hears_threads_as_well() -> None:
     lines: list[str] = []
     with redirected(lines.append):
         side_by_side(lambda: note("first"), lambda: note("second"))
-        late = Ahead(lambda: note("third"))
+        late = LazyFuture(lambda: note("third"))
         late.begin()
         detail("not for listeners")
     late.result()

@@ -14,7 +14,7 @@ from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.undercuts import undercuts
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.numerics.filters.processes import SHARPNESS, ForgingConstraint, without_undercuts
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
 from cranktopo.tasks.density.build import build_chain
@@ -149,7 +149,7 @@ def test_plan(mikron: Scene, process: str, choice: str, state: str) -> None:
     effect = plan(scene)["manufacturing_constraint"]
     assert effect.state == state
     assert (process if choice == "auto" else choice) in effect.reason
-    simulated = simulated_scene(scene, plan(scene)).effects.manufacturing_constraint
+    simulated = apply_physics_plan(scene, plan(scene)).effects.manufacturing_constraint
     assert (simulated == "on") == (state == "on")
 
 

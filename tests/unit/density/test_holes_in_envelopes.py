@@ -15,7 +15,7 @@ from cranktopo.bodies.undercuts import undercuts
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene
+from cranktopo.engine.plan.simulated import apply_physics_plan
 from cranktopo.numerics.filters.processes import reachable
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import mesh_of
@@ -45,7 +45,7 @@ def forged(scene: Scene, folder: Path, voids: Sequence[Manifold], **extra: Any) 
     data = scene.model_dump(mode="json", exclude_none=True) | {"envelope": envelope}
     data["optimise"] = {**data.get("optimise", {}), "process": "forged"}
     found = scene_from_dict(data)
-    return simulated_scene(found, plan(found))
+    return apply_physics_plan(found, plan(found))
 
 
 HOLES = {

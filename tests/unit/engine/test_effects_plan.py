@@ -16,7 +16,7 @@ from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.plan.cost import Costing, CostRates
 from cranktopo.engine.plan.planning import plan
-from cranktopo.engine.plan.simulated import simulated_scene, without
+from cranktopo.engine.plan.simulated import apply_physics_plan, without
 from cranktopo.engine.states import extreme_states, load_cases
 from cranktopo.engine.throw_compliance import fillet_length_saving_mm, throw_compliance
 from cranktopo.throw.envelope import OutlineEnvelope
@@ -184,15 +184,15 @@ def test_asymmetry_switches_the_mirror_off():
 
 def test_what_is_off_is_taken_out_of_the_simulated_scene():
     free = MIKRON.with_optimise(process="free")
-    assert simulated_scene(free, plan(free)) is free
-    assert simulated_scene(MIKRON, plan(MIKRON)).effects.manufacturing_constraint == "on"
+    assert apply_physics_plan(free, plan(free)) is free
+    assert apply_physics_plan(MIKRON, plan(MIKRON)).effects.manufacturing_constraint == "on"
     bare = with_effects(MIKRON, bores="off", fillets="off", fatigue="off", lateral_symmetry="off")
-    throw = simulated_scene(bare, plan(bare)).throw
+    throw = apply_physics_plan(bare, plan(bare)).throw
     for journal in (throw.main_journal, throw.crankpin):
         assert (journal.bore_diameter_mm, journal.fillet_mm) == (0.0, 0.0)
     pocket = CylinderPocket(shape="cylinder", x_mm=8.0, y_mm=24.0, diameter_mm=6.0)
     lopsided = with_part(MIKRON, "web", pocket=(pocket,))
-    assert simulated_scene(lopsided, plan(lopsided)).effects.lateral_symmetry == "off"
+    assert apply_physics_plan(lopsided, plan(lopsided)).effects.lateral_symmetry == "off"
     assert not may_mirror(bare, "")
     assert may_mirror(MIKRON, "")
     assert not may_mirror(MIKRON, "web.pocket[0]")

@@ -17,7 +17,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import inside, read_json, write_npz, write_text
-from cranktopo.base.progress import KeptWork
+from cranktopo.base.progress import StageCache
 from cranktopo.runs.checkpoint import load_checkpoint, load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore, create_run
 from cranktopo.runs.kind import resume_command
@@ -180,11 +180,11 @@ def test_escapes_of_a_manifest_do_not_reach_the_terminal(run: RunStore, tmp_path
 
 def test_damaged_parts_of_a_work_are_done_again(tmp_path: Path) -> None:
     path = tmp_path / "work.json"
-    kept = KeptWork(path)
+    kept = StageCache(path)
     kept["a"], kept["b"] = {"x": (1.0, 2)}, {"y": "é"}
-    assert dict(KeptWork(path)) == {"a": {"x": [1.0, 2]}, "b": {"y": "é"}}
+    assert dict(StageCache(path)) == {"a": {"x": [1.0, 2]}, "b": {"y": "é"}}
     path.write_text(path.read_text().replace("1.0", "1.5"))
-    assert dict(KeptWork(path)) == {"b": {"y": "é"}}
+    assert dict(StageCache(path)) == {"b": {"y": "é"}}
     for content in ("{", '{"a": 1}', '{"a": {}}', '{"a": {"result": 1e999}}'):
         path.write_text(content)
-        assert dict(KeptWork(path)) == {}
+        assert dict(StageCache(path)) == {}
