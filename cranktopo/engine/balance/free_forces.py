@@ -145,7 +145,7 @@ class TurningMasses:
         return sum(end.unbalance_kg_mm for end, _ in pairs), moment
 
     def on_webs(self, force: Any, couple: Any) -> tuple[Any, Any]:
-        """Return what both webs of a throw carry of a force in the plane of its cylinder and a couple about it."""
+        """Return what both webs of a throw carry of a force in its cylinder's plane and a couple about it."""
         near, far = self.layout.web_places_mm
         apart = far - near
         return far / apart * force - couple / apart, -near / apart * force + couple / apart
