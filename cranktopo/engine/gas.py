@@ -216,6 +216,7 @@ def _check_is_highest(model: _Combustion) -> None:
 
 
 STEP_DEG = 0.25
+_SAME_PEAK = 1e-3
 FileState = tuple[str, int, int]
 """Path, time of the last change and size: what is remembered of a file holds as long as it stays."""
 
@@ -264,6 +265,19 @@ def mapped_curves(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:
     if engine is None or engine.gas is None:
         return ()
     return tuple((at.rpm, _curve_of(scene, engine, _gas_of(engine.gas, at))) for at in engine.gas.map)
+
+
+def higher_elsewhere(scene: Scene) -> str:
+    """Tell where a map over speed has a higher peak than at the scene's speed; empty where it has none."""
+    curve, mapped = pressure_curve(scene), mapped_curves(scene)
+    if curve is None or scene.engine is None or not mapped:
+        return ""
+    own = float(curve.pressure_MPa.max())
+    rpm, peak = max(((rpm, float(at.pressure_MPa.max())) for rpm, at in mapped), key=lambda pair: pair[1])
+    if peak <= own * (1 + _SAME_PEAK):
+        return ""
+    at = f"pressure at {scene.engine.speed_rpm:g} rpm: peak {own:.4g} MPa"
+    return f"{at}; the map over speed has {peak:.4g} MPa at {rpm:g} rpm"
 
 
 def _gas_of(gas: Gas, at: GasAtSpeed) -> Gas:

@@ -271,7 +271,8 @@ def _check_map(scene: Scene, gas: Gas) -> None:
             continue
         if before is not None and at.rpm <= before.rpm:
             raise scene.invalid(f"{key}.rpm", f"must be above the {before.rpm:g} rpm before it")
-        if (at.file is None) != (None not in (at.peak_pressure_MPa, at.peak_angle_deg)):
+        peak = at.peak_pressure_MPa, at.peak_angle_deg
+        if peak != (None, None) if at.file is not None else None in peak:
             raise CranktopoError(
                 f"{key}: give either file, or peak_pressure_MPa and peak_angle_deg.", hint="Give one of them."
             )

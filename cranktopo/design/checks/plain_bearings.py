@@ -2,35 +2,44 @@
 
 from __future__ import annotations
 
+from cranktopo.design.bearing_room import big_end_room_mm, own_main_room_mm
 from cranktopo.design.schema import Scene
-from cranktopo.throw.journal import Journal
 
 _LARGEST_CLEARANCE = 0.01
 """Clearance over the diameter."""
+_NARROWEST = 0.02
+"""Width of a film over its diameter."""
 
 
 def check_plain_bearings(scene: Scene) -> None:
-    """Check widths, groove and clearances."""
+    """Check widths, groove and clearances against the room between the fillets."""
     bearings, throw = scene.bearings, scene.throw
     if bearings is None:
         return
-    _check(scene, throw.main_journal, "width_mm", "clearance_mm")
-    _check(scene, throw.crankpin, "big_end_width_mm", "big_end_clearance_mm")
-    width = bearings.width_mm or throw.main_journal.length_mm
-    if bearings.groove_mm >= width:
+    rooms = {"width_mm": own_main_room_mm(scene), "big_end_width_mm": big_end_room_mm(scene)}
+    for key, room in rooms.items():
+        given = getattr(bearings, key)
+        if given is not None and given > room:
+            raise scene.invalid(
+                f"bearings.{key}", f"must be at most {room:.4g} mm, the room between the fillets"
+            )
+        if given is None and room <= 0:
+            raise scene.invalid(
+                f"bearings.{key}", "the fillets leave no room for it", "Give a width above 0 mm."
+            )
+    width = bearings.width_mm or rooms["width_mm"]
+    most = width - 2 * _NARROWEST * throw.main_journal.outer_diameter_mm
+    if bearings.groove_mm and bearings.groove_mm > most:
         raise scene.invalid(
-            "bearings.groove_mm", f"must be smaller than the {width:g} mm of the bearing", "Take 0 for none."
+            "bearings.groove_mm",
+            f"leaves each film of a {width:.4g} mm bearing less than {100 * _NARROWEST:g} % of the diameter",
+            f"Take at most {max(most, 0.0):.4g} mm, 0 for none.",
         )
-
-
-def _check(scene: Scene, journal: Journal, width: str, clearance: str) -> None:
-    given = getattr(scene.bearings, width)
-    if given is not None and given > journal.length_mm:
-        raise scene.invalid(f"bearings.{width}", f"must be at most the journal's {journal.length_mm:g} mm")
-    most = _LARGEST_CLEARANCE * journal.outer_diameter_mm
-    if (getattr(scene.bearings, clearance) or 0.0) > most:
-        raise scene.invalid(
-            f"bearings.{clearance}",
-            f"must be at most {most:.4g} mm, 1 % of the journal's diameter",
-            "Usual is 0.05 to 0.15 %.",
-        )
+    for key, journal in (("clearance_mm", throw.main_journal), ("big_end_clearance_mm", throw.crankpin)):
+        most = _LARGEST_CLEARANCE * journal.outer_diameter_mm
+        if (getattr(bearings, key) or 0.0) > most:
+            raise scene.invalid(
+                f"bearings.{key}",
+                f"must be at most {most:.4g} mm, 1 % of the journal's diameter",
+                "Usual is 0.05 to 0.15 %.",
+            )

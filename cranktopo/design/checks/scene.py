@@ -202,6 +202,7 @@ def check_scene(scene: Scene) -> None:
         )
     first, second = halves(scene)
     _check_half(first)
+    check_plain_bearings(scene)
     if second is not first:
         try:
             _check_half(second)
@@ -231,7 +232,6 @@ def _check_half(scene: Scene) -> None:
     scene.throw.check_bores_apart()
     check_engine(scene)
     _check_supports(scene)
-    check_plain_bearings(scene)
     check_shaft(scene)
     _check_drawing(scene)
     for key, feature in scene.throw.features():

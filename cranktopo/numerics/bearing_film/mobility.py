@@ -84,12 +84,17 @@ def _mixed(table: Array, cell: tuple[int, int, float, float]) -> float:
 
 @lru_cache(maxsize=8)
 def mobility(width_over_diameter: float) -> Mobility:
-    """Return the map of a width; widths beyond those of the table are taken as its narrowest or widest."""
+    """Return the map of a width.
+
+    A film narrower than those of the table is one of parabolas along the width, whose force goes with its
+    square (Ocvirk); a wider one than the table's is taken as the widest.
+    """
     with np.load(MAP_FILE) as file:
         table = file["table"].astype(np.float64)
     at = np.log(np.clip(width_over_diameter, WIDTHS[0], WIDTHS[-1]))
     own = CubicSpline(np.log(WIDTHS), table)(at)  # (thickness, direction, 3)
     rows = np.linspace(0.0, 1.0, _FINE) * _LOG_THINNEST
+    own[..., 1] += 2 * min(np.log(width_over_diameter / WIDTHS[0]), 0.0)
     angle, log_force, peak = np.moveaxis(CubicSpline(-np.log(THICKNESS), own)(-rows), -1, 0)
     asked = np.pi * np.linspace(0.0, 1.0, _ANGLES) ** 2
     found = np.empty((3, _FINE, _ANGLES))

@@ -19,6 +19,8 @@ _SAME = 1e-4
 """Part of the least film by which it may differ from that of the cycle before."""
 _CLOSED = 1e-4
 """Distance, over the clearance, of begin and end of a cycle."""
+_FLOOR = 2.0
+"""Films of so many times the least that is resolved: below, what presses outward fades to nothing."""
 LEAST_SHARE = float(THICKNESS[-1])
 """Film over the radial clearance below which nothing is resolved."""
 
@@ -94,7 +96,7 @@ def orbit(
             rtol=_RELATIVE, atol=_ABSOLUTE, max_step=cycle / 90,
         )  # fmt: skip
         path = solved.y[0] + 1j * solved.y[1]
-        at, before, least = complex(path[-1]), least, float(1 - np.abs(path).max())
+        at, before, least = complex(path[-1]), least, max(float(1 - np.abs(path).max()), LEAST_SHARE)
         if number > 1 and abs(least - before) <= _SAME * least and abs(path[0] - path[-1]) < _CLOSED:
             return _result(bearing, steady, angle_deg, path[:-1], surfaces_rad_s, number)
     raise solver_error(
@@ -142,8 +144,16 @@ class _Motion:
         return [change.real, change.imag]
 
     def squeeze(self, eccentricity: complex, load: complex) -> complex:
-        """Change of the eccentricity by the load alone, per radian of the shaft."""
-        return abs(load) * self.per_load * self.map.velocity(eccentricity, load) if load else 0j
+        """Change of the eccentricity by the load alone, per radian of the shaft; none outward at last."""
+        if not load:
+            return 0j
+        change = abs(load) * self.per_load * self.map.velocity(eccentricity, load)
+        size = abs(eccentricity)
+        outward = (change * eccentricity.conjugate()).real / size if size else 0.0
+        if outward > 0 and size > 1 - _FLOOR * LEAST_SHARE:
+            left = max((1 - size) / (_FLOOR * LEAST_SHARE) - 1 / _FLOOR, 0.0)
+            change -= (1 - min(left, 1.0)) * outward * eccentricity / size
+        return change
 
 
 def _result(

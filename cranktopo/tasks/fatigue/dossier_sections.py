@@ -9,6 +9,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Section, pairs
 from cranktopo.tasks.vibration.page import vibration_page
@@ -27,8 +28,11 @@ def engine_section(scene: Scene) -> Section:
 
 def _engine_rows(scene: Scene, engine: Engine) -> _Rows:
     gas = engine.gas
+    curve = pressure_curve(scene) if gas and gas.map else None
     peak = gas.peak_pressure_MPa if gas else None
     pressure = f"{peak:g} MPa" if peak else "measured diagram" if gas and gas.indicator_csv else _UNKNOWN
+    if curve is not None:
+        pressure = f"{curve.pressure_MPa.max():.4g} MPa, {curve.source}"
     bank = f", {engine.bank_angle_deg:g} deg between the banks" if engine.bank_angle_deg else ""
     return [
         ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{bank}; {engine.strokes}-stroke"),

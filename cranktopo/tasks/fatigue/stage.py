@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
+from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
@@ -159,6 +160,9 @@ def assess_by_methods(
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
+        higher = higher_elsewhere(target.scene)
+        if higher:
+            note(f"{target.name}: judged by the {higher}")
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]
@@ -216,6 +220,9 @@ def _by_rule(
     assumed: Sequence[tuple[Assumption, ...]],
 ) -> FatigueAssessment:
     """Checks of all targets; one with two different webs has two, and as the baseline it is its worse web."""
+    for target in targets:
+        if "continuous_shaft" in plan_for_stress(target.scene).enabled:
+            note(f"{target.name}: the rule judges a throw alone, effect continuous_shaft has no part in it")
     found = [check_rule(target, loads, fillet_fraction) for target in targets]
     if baseline is not None:
         before, own = sum(map(len, found[:baseline])), found[baseline]

@@ -12,6 +12,8 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.assumed import Assumption, assumptions
+from cranktopo.design.bearing_room import big_end_room_mm, main_journals, main_room_mm
+from cranktopo.design.crank_throws import carried
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
@@ -21,7 +23,6 @@ from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, Orbit, orbit
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
-from cranktopo.throw.journal import Journal
 
 BEARINGS = "bearings"
 ALONE = "throws that stand alone between two bearings"
@@ -113,10 +114,9 @@ def orbits_at(scene: Scene) -> tuple[tuple[LoadedBearing, Orbit], ...]:
     step = round(_STEP_DEG / float(loads.angle_deg[1] - loads.angle_deg[0]))
     angle = loads.angle_deg[::step]
     still = np.zeros_like(angle)
-    main = main_bearing(scene)
     every = [
-        LoadedBearing(f"main {number}", main, load[::step], still)
-        for number, load in enumerate(loads.load_N, start=1)
+        LoadedBearing(f"main {number + 1}", main_bearing(scene, number), load[::step], still)
+        for number, load in zip(carried(scene), loads.load_N, strict=True)
     ]
     every.append(_loaded_big_end(scene, step))
     return tuple((one, _orbit(one, angle, scene)) for one in every)
@@ -161,33 +161,33 @@ def _film(loaded: LoadedBearing, steady: Orbit) -> BearingFilm:
     )
 
 
-def main_bearing(scene: Scene) -> JournalBearing:
-    """Return a main bearing of a scene; a groove parts its film."""
-    table, journal = plain_bearings(scene), scene.throw.main_journal
-    width = table.width_mm or _between_fillets_mm(journal)
+def main_bearing(scene: Scene, number: int) -> JournalBearing:
+    """Return a main bearing of a scene, 0 at the free end; a groove parts its film."""
+    table = plain_bearings(scene)
+    width = table.width_mm or main_room_mm(scene, number)
     films = 2 if table.groove_mm else 1
-    own = (width - table.groove_mm) / films
-    return _bearing(journal, own, films, table.clearance_mm, table)
+    diameter = min(journal.outer_diameter_mm for journal in main_journals(scene, number))
+    return _bearing(diameter, (width - table.groove_mm) / films, films, table.clearance_mm, table)
 
 
 def big_end(scene: Scene) -> JournalBearing:
     """Return a big-end bearing of a scene."""
     table, pin = plain_bearings(scene), scene.throw.crankpin
-    width = table.big_end_width_mm or _between_fillets_mm(pin) / engine_of(scene).rods_per_pin
-    return _bearing(pin, width, 1, table.big_end_clearance_mm or table.clearance_mm, table)
+    width = table.big_end_width_mm or big_end_room_mm(scene)
+    clearance = table.big_end_clearance_mm or table.clearance_mm
+    return _bearing(pin.outer_diameter_mm, width, 1, clearance, table)
 
 
 def _bearing(
-    journal: Journal, width_mm: float, films: int, clearance_mm: float, table: PlainBearings
+    diameter_mm: float, width_mm: float, films: int, clearance_mm: float, table: PlainBearings
 ) -> JournalBearing:
-    """A bearing by the clearance of its diameters."""
-    return JournalBearing(
-        journal.outer_diameter_mm, width_mm, films, clearance_mm / 2, table.dynamic_viscosity_Pas
-    )
-
-
-def _between_fillets_mm(journal: Journal) -> float:
-    return journal.length_mm - 2 * (journal.fillet_axial_mm or journal.fillet_mm)
+    """A bearing by the clearance of its diameters; it may be short of room where its journal is its own."""
+    if width_mm <= 0:
+        raise CranktopoError(
+            "bearings: a main journal is too short for a bearing between its fillets.",
+            hint="Give bearings.width_mm and groove_mm that leave a film, or a longer journal.",
+        )
+    return JournalBearing(diameter_mm, width_mm, films, clearance_mm / 2, table.dynamic_viscosity_Pas)
 
 
 def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
@@ -216,7 +216,7 @@ def _holds(table: PlainBearings, every: Iterable[BearingFilm]) -> bool | None:
 def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:
     widths = [
         Assumption(f"bearings.{key}", round(bearing.width_mm, 3), "the journal between its fillets")
-        for key, bearing in (("width_mm", main_bearing(scene)), ("big_end_width_mm", big_end(scene)))
+        for key, bearing in (("width_mm", main_bearing(scene, 1)), ("big_end_width_mm", big_end(scene)))
         if getattr(table, key) is None
     ]
     unused = {"bearings.groove_mm"}

@@ -316,13 +316,14 @@ def _main_bearings(
 
 
 def _with_films(found: tuple[ShaftBearing, ...], cycle: ShaftCycle, scene: Scene) -> tuple[ShaftBearing, ...]:
-    """Return the bearings with their oil films under these forces, where the scene has bearings with oil."""
-    if scene.bearings is None:
+    """Return the bearings with their oil films under these forces, where the scene has bearings and turns."""
+    if scene.bearings is None or not engine_of(scene).speed_rpm:
         return found
-    loads, still, main = loads_on_bearings_N(cycle), np.zeros_like(cycle.angle_deg), main_bearing(scene)
+    loads, still = loads_on_bearings_N(cycle), np.zeros_like(cycle.angle_deg)
     films = []
     for one in found:
         x, y = loads[one.bearing - 1]  # the shaft turns from y to x
+        main = main_bearing(scene, one.bearing - 1)
         loaded = LoadedBearing(f"main {one.bearing}", main, y + 1j * x, still)
         films.append(film_of(loaded, cycle.angle_deg, scene))
     return tuple(

@@ -12,10 +12,11 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
-from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.gas import higher_elsewhere, pressure_curve
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
+from cranktopo.tasks.loads.stage import loads_at_speeds
 
 TEXT = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0\n"
@@ -102,6 +103,7 @@ def test_files_are_found_beside_the_design(tmp_path: Path) -> None:
         (PEAK + entry(1000, 4), "a map over speed and a single curve are both given"),
         (entry(1000, 4) + entry(1000, 5), "map[1].rpm = 1000.0: must be above the 1000 rpm before it"),
         ("[[engine.gas.map]]\nrpm = 1000\n", "give either file, or peak_pressure_MPa and peak_angle_deg"),
+        (entry(1000, 4) + 'file = "a.csv"\n', "give either file, or peak_pressure_MPa and peak_angle_deg"),
         (entry(1000, 4).replace("11.0", "75.0"), "map[0].peak_angle_deg = 75.0: must be > 0 and < 60 deg"),
         (entry(1000, 4).replace("rpm =", "rmp ="), "unknown key engine.gas.map[0].rmp"),
     ],
@@ -110,6 +112,13 @@ def test_what_cannot_be_is_refused(entries: str, message: str) -> None:
     with pytest.raises(CranktopoError) as refused:
         mapped(entries)
     assert message in str(refused.value)
+
+
+def test_a_higher_peak_at_another_speed_is_told() -> None:
+    assert higher_elsewhere(at_speed(mapped(), 2000.0)) == ""
+    told = higher_elsewhere(at_speed(mapped(), 2500.0))
+    assert told == "pressure at 2500 rpm: peak 5 MPa; the map over speed has 6 MPa at 2000 rpm"
+    assert loads_at_speeds(mapped(), [2500.0])[0].warnings[-1] == told
 
 
 def test_nothing_changes_without_a_map() -> None:

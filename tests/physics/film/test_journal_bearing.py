@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from cranktopo.numerics.bearing_film.mobility import MAP_FILE, THICKNESS, WIDTHS, entry, mobility
-from cranktopo.numerics.bearing_film.orbit import JournalBearing, Orbit, orbit
+from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, Orbit, orbit
 from cranktopo.numerics.bearing_film.reynolds import film
 
 # A. A. Raimondi, J. Boyd, A Solution for the Finite Journal Bearing and its Application to Analysis and
@@ -163,3 +163,21 @@ def test_the_energy_of_a_cycle_is_what_the_film_takes() -> None:
     supplied = (torque * SPEED + (np.conj(way) * PULSE).real).mean()
     assert supplied == pytest.approx(found.friction_W.mean(), rel=2e-3)
     assert (found.friction_W > 0).all()
+
+
+def test_a_film_narrower_than_the_map_has_the_law_of_narrow_ones() -> None:
+    """Its force goes with the square of the width."""
+    found = film(0.7, WIDTHS[0] / 3).force(1.0)
+    load = complex(found.radial, found.across)
+    velocity = mobility(WIDTHS[0] / 3).velocity(0.7 + 0j, load) * abs(load)
+    assert abs(velocity - np.exp(1j)) < 0.03
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.2, 1.0])
+def test_a_film_below_what_is_resolved_is_told_as_that(speed: float) -> None:
+    """A shaft that hardly turns: the journal stays inside, and the orbit ends."""
+    found = steady(15000.0 + 5000.0 * np.cos(np.radians(ANGLE)) + 0j, speed=speed)
+    least = LEAST_SHARE * BEARING.clearance_mm
+    assert found.film_mm.min() >= least
+    assert found.film_mm.min() == pytest.approx(least, rel=1e-3) or speed == 1.0
+    assert np.abs(found.eccentricity).max() < 1

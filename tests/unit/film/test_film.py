@@ -51,10 +51,13 @@ def test_viscosity_of_a_grade() -> None:
     ("bearings", "message"),
     [
         ('clearance_mm = 0.05\noil = "SAE 30"', "bearings.oil = 'SAE 30': must be 'ISO VG 22', "),
-        (OIL + "width_mm = 45", "bearings.width_mm = 45.0: must be at most the journal's 40 mm"),
-        (OIL + "big_end_width_mm = 37", "must be at most the journal's 36 mm"),
+        (
+            OIL + "width_mm = 45",
+            "bearings.width_mm = 45.0: must be at most 35 mm, the room between the fillets",
+        ),
+        (OIL + "big_end_width_mm = 37", "must be at most 31 mm, the room between the fillets"),
         ('clearance_mm = 0.5\noil = "ISO VG 46"', "must be at most 0.42 mm, 1 % of the journal's diameter"),
-        (OIL + "width_mm = 20\ngroove_mm = 20", "must be smaller than the 20 mm of the bearing"),
+        (OIL + "width_mm = 20\ngroove_mm = 20", "Take at most 18.32 mm, 0 for none"),
         ("", "bearings.clearance_mm is missing"),
     ],
 )
@@ -87,7 +90,7 @@ def test_the_big_end_has_the_force_of_the_loads() -> None:
 
 
 def test_a_groove_takes_film() -> None:
-    whole, parted = main_bearing(scene()), main_bearing(scene(OIL + "groove_mm = 5"))
+    whole, parted = main_bearing(scene(), 1), main_bearing(scene(OIL + "groove_mm = 5"), 1)
     assert (whole.width_mm, whole.films) == (35.0, 1)
     assert (parted.width_mm, parted.films) == (15.0, 2)
     thinner = [oil_films(scene(OIL + f"groove_mm = {g}")).speeds[0].bearings[1].film_um for g in (0, 5)]
@@ -125,6 +128,20 @@ def test_length_taken_from_a_bearing_has_its_price() -> None:
         min(one.film_um for one in oil_films(base).speeds[0].bearings[:-1]), abs=0.005
     )
     assert least < 0.9 * before
+
+
+def test_a_main_journal_of_its_own_has_its_own_bearing() -> None:
+    """And the half beyond the crankpin counts where it differs."""
+    crank = "[[crank.main_journal]]\nnumber = 2\nouter_diameter_mm = 44.0\nlength_mm = 30.0\n"
+    own = parse_scene(f"{MIKRON}\n{crank}\n[bearings]\n{OIL}")
+    assert [(b.diameter_mm, b.width_mm) for b in (main_bearing(own, 1), main_bearing(own, 2))] == [
+        (42.0, 35.0),
+        (44.0, 25.0),
+    ]
+    at = "[throw.main_journal]"
+    longer = MIKRON.replace(at, f"second_main_journal_length_mm = 30.0\n{at}", 1)
+    other = parse_scene(f"{longer}\n[bearings]\n{OIL}", whole=True)
+    assert main_bearing(other, 1).width_mm == 30.0
 
 
 def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
