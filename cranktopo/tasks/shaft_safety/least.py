@@ -1,8 +1,8 @@
 """Least safety of every part of every web of a shaft at every speed.
 
 Stress at a node is a sum of some ten fields, so a state costs no solve; yet a shaft has a hundred thousand
-nodes and as many states. All nodes are looked at in every eighth state at a few speeds; those whose safety
-comes near the least of their part are looked at in every state.
+nodes and as many states. All nodes are looked at in every eighth state at a few speeds and where a load
+swings most; those whose safety comes near the least of their part are looked at in every state.
 """
 
 from __future__ import annotations
@@ -92,11 +92,18 @@ def least_safeties(
     return found
 
 
+def looked_at(loads: Sequence[Array]) -> NDArray[np.intp]:
+    """Return the speeds at which all nodes are looked at: even ones, and where a load swings most, as at a
+    resonance."""
+    even = np.linspace(0, len(loads[0]) - 1, _SPEEDS).round().astype(np.intp)
+    return np.unique(np.concatenate([even, *(np.ptp(own, axis=1).argmax(axis=0) for own in loads)]))
+
+
 def _near_the_least(
     model: StressModel, parts: Sequence[WebPart], loads: Sequence[Array], method: str
 ) -> list[list[Nodes]]:
     """Return which nodes may be the worst of a part, by throw and image."""
-    speeds = np.unique(np.linspace(0, len(loads[0]) - 1, _SPEEDS).round().astype(int))
+    speeds = looked_at(loads)
     cycles = [
         own[speed, ::_STRIDE] * image.signs for own in loads for image in model.images for speed in speeds
     ]
