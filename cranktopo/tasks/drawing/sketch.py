@@ -149,6 +149,7 @@ def _counterweight_names(axes: Any) -> None:
     mark_radius(axes, (0, 0), 62.0, 240, "outer_radius_mm")
     mark_angle(axes, 40.0, 120.0, 180.0, "half_angle_deg")
     mark_leader(axes, (34, -14), (48, 8), "fillet_mm")
+    mark_leader(axes, (50.2, -32.5), (62, -12), "corner_mm")
 
 
 def _counterweight_section_names(axes: Any) -> None:
@@ -183,7 +184,13 @@ _BOX = {
 }
 _ROUND = {"shape": "cylinder", "face": "pin", "x_mm": 14.0, "y_mm": _MIDDLE, "diameter_mm": 14.0}
 _SIDE = {"shape": "side", "y_mm": _MIDDLE, "length_mm": 24.0, "height_mm": 8.0, "depth_mm": 12.0}
-_HEAVY = {"outer_radius_mm": 62.0, "half_angle_deg": 60.0, "thickness_mm": 14.0, "fillet_mm": 8.0}
+_HEAVY = {
+    "outer_radius_mm": 62.0,
+    "half_angle_deg": 60.0,
+    "thickness_mm": 14.0,
+    "fillet_mm": 8.0,
+    "corner_mm": 8.0,
+}
 _FROM = {"on": "main_journal", "angle_deg": 180.0, "place_mm": 7.0}
 _TO = {"on": "crankpin", "angle_deg": 0.0, "place_mm": 5.0}
 _OIL = {"diameter_mm": 5.0, "outlet_radius_mm": 1.5, "from": _FROM, "to": _TO}
