@@ -14,10 +14,13 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, holds, section_difference
+from cranktopo.bodies.envelope_file import envelope_bounds_mm
 from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
 from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
+from cranktopo.throw.web import web_bodies
 
 _INWARD_MM = 0.05
 """How far inward of a surface its points lie; the web's own surfaces may move by a part of it."""
@@ -57,12 +60,10 @@ def _heights_mm(scene: Scene) -> list[float]:
 
 def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, solid: bool) -> Array:
     """Return points inside a section on lines across the web, at x >= 0, inward of the web's surfaces."""
-    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
-    y = np.arange(low + _INWARD_MM, high, _STEP_MM)
-    found = []
+    y, found = _lines_mm(scene), []
     for left, right in section(y, np.full_like(y, z_mm)):
         start, stop = np.maximum(left, 0.0) + _INWARD_MM * (left > 0), right - _INWARD_MM
-        held = stop > start
+        held = _some_of(stop > start)
         share = np.linspace(0.0, 1.0, max(2, int(np.ceil(np.max(stop - start, initial=0.0) / _STEP_MM))))
         x = start[held, None] + (stop - start)[held, None] * share
         found.append(np.stack([x.ravel(), np.repeat(y[held], len(share)), np.full(x.size, z_mm)]))
@@ -74,6 +75,24 @@ def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, s
     return at[:, np.logical_and.reduce(around)]
 
 
+def _lines_mm(scene: Scene) -> Array:
+    """Return places along the web, its counterweight and the envelope, either side of every body's ends."""
+    bodies = web_bodies(scene)
+    ends = [y for body in bodies if body.adds for y in body.y_range_mm]
+    if scene.envelope is not None:
+        ends += envelope_bounds_mm(scene.envelope)[2:]
+    beside = [y + side * _INWARD_MM for body in bodies for y in body.y_range_mm for side in (-1, 1)]
+    lines = np.concatenate([np.arange(min(ends) + _INWARD_MM, max(ends), _INWARD_MM), beside])
+    return np.unique(lines.round(6))
+
+
+def _some_of(held: Mask) -> Mask:
+    """Return which lines to take of those that a section holds: some, and all near its ends."""
+    near = np.pad(held, 2)
+    inner = near[:-4] & near[1:-3] & near[3:-1] & near[4:]
+    return held & (~inner | (np.arange(held.size) % round(_STEP_MM / _INWARD_MM) == 0))
+
+
 def zone_rules(
     own: ZonePoints, scene: Scene, outline_mm: Array, named: Sequence[tuple[FittedFeature, Named]]
 ) -> Iterator[Rule]:
@@ -83,7 +102,8 @@ def zone_rules(
         outline_mm: points (n, 2) of the outline's right half, upward.
     """
     if own.solid.size:
-        yield f"{_KEEPS} outline", CLEAR_MM - float(_inside_outline(scene, outline_mm, own.solid).min())
+        edge = "outline" if scene.web.counterweight is None else "outline or counterweight"
+        yield f"{_KEEPS} {edge}", CLEAR_MM - float(_inside_outline(scene, outline_mm, own.solid).min())
         for part, values in named:
             away = _outside_part(part, values, outline_mm, scene, own.solid)
             yield f"{_KEEPS} {part.title}", CLEAR_MM - float(away.min())
@@ -99,8 +119,10 @@ def _inside_outline(scene: Scene, outline_mm: Array, at: Array) -> Array:
     (x, y), (low, high) = outline_mm.T, (outline_mm[0, 1], outline_mm[-1, 1])
     inside = np.minimum(np.interp(at[1], y, x) - at[0], np.minimum(at[1] - low, high - at[1]))
     weight = scene.web.counterweight
-    for part in () if weight is None or weight.bolted else weight.parts(scene)[:1]:
-        inside = np.maximum(inside, part.inside_mm(at[0], at[1]))
+    if weight is not None and not weight.bolted:
+        sector = weight.sector(scene)
+        beside = (at[2] <= sector.z_mm[0]) | (at[2] >= sector.z_mm[1])
+        inside = np.maximum(inside, np.where(beside, -np.inf, sector.inside_mm(at[0], at[1])))
     return np.asarray(inside)
 
 

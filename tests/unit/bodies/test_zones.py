@@ -16,9 +16,10 @@ from cranktopo.bodies.zones import zone_solids
 from cranktopo.design.halves import envelope_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.family import with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.start import first_on_cells, scene_start
 
 POCKET = {"shape": "cylinder", "y_mm": 24.0, "diameter_mm": 10.0, "face": "pin", "depth_mm": 8.0}
 BOX = {"shape": "box", "x_min_mm": -16.0, "x_max_mm": 16.0, "y_min_mm": 16.0, "y_max_mm": 32.0}
@@ -140,10 +141,10 @@ def broken(scene: Scene, **moved: float) -> dict[str, float]:
     """Rules of zones that the web of the family breaks with some parameters moved, by name."""
     limits = usual_limits(scene)
     start = scene_start(scene, limits)
-    web = ParametricWeb(start.layout, scene, limits, (np.zeros(0),) * 3)
-    values = start.values.copy()
+    layout, values = with_free(start.layout, start.values, scene, first_on_cells(scene, {}))
+    web = ParametricWeb(layout, scene, limits, (np.zeros(0),) * 3)
     for name, step in moved.items():
-        values[start.layout.names.index(name.replace("_dot_", "."))] += step
+        values[layout.names.index(name.replace("_dot_", "."))] += step
     pairs = zip(web.rule_names(values), web.constraints(values).tolist(), strict=True)
     return {name: over for name, over in pairs if over > 0 and ("stays" in name or "frozen" in name)}
 
@@ -173,6 +174,38 @@ def test_features_of_a_search_keep_zones(
     rest = found.keys() - outline
     assert all(rule and rule in name for name in rest)
     assert bool(rest) == bool(rule)
+
+
+LOW_CYLINDER = {"shape": "cylinder", "y_mm": -52.0, "diameter_mm": 16.0}
+BEYOND_RIM = {"shape": "box", "x_min_mm": -4.0, "x_max_mm": 4.0, "y_min_mm": -67.8, "y_max_mm": -66.2}
+
+
+def diesel(zone: dict[str, Any], **weight: Any) -> Scene:
+    """The car diesel, whose counterweight reaches 31 mm below its outline, with a frozen zone."""
+    data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
+    data["envelope"]["frozen"] = [zone]
+    data["web"]["counterweight"] |= weight
+    return scene_from_dict(data, "diesel")
+
+
+@pytest.mark.parametrize(
+    ("zone", "weight", "moved", "rule"),
+    [
+        (LOW_CYLINDER, {}, {}, ""),
+        (LOW_CYLINDER, {}, {"counterweight_radius": -8.0}, "is not cut by the outline or counterweight"),
+        (LOW_CYLINDER, {}, {"counterweight_angle": -60.0}, "is not cut by the outline or counterweight"),
+        (BEYOND_RIM, {}, {}, ""),
+        (BEYOND_RIM, {}, {"counterweight_radius": 0.5}, FILLED),
+        (LOW_CYLINDER, {"thickness_mm": 10.0}, {}, ""),
+    ],
+    ids=["as it is", "smaller", "narrower", "void beyond the rim", "larger", "thinner than the web"],
+)
+def test_a_free_counterweight_keeps_zones(
+    zone: dict[str, Any], weight: dict[str, Any], moved: dict[str, float], rule: str
+) -> None:
+    found = broken(diesel(zone, **weight), **moved)
+    assert all(rule and rule in name for name in found)
+    assert bool(found) == bool(rule)
 
 
 def test_a_free_thickness_moves_zones(plain: Scene) -> None:
