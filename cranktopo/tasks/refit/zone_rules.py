@@ -20,7 +20,7 @@ from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
-from cranktopo.throw.web import web_bodies
+from cranktopo.throw.web import kept_holes, web_bodies
 
 _INWARD_MM = 0.05
 """How far inward of a surface its points lie; the web's own surfaces may move by a part of it."""
@@ -45,7 +45,8 @@ def zone_points(scene: Scene) -> ZonePoints | None:
     for z in _heights_mm(scene):
         own = own_section(scene, z)
         solid += [_along_lines(scene, stays, own, z, solid=True) for stays, _ in staying_at(scene, z)]
-        voids = (section_difference(zone, own) for zone in frozen_at(scene, z))
+        holes = [hole.spans for hole in kept_holes(scene) if hole.z_mm[0] < z < hole.z_mm[1]]
+        voids = (section_difference(zone, own, *holes) for zone in frozen_at(scene, z))
         empty += [_along_lines(scene, void, own, z, solid=False) for void in voids]
     return ZonePoints(*(np.concatenate([np.zeros((3, 0)), *found], axis=1) for found in (solid, empty)))
 

@@ -208,6 +208,13 @@ def test_a_free_counterweight_keeps_zones(
     assert bool(found) == bool(rule)
 
 
+@pytest.mark.parametrize(("axis", "y_mm"), [("axial", -52.0), ("radial", -38.0)])
+def test_the_hole_of_a_plug_in_a_frozen_zone_stays_empty_as_it_is(axis: str, y_mm: float) -> None:
+    """No dimension fills it, so that no rule asks for it."""
+    plug = {"axis": axis, "y_mm": y_mm, "diameter_mm": 8.0, "length_mm": 10.0, "density_kg_m3": 17500.0}
+    assert not broken(diesel(LOW_CYLINDER, plug=[plug]))
+
+
 def test_a_free_thickness_moves_zones(plain: Scene) -> None:
     data = zoned(plain, frozen=[BOX]).model_dump(mode="json", exclude_none=True)
     data["shape"] = {"free": {"web_thickness_mm": [18.0, 20.0]}}
