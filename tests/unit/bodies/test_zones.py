@@ -12,7 +12,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.prisms import feature_holes, kept_solid
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.bodies.zones import zone_solids
+from cranktopo.bodies.zones import staying_at, zone_solids
 from cranktopo.design.halves import envelope_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -213,6 +213,18 @@ def test_the_hole_of_a_plug_in_a_frozen_zone_stays_empty_as_it_is(axis: str, y_m
     """No dimension fills it, so that no rule asks for it."""
     plug = {"axis": axis, "y_mm": y_mm, "diameter_mm": 8.0, "length_mm": 10.0, "density_kg_m3": 17500.0}
     assert not broken(diesel(LOW_CYLINDER, plug=[plug]))
+
+
+@pytest.mark.parametrize("kind", ["frozen", "removable"])
+def test_a_body_aside_that_is_called_symmetric_is_refused(plain: Scene, kind: str, tmp_path: Path) -> None:
+    import trimesh
+
+    path = tmp_path / "aside.stl"
+    trimesh.creation.box(bounds=[[2.0, 16.0, 20.0], [16.0, 32.0, 50.0]]).export(path)
+    zones = {kind: [BOX, {"shape": "body", "file": str(path), "symmetric": True}]}
+    message = rf"envelope\.{kind}\[1\]\.symmetric.*sides of .*aside\.stl' differ by 100 %.*false"
+    with pytest.raises(CranktopoError, match=message):
+        list(staying_at(zoned(plain, **zones), 36.0))
 
 
 def test_a_free_thickness_moves_zones(plain: Scene) -> None:
