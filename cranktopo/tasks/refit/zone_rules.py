@@ -18,6 +18,7 @@ from cranktopo.bodies.envelope_file import envelope_bounds_mm
 from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
 from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
+from cranktopo.throw.counterweight.holes import RadialHole
 from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
 from cranktopo.throw.web import kept_holes, web_bodies
@@ -43,9 +44,10 @@ def zone_points(scene: Scene) -> ZonePoints | None:
         return None
     solid, empty = list[Array](), list[Array]()
     for z in _heights_mm(scene):
-        own = own_section(scene, z)
-        solid += [_along_lines(scene, stays, own, z, solid=True) for stays, _ in staying_at(scene, z)]
-        holes = [hole.spans for hole in kept_holes(scene) if hole.z_mm[0] < z < hole.z_mm[1]]
+        holes = [hole.spans for hole in kept_holes(scene)]
+        own = section_difference(own_section(scene, z), *holes)
+        stay = (section_difference(stays, *holes) for stays, _ in staying_at(scene, z))
+        solid += [_along_lines(scene, stays, own, z, solid=True) for stays in stay]
         voids = (section_difference(zone, own, *holes) for zone in frozen_at(scene, z))
         empty += [_along_lines(scene, void, own, z, solid=False) for void in voids]
     return ZonePoints(*(np.concatenate([np.zeros((3, 0)), *found], axis=1) for found in (solid, empty)))
@@ -109,6 +111,8 @@ def zone_rules(
             away = _outside_part(part, values, outline_mm, scene, own.solid)
             yield f"{_KEEPS} {part.title}", CLEAR_MM - float(away.min())
         yield f"{_KEEPS} bores", CLEAR_MM - float(_outside_bores(scene, own.solid).min())
+        if holes := [hole for hole in kept_holes(scene) if isinstance(hole, RadialHole)]:
+            yield f"{_KEEPS} holes from the rim", CLEAR_MM - float(_outside_holes(holes, own.solid).min())
     if own.empty.size:
         parts = (_outside_part(part, values, outline_mm, scene, own.empty) for part, values in named)
         fields = [_inside_outline(scene, outline_mm, own.empty), _outside_bores(scene, own.empty), *parts]
@@ -135,3 +139,8 @@ def _outside_part(part: FittedFeature, values: Named, outline_mm: Array, scene: 
 def _outside_bores(scene: Scene, at: Array) -> Array:
     away = [np.hypot(at[0], at[1] - y) - journal.bore_radius_mm for journal, y in scene.throw.journals]
     return np.asarray(np.min(away, axis=0))
+
+
+def _outside_holes(holes: Sequence[RadialHole], at: Array) -> Array:
+    """Return how far points lie from holes whose floors may move with the rim."""
+    return np.min([np.maximum(hole.off_wall_mm(at), -hole.off_floor_mm(at)) for hole in holes], axis=0)

@@ -215,6 +215,14 @@ def test_the_hole_of_a_plug_in_a_frozen_zone_stays_empty_as_it_is(axis: str, y_m
     assert not broken(diesel(LOW_CYLINDER, plug=[plug]))
 
 
+def test_a_balancing_hole_moves_with_the_rim_but_into_no_zone() -> None:
+    """Its floor, 14 mm below the rim, comes 10 mm nearer to the crank axis."""
+    zone = {**LOW_CYLINDER, "y_mm": -42.0}
+    scene = diesel(zone, hole=[{"diameter_mm": 8.0, "depth_mm": 14.0}])
+    assert not broken(scene)
+    assert any("holes from the rim" in name for name in broken(scene, counterweight_radius=-10.0))
+
+
 @pytest.mark.parametrize("kind", ["frozen", "removable"])
 def test_a_body_aside_that_is_called_symmetric_is_refused(plain: Scene, kind: str, tmp_path: Path) -> None:
     import trimesh
