@@ -41,7 +41,7 @@ def envelope_from_file(path: Path, symmetric: bool = False, key: str = _KEY) -> 
     Raises CranktopoError: the file is missing, unreadable, in metres, not one body with a closed surface, or
     not symmetric though it should be.
     """
-    return _body(_symmetric_surface(path)[0] if symmetric else _closed_surface(path, key), path)
+    return _body((_symmetric_surface(path, key)[0] if symmetric else _closed_surface(path, key)), path, key)
 
 
 def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[float, float, float, float]:
@@ -52,7 +52,7 @@ def bounds_mm(path: Path, symmetric: bool = False, key: str = _KEY) -> tuple[flo
 
 def symmetrised(path: Path) -> str:
     """Tell what was done to make a body its own mirror image in x = 0, in words; empty for nothing."""
-    share = _symmetric_surface(path)[1]
+    share = _symmetric_surface(path, _KEY)[1]
     if share <= _ALIKE:
         return ""
     return (
@@ -91,18 +91,18 @@ def envelope_bounds_mm(envelope: Envelope) -> tuple[float, float, float, float]:
     return bounds_mm(envelope.stl_file, not envelope.asymmetry) if envelope.stl_file else envelope.bounds_mm
 
 
-def _body(surface: SurfaceMesh, path: Path) -> Manifold:
-    return solid_of(surface, f"{_KEY} = '{path}'")
+def _body(surface: SurfaceMesh, path: Path, key: str) -> Manifold:
+    return solid_of(surface, f"{key} = '{path}'")
 
 
 @lru_cache(maxsize=4)
-def _symmetric_surface(path: Path) -> tuple[SurfaceMesh, float]:
-    surface = _closed_surface(path, _KEY)
-    body = _body(surface, path)
+def _symmetric_surface(path: Path, key: str) -> tuple[SurfaceMesh, float]:
+    surface = _closed_surface(path, key)
+    body = _body(surface, path, key)
     share = mirror_difference(body)
     if share > _MESHED:
         raise invalid(
-            "envelope.symmetric",
+            f"{key.removesuffix('.file')}.symmetric",
             True,
             f"the sides of '{path}' differ by {100 * share:.3g} % of its volume",
             "Set it to false.",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache, reduce
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from manifold3d import Manifold
@@ -17,8 +18,9 @@ from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
 from cranktopo.throw.web import web_bodies, web_spans
-from cranktopo.throw.zone import BoxZone, CylinderZone, Zone
+from cranktopo.throw.zone import BodyZone, BoxZone, CylinderZone, Zone
 
+_Kind = Literal["frozen", "removable"]
 _SIDES = 256
 _FAR_MM = 1e3
 """Over the throw's radius: beyond every web."""
@@ -28,7 +30,7 @@ _BEYOND_MM = 1.0
 
 def frozen_at(scene: Scene, z_mm: float) -> list[Section]:
     """Return the frozen zones at a height, where nothing is designed."""
-    return [] if scene.envelope is None else _sections(scene.envelope.frozen, z_mm)
+    return [] if scene.envelope is None else _sections(scene, "frozen", z_mm)
 
 
 def staying_at(scene: Scene, z_mm: float) -> Iterator[tuple[Section, bool]]:
@@ -42,7 +44,7 @@ def staying_at(scene: Scene, z_mm: float) -> Iterator[tuple[Section, bool]]:
     if frozen:
         yield common(own, frozen[0] if len(frozen) == 1 else together(*frozen)), False
     if scene.envelope.removable:
-        removable = _sections(scene.envelope.removable, z_mm)
+        removable = _sections(scene, "removable", z_mm)
         yield section_difference(own, *removable, *frozen), True
 
 
@@ -54,14 +56,24 @@ def own_section(scene: Scene, z_mm: float) -> Section:
     return lambda y_mm, z: list(zip(*web_spans(bodies, y_mm, z), strict=True))
 
 
-def _sections(zones: Sequence[Zone], z_mm: float) -> list[Section]:
+def _sections(scene: Scene, kind: _Kind, z_mm: float) -> list[Section]:
     found = []
-    for zone in zones:
+    for key, zone in _zones(scene, kind):
         low, high = zone.z_mm
         if low < z_mm < high:
-            file = zone.body_file
-            found.append(zone.spans if file is None else _slice(envelope_from_file(file, key="zone"), z_mm))
+            found.append(_slice(_body(zone, key), z_mm) if isinstance(zone, BodyZone) else zone.spans)
     return found
+
+
+def _zones(scene: Scene, kind: _Kind) -> Iterator[tuple[str, Zone]]:
+    """Yield the zones of a kind, each with its key in the scene."""
+    for index, zone in enumerate(getattr(scene.envelope, kind)):
+        yield f"envelope.{kind}[{index}]", zone
+
+
+def _body(zone: BodyZone, key: str) -> Manifold:
+    """Return the body of its file, which is its own mirror image where the zone says so."""
+    return envelope_from_file(zone.body_file, zone.symmetric, f"{key}.file")
 
 
 def _slice(body: Manifold, z_mm: float) -> Section:
@@ -94,10 +106,12 @@ def zone_solids(scene: Scene) -> tuple[Manifold, Manifold]:
         return Manifold(), Manifold()
     start, end = scene.web_z_mm
     own = _own_solid(scene)
-    frozen = reduce(operator.add, (_solid(zone, start, end) for zone in scene.envelope.frozen), Manifold())
+    solids = (_solid(zone, key, start, end) for key, zone in _zones(scene, "frozen"))
+    frozen = reduce(operator.add, solids, Manifold())
     kept = own ^ frozen
     if scene.envelope.removable:
-        free = (_solid(zone, start - _BEYOND_MM, end + _BEYOND_MM) for zone in scene.envelope.removable)
+        ends = start - _BEYOND_MM, end + _BEYOND_MM
+        free = (_solid(zone, key, *ends) for key, zone in _zones(scene, "removable"))
         kept += own - reduce(operator.add, free)
     return kept, frozen - own
 
@@ -115,7 +129,7 @@ def _original(scene: Scene) -> Manifold:
     return envelope_from_file(Path(scene.original.file), key="original.file")
 
 
-def _solid(zone: Zone, start_mm: float, end_mm: float) -> Manifold:
+def _solid(zone: Zone, key: str, start_mm: float, end_mm: float) -> Manifold:
     """Return a zone as a body between two heights."""
     low, high = (max(zone.z_mm[0], start_mm), min(zone.z_mm[1], end_mm))
     if low >= high:
@@ -128,6 +142,6 @@ def _solid(zone: Zone, start_mm: float, end_mm: float) -> Manifold:
             radius = zone.diameter_mm / 2
             body = Manifold.cylinder(high - low, radius, radius, _SIDES)
             return body.translate((zone.x_mm, zone.y_mm, low))
-        case _:
-            body = envelope_from_file(zone.body_file, key="zone")
+        case BodyZone():
+            body = _body(zone, key)
             return body.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)

@@ -14,10 +14,14 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Section, holds, section_difference
+from cranktopo.bodies.envelope_file import envelope_bounds_mm
 from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
 from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
+from cranktopo.throw.counterweight.holes import RadialHole
+from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
+from cranktopo.throw.web import kept_holes, web_bodies
 
 _INWARD_MM = 0.05
 """How far inward of a surface its points lie; the web's own surfaces may move by a part of it."""
@@ -40,9 +44,11 @@ def zone_points(scene: Scene) -> ZonePoints | None:
         return None
     solid, empty = list[Array](), list[Array]()
     for z in _heights_mm(scene):
-        own = own_section(scene, z)
-        solid += [_along_lines(scene, stays, own, z, solid=True) for stays, _ in staying_at(scene, z)]
-        voids = (section_difference(zone, own) for zone in frozen_at(scene, z))
+        holes = [hole.spans for hole in kept_holes(scene)]
+        own = section_difference(own_section(scene, z), *holes)
+        stay = (section_difference(stays, *holes) for stays, _ in staying_at(scene, z))
+        solid += [_along_lines(scene, stays, own, z, solid=True) for stays in stay]
+        voids = (section_difference(zone, own, *holes) for zone in frozen_at(scene, z))
         empty += [_along_lines(scene, void, own, z, solid=False) for void in voids]
     return ZonePoints(*(np.concatenate([np.zeros((3, 0)), *found], axis=1) for found in (solid, empty)))
 
@@ -57,12 +63,10 @@ def _heights_mm(scene: Scene) -> list[float]:
 
 def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, solid: bool) -> Array:
     """Return points inside a section on lines across the web, at x >= 0, inward of the web's surfaces."""
-    low, high = scene.web.y_range_mm(scene.throw.radius_mm)
-    y = np.arange(low + _INWARD_MM, high, _STEP_MM)
-    found = []
+    y, found = _lines_mm(scene), []
     for left, right in section(y, np.full_like(y, z_mm)):
         start, stop = np.maximum(left, 0.0) + _INWARD_MM * (left > 0), right - _INWARD_MM
-        held = stop > start
+        held = _some_of(stop > start)
         share = np.linspace(0.0, 1.0, max(2, int(np.ceil(np.max(stop - start, initial=0.0) / _STEP_MM))))
         x = start[held, None] + (stop - start)[held, None] * share
         found.append(np.stack([x.ravel(), np.repeat(y[held], len(share)), np.full(x.size, z_mm)]))
@@ -74,6 +78,24 @@ def _along_lines(scene: Scene, section: Section, own: Section, z_mm: float, *, s
     return at[:, np.logical_and.reduce(around)]
 
 
+def _lines_mm(scene: Scene) -> Array:
+    """Return places along the web, its counterweight and the envelope, either side of every body's ends."""
+    bodies = web_bodies(scene)
+    ends = [y for body in bodies if body.adds for y in body.y_range_mm]
+    if scene.envelope is not None:
+        ends += envelope_bounds_mm(scene.envelope)[2:]
+    beside = [y + side * _INWARD_MM for body in bodies for y in body.y_range_mm for side in (-1, 1)]
+    lines = np.concatenate([np.arange(min(ends) + _INWARD_MM, max(ends), _INWARD_MM), beside])
+    return np.unique(lines.round(6))
+
+
+def _some_of(held: Mask) -> Mask:
+    """Return which lines to take of those that a section holds: some, and all near its ends."""
+    near = np.pad(held, 2)
+    inner = near[:-4] & near[1:-3] & near[3:-1] & near[4:]
+    return held & (~inner | (np.arange(held.size) % round(_STEP_MM / _INWARD_MM) == 0))
+
+
 def zone_rules(
     own: ZonePoints, scene: Scene, outline_mm: Array, named: Sequence[tuple[FittedFeature, Named]]
 ) -> Iterator[Rule]:
@@ -83,11 +105,14 @@ def zone_rules(
         outline_mm: points (n, 2) of the outline's right half, upward.
     """
     if own.solid.size:
-        yield f"{_KEEPS} outline", CLEAR_MM - float(_inside_outline(scene, outline_mm, own.solid).min())
+        edge = "outline" if scene.web.counterweight is None else "outline or counterweight"
+        yield f"{_KEEPS} {edge}", CLEAR_MM - float(_inside_outline(scene, outline_mm, own.solid).min())
         for part, values in named:
             away = _outside_part(part, values, outline_mm, scene, own.solid)
             yield f"{_KEEPS} {part.title}", CLEAR_MM - float(away.min())
         yield f"{_KEEPS} bores", CLEAR_MM - float(_outside_bores(scene, own.solid).min())
+        if holes := [hole for hole in kept_holes(scene) if isinstance(hole, RadialHole)]:
+            yield f"{_KEEPS} holes from the rim", CLEAR_MM - float(_outside_holes(holes, own.solid).min())
     if own.empty.size:
         parts = (_outside_part(part, values, outline_mm, scene, own.empty) for part, values in named)
         fields = [_inside_outline(scene, outline_mm, own.empty), _outside_bores(scene, own.empty), *parts]
@@ -99,8 +124,10 @@ def _inside_outline(scene: Scene, outline_mm: Array, at: Array) -> Array:
     (x, y), (low, high) = outline_mm.T, (outline_mm[0, 1], outline_mm[-1, 1])
     inside = np.minimum(np.interp(at[1], y, x) - at[0], np.minimum(at[1] - low, high - at[1]))
     weight = scene.web.counterweight
-    for part in () if weight is None or weight.bolted else weight.parts(scene)[:1]:
-        inside = np.maximum(inside, part.inside_mm(at[0], at[1]))
+    if weight is not None and not weight.bolted:
+        sector = weight.sector(scene)
+        beside = (at[2] <= sector.z_mm[0]) | (at[2] >= sector.z_mm[1])
+        inside = np.maximum(inside, np.where(beside, -np.inf, sector.inside_mm(at[0], at[1])))
     return np.asarray(inside)
 
 
@@ -112,3 +139,8 @@ def _outside_part(part: FittedFeature, values: Named, outline_mm: Array, scene: 
 def _outside_bores(scene: Scene, at: Array) -> Array:
     away = [np.hypot(at[0], at[1] - y) - journal.bore_radius_mm for journal, y in scene.throw.journals]
     return np.asarray(np.min(away, axis=0))
+
+
+def _outside_holes(holes: Sequence[RadialHole], at: Array) -> Array:
+    """Return how far points lie from holes whose floors may move with the rim."""
+    return np.min([np.maximum(hole.off_wall_mm(at), -hole.off_floor_mm(at)) for hole in holes], axis=0)

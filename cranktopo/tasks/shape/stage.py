@@ -242,8 +242,10 @@ class _LocalRefinement:
 
     def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm
-        self._on_coarse_mesh(values).begin()
-        web = evaluated_web(scene, self._fatigue, size, f"evaluation-{number}", self._work)
+        name = f"evaluation-{number}"
+        if name not in self._work.kept:
+            self._on_coarse_mesh(values).begin()
+        web = evaluated_web(scene, self._fatigue, size, name, self._work)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         note(_round_text(number, found, self._original))
         return found

@@ -12,13 +12,14 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.domain import Domain, build_domain
 from cranktopo.bodies.prisms import feature_holes, kept_solid
 from cranktopo.bodies.volume import web_volume_mm3
-from cranktopo.bodies.zones import zone_solids
+from cranktopo.bodies.zones import staying_at, zone_solids
 from cranktopo.design.halves import envelope_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.family import with_free
 from cranktopo.tasks.refit.fit import usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
-from cranktopo.tasks.shape.start import scene_start
+from cranktopo.tasks.shape.start import first_on_cells, scene_start
 
 POCKET = {"shape": "cylinder", "y_mm": 24.0, "diameter_mm": 10.0, "face": "pin", "depth_mm": 8.0}
 BOX = {"shape": "box", "x_min_mm": -16.0, "x_max_mm": 16.0, "y_min_mm": 16.0, "y_max_mm": 32.0}
@@ -140,10 +141,10 @@ def broken(scene: Scene, **moved: float) -> dict[str, float]:
     """Rules of zones that the web of the family breaks with some parameters moved, by name."""
     limits = usual_limits(scene)
     start = scene_start(scene, limits)
-    web = ParametricWeb(start.layout, scene, limits, (np.zeros(0),) * 3)
-    values = start.values.copy()
+    layout, values = with_free(start.layout, start.values, scene, first_on_cells(scene, {}))
+    web = ParametricWeb(layout, scene, limits, (np.zeros(0),) * 3)
     for name, step in moved.items():
-        values[start.layout.names.index(name.replace("_dot_", "."))] += step
+        values[layout.names.index(name.replace("_dot_", "."))] += step
     pairs = zip(web.rule_names(values), web.constraints(values).tolist(), strict=True)
     return {name: over for name, over in pairs if over > 0 and ("stays" in name or "frozen" in name)}
 
@@ -173,6 +174,65 @@ def test_features_of_a_search_keep_zones(
     rest = found.keys() - outline
     assert all(rule and rule in name for name in rest)
     assert bool(rest) == bool(rule)
+
+
+LOW_CYLINDER = {"shape": "cylinder", "y_mm": -52.0, "diameter_mm": 16.0}
+BEYOND_RIM = {"shape": "box", "x_min_mm": -4.0, "x_max_mm": 4.0, "y_min_mm": -67.8, "y_max_mm": -66.2}
+
+
+def diesel(zone: dict[str, Any], **weight: Any) -> Scene:
+    """The car diesel, whose counterweight reaches 31 mm below its outline, with a frozen zone."""
+    data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True)
+    data["envelope"]["frozen"] = [zone]
+    data["web"]["counterweight"] |= weight
+    return scene_from_dict(data, "diesel")
+
+
+@pytest.mark.parametrize(
+    ("zone", "weight", "moved", "rule"),
+    [
+        (LOW_CYLINDER, {}, {}, ""),
+        (LOW_CYLINDER, {}, {"counterweight_radius": -8.0}, "is not cut by the outline or counterweight"),
+        (LOW_CYLINDER, {}, {"counterweight_angle": -60.0}, "is not cut by the outline or counterweight"),
+        (BEYOND_RIM, {}, {}, ""),
+        (BEYOND_RIM, {}, {"counterweight_radius": 0.5}, FILLED),
+        (LOW_CYLINDER, {"thickness_mm": 10.0}, {}, ""),
+    ],
+    ids=["as it is", "smaller", "narrower", "void beyond the rim", "larger", "thinner than the web"],
+)
+def test_a_free_counterweight_keeps_zones(
+    zone: dict[str, Any], weight: dict[str, Any], moved: dict[str, float], rule: str
+) -> None:
+    found = broken(diesel(zone, **weight), **moved)
+    assert all(rule and rule in name for name in found)
+    assert bool(found) == bool(rule)
+
+
+@pytest.mark.parametrize(("axis", "y_mm"), [("axial", -52.0), ("radial", -38.0)])
+def test_the_hole_of_a_plug_in_a_frozen_zone_stays_empty_as_it_is(axis: str, y_mm: float) -> None:
+    """No dimension fills it, so that no rule asks for it."""
+    plug = {"axis": axis, "y_mm": y_mm, "diameter_mm": 8.0, "length_mm": 10.0, "density_kg_m3": 17500.0}
+    assert not broken(diesel(LOW_CYLINDER, plug=[plug]))
+
+
+def test_a_balancing_hole_moves_with_the_rim_but_into_no_zone() -> None:
+    """Its floor, 14 mm below the rim, comes 10 mm nearer to the crank axis."""
+    zone = {**LOW_CYLINDER, "y_mm": -42.0}
+    scene = diesel(zone, hole=[{"diameter_mm": 8.0, "depth_mm": 14.0}])
+    assert not broken(scene)
+    assert any("holes from the rim" in name for name in broken(scene, counterweight_radius=-10.0))
+
+
+@pytest.mark.parametrize("kind", ["frozen", "removable"])
+def test_a_body_aside_that_is_called_symmetric_is_refused(plain: Scene, kind: str, tmp_path: Path) -> None:
+    import trimesh
+
+    path = tmp_path / "aside.stl"
+    trimesh.creation.box(bounds=[[2.0, 16.0, 20.0], [16.0, 32.0, 50.0]]).export(path)
+    zones = {kind: [BOX, {"shape": "body", "file": str(path), "symmetric": True}]}
+    message = rf"envelope\.{kind}\[1\]\.symmetric.*sides of .*aside\.stl' differ by 100 %.*false"
+    with pytest.raises(CranktopoError, match=message):
+        list(staying_at(zoned(plain, **zones), 36.0))
 
 
 def test_a_free_thickness_moves_zones(plain: Scene) -> None:

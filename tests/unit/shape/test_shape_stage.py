@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import pytest
@@ -74,14 +74,17 @@ class Meshes(MeshedWebs):
         return MeshResponses(dict(ORIGINAL), {name: np.zeros(len(values)) for name in ORIGINAL})
 
 
-Shaped = Callable[[Told], ShapeOptimum]
+class Shaped(Protocol):
+    """Do the stage, with what an interrupted one kept."""
+
+    def __call__(self, told: Told, work: Work | None = None) -> ShapeOptimum: ...
 
 
 @pytest.fixture
 def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
     scene = with_goal(load_scene("mikron-iiic-plain"), maximise="fatigue_safety")
 
-    def run(told: Told) -> ShapeOptimum:
+    def run(told: Told, work: Work | None = None) -> ShapeOptimum:
         model = SimpleNamespace(cases=load_cases(scene))
         web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
         cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
@@ -94,7 +97,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         monkeypatch.setattr(stage, "stepped", told.stepped)
         monkeypatch.setattr(stage, "MeshedWebs", Meshes)
         with redirected(told.lines.append):
-            return optimise_shape(scene, goal_of(scene), None, Work())
+            return optimise_shape(scene, goal_of(scene), None, work or Work())
 
     return run
 
@@ -144,3 +147,19 @@ def test_a_finish_whose_mesh_collapses_leaves_the_web_before_it(shaped: Shaped) 
     assert (found.best, len(found.rounds)) == (1, 2)
     (said,) = [line for line in told.lines if "ended early" in line]
     assert "an element folds" in said
+
+
+def test_a_continued_work_meshes_the_best_web_alone(shaped: Shaped, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rounds that are kept need no gradients; those of the best one are told in the end."""
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 107.9}])
+    work, solved = Work(), list[bytes]()
+    shaped(told, work)
+    work.kept.update({f"evaluation-{number}": {} for number in range(3)})
+
+    def responses(self: Meshes, web: Any, values: Any) -> MeshResponses:
+        solved.append(values.tobytes())
+        return MeshResponses(dict(ORIGINAL), {name: np.zeros(len(values)) for name in ORIGINAL})
+
+    monkeypatch.setattr(Meshes, "responses", responses)
+    found = shaped(told, work)
+    assert solved == [found.result.values.tobytes()]
