@@ -157,6 +157,17 @@ class Bolt(SceneTable):
         return thread(self.thread)
 
     @property
+    def stressed_diameter_mm(self) -> float:
+        """Return d0 of VDI 2230, the diameter of the stress area or of a thinner shank."""
+        shank = self.shank_diameter_mm if self.shank_mm else None
+        return min(self.nominal.stress_diameter_mm, shank or math.inf)
+
+    @property
+    def stressed_area_mm2(self) -> float:
+        """Return the area of the weakest section."""
+        return math.pi / 4 * self.stressed_diameter_mm**2
+
+    @property
     def head_mm(self) -> float:
         """Return the diameter of the bearing face of the head."""
         return self.head_diameter_mm or 1.46 * self.nominal.diameter_mm
