@@ -82,7 +82,9 @@ _CLASSES = {
 }
 _LARGE_8_8 = BoltStrength(830, 660, 600, 129)
 _LARGEST_SMALL_MM = 16.0
-_NAME = re.compile(r"M(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?")
+LOST_TURNS = 0.8
+"""Turns of engaged thread that carry nothing, VDI 2230 (5.6)."""
+_NAME = re.compile(r"M(\d{1,2}(?:\.\d{1,3})?)(?:x(\d(?:\.\d{1,3})?))?")
 
 
 def thread(name: str) -> Thread:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from cranktopo.base.units import MM_PER_M, MPA_PER_GPA, NMM_PER_NM
-from cranktopo.design.bolt import Bolt, strength
+from cranktopo.design.bolt import LOST_TURNS, Bolt, strength
 from cranktopo.design.material import Material
 
 BOLT_E_MPA = 205_000.0
@@ -174,12 +174,12 @@ def _over(capacity: float, use: float) -> float | None:
 def _thread_safety(bolt: Bolt, material: Material) -> float | None:
     """Return the force that strips bolt or nut thread over that which breaks the bolt in it; VDI 2230 (5.6).
 
-    None where the tensile strength of the part is not known, or no whole turn is engaged.
+    None where the tensile strength of the part is not known.
     """
     nominal, limits = bolt.nominal, strength(bolt.strength_class, bolt.nominal)
     part_MPa = material.ultimate_MPa if bolt.held_in == "tapped_hole" else limits.ultimate_MPa
-    turns = bolt.engaged_mm / nominal.pitch_mm - 0.8
-    if part_MPa is None or turns <= 0:
+    turns = bolt.engaged_mm / nominal.pitch_mm - LOST_TURNS
+    if part_MPa is None:
         return None
     flat, slope = nominal.pitch_mm / 2, math.sqrt(3)
     nut_mm2 = (nominal.diameter_mm - nominal.pitch_diameter_mm) / slope + flat
