@@ -82,7 +82,9 @@ _CLASSES = {
 }
 _LARGE_8_8 = BoltStrength(830, 660, 600, 129)
 _LARGEST_SMALL_MM = 16.0
-_NAME = re.compile(r"M(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?")
+LOST_TURNS = 0.8
+"""Turns of engaged thread that carry nothing, VDI 2230 (5.6)."""
+_NAME = re.compile(r"M(\d{1,2}(?:\.\d{1,3})?)(?:x(\d(?:\.\d{1,3})?))?")
 
 
 def thread(name: str) -> Thread:
@@ -155,6 +157,17 @@ class Bolt(SceneTable):
     def nominal(self) -> Thread:
         """Return its thread."""
         return thread(self.thread)
+
+    @property
+    def stressed_diameter_mm(self) -> float:
+        """Return d0 of VDI 2230, the diameter of the stress area or of a thinner shank."""
+        shank = self.shank_diameter_mm if self.shank_mm else None
+        return min(self.nominal.stress_diameter_mm, shank or math.inf)
+
+    @property
+    def stressed_area_mm2(self) -> float:
+        """Return the area of the weakest section."""
+        return math.pi / 4 * self.stressed_diameter_mm**2
 
     @property
     def head_mm(self) -> float:

@@ -16,7 +16,7 @@ from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod_body import RodMass, rod_mass
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.gas import gas_force_N, pressure_curve
 from cranktopo.engine.kinematics import exact_motion
 
@@ -80,7 +80,7 @@ def rod_motions(scene: Scene) -> tuple[RodMotion, ...]:
 
 
 def _motion(scene: Scene, speed_rpm: float) -> RodMotion:
-    engine, curve = engine_of(scene), pressure_curve(scene)
+    engine, curve = engine_of(scene), pressure_curve(at_speed(scene, speed_rpm))
     if curve is None:
         raise CranktopoError(
             f"{scene.name}: engine.gas is missing: the rod's forces need the pressure over the cycle.",

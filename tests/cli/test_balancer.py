@@ -57,3 +57,12 @@ def test_a_design_without_a_balancer_shaft(capsys):
     code, _, err = run(capsys, "mikron-iiic-plain")
     assert code == 3
     assert "[balancer] is missing" in err
+
+
+def test_two_bearings_at_one_place(capsys, tmp_path):
+    """Each would be told the reaction of both on the spring of one."""
+    design = tmp_path / "b.toml"
+    design.write_text(f"{TEXT}\n[[balancer.bearing]]\nz_mm = 193.0\nspring_N_per_mm = 1.0e5\n")
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert "balancer.bearing" in err

@@ -50,6 +50,8 @@ def test_a_design_without_joints_and_a_thread_that_is_none(capsys, tmp_path):
         ("member_diameter_mm = 11.0", "member_diameter_mm"),
         ("shank_mm = 31.0", "grip_mm"),
         ("shank_diameter_mm = 20.0", "shank_diameter_mm"),
+        ("engagement_mm = 2.6", "engagement_mm"),
+        ("min_force_N = 9001.0", "min_force_N"),
     ],
 )
 def test_bolts_that_cannot_be(capsys, tmp_path, line, key):
@@ -58,3 +60,25 @@ def test_bolts_that_cannot_be(capsys, tmp_path, line, key):
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert f"bolted_joint[0].{key}" in err
+
+
+def test_a_joint_that_is_only_pushed_needs_its_smallest_force(capsys, tmp_path):
+    design = tmp_path / "bolted.toml"
+    pushed = JOINT.replace("max_force_N = 9000.0", "max_force_N = -9000.0")
+    design.write_text(PLAIN + pushed)
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert "bolted_joint[0].min_force_N" in err
+    design.write_text(f"{PLAIN}{pushed}min_force_N = -10000.0\n")
+    code, out, err = run(capsys, str(design), "--json")
+    assert code == 0, err
+    assert json.loads(out)["joints"][0]["vdi_2230"]["fatigue_safety"] > 0
+
+
+@pytest.mark.parametrize("name", ["M" + 400 * "9", "M10x" + 400 * "9"])
+def test_an_endless_thread_is_one_line(capsys, tmp_path, name):
+    design = tmp_path / "bolted.toml"
+    design.write_text(PLAIN + JOINT.replace("M10", name))
+    code, _, err = run(capsys, str(design))
+    assert code == 3
+    assert "ISO 261" in err

@@ -46,6 +46,9 @@ def test_its_masses_are_those_of_the_loads(capsys):
         ("small_end_bore_mm = 24.0", "small_end_bore_mm = 39.0", "rod.small_end_diameter_mm"),
         ("shank_fillet_mm = 30.0", "shank_fillet_mm = 300.0", "rod.shank_fillet_mm"),
         ("rod_length_mm = 166.0", "rod_length_mm = 51.0", "rod.big_end_diameter_mm"),
+        ("bore_diameter_mm = 12.0", "bore_diameter_mm = 18.0", "rod.pin.bore_diameter_mm"),
+        ("boss_distance_mm = 32.0", "boss_distance_mm = 78.0", "rod.pin.length_mm"),
+        ("boss_distance_mm = 32.0", "boss_distance_mm = 27.0", "rod.small_end_width_mm"),
     ],
 )
 def test_dimensions_that_give_no_body(capsys, tmp_path, old, new, key):

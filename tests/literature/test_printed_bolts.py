@@ -126,3 +126,16 @@ def test_a_short_thread_strips_and_a_long_one_breaks_the_bolt():
     short, long = (vdi_2230(bolt(engagement_mm=e), Loads(1e3), STEEL).thread_safety for e in (4.0, 15.0))
     assert short < 1 < long
     assert strength("8.8", thread("M20")).yield_MPa == 660
+
+
+def test_a_reduced_shank_is_the_stressed_section():
+    """VDI 2230 takes d0 = d_T; Shigley's proof load is that of the weakest section as well."""
+    loads, shank = Loads(5000.0, 1000.0), math.pi / 4 * 5.5**2
+    waisted = bolt(shank_mm=20.0, shank_diameter_mm=5.5)
+    found, again = vdi_2230(waisted, loads, STEEL), shigley(waisted, loads, STEEL)
+    assert found.assembly_stress_MPa == pytest.approx(0.9 * 640, rel=2e-3)
+    assert found.amplitude_MPa == pytest.approx(found.load_factor * 2000 / shank)
+    assert again.preload_N == pytest.approx(0.75 * 580 * shank)
+    full = bolt(shank_mm=20.0, shank_diameter_mm=5.5, preload_N=43_400.0, strength_class="10.9")
+    assert vdi_2230(full, loads, STEEL).yield_safety < 940 / 1830
+    assert assembly_preload_N(bolt(shank_diameter_mm=5.5)) == assembly_preload_N(bolt())

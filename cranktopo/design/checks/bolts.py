@@ -1,21 +1,27 @@
-"""Consistency of every bolt: head over hole over thread, parts about it, shank within the grip."""
+"""Consistency of every bolt: head over hole over thread, parts about it, shank in the grip, engaged turns."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cranktopo.design.bolt import Bolt
+from cranktopo.design.bolt import LOST_TURNS, Bolt
 from cranktopo.design.schema import Scene
 
 
 def check_bolt_dimensions(scene: Scene) -> None:
     """Check that every bolt of a design can be."""
+    for number, joint in enumerate(scene.bolted_joint):
+        if joint.min_force_N > joint.max_force_N:
+            raise scene.invalid(
+                f"bolted_joint[{number}].min_force_N", f"must be at most max_force_N, {joint.max_force_N:g} N"
+            )
     for path, bolt in _bolts(scene):
         diameter = bolt.nominal.diameter_mm
         least = (
             ("hole_diameter_mm", bolt.hole_diameter_mm, diameter),
             ("member_diameter_mm", bolt.member_diameter_mm, 1.05 * bolt.hole_mm),
             ("grip_mm", bolt.grip_mm, bolt.shank_mm),
+            ("engagement_mm", bolt.engagement_mm, (LOST_TURNS + 1) * bolt.nominal.pitch_mm),
         )
         for key, value, smallest in least:
             if value is not None and value < smallest:

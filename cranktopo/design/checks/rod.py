@@ -1,13 +1,15 @@
-"""Consistency of the rod: rings with a wall, bolts in their bosses, a shank between its eyes."""
+"""Consistency of the rod: walls of rings, bolts in their bosses, a shank between its eyes, a pin."""
 
 from __future__ import annotations
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.rod import Rod
+from cranktopo.design.rod import PistonPin, Rod
 from cranktopo.design.rod_body import fillet
 from cranktopo.design.schema import Scene
 
 _LEAST_WALL_MM = 0.5
+_WIDEST_PIN_BORE = 0.8
+"""Bore over diameter of a piston pin up to which its ovalisation in closed form holds."""
 
 
 def rod_of(scene: Scene) -> tuple[Rod, float]:
@@ -30,6 +32,8 @@ def check_rod(scene: Scene) -> None:
         if getattr(rod, key) < smallest:
             raise scene.invalid(f"rod.{key}", f"must be at least {smallest:g} mm beside the other dimensions")
     _check_length(scene, rod)
+    if rod.pin is not None:
+        _check_pin(scene, rod, rod.pin)
 
 
 def least_dimensions(rod: Rod) -> list[tuple[str, float]]:
@@ -56,6 +60,19 @@ def least_dimensions(rod: Rod) -> list[tuple[str, float]]:
     if rod.shank == "H":
         least += [("shank_width_mm", 2 * rod.flange_mm), *((key, rod.web_mm) for key in heights)]
     return least
+
+
+def _check_pin(scene: Scene, rod: Rod, pin: PistonPin) -> None:
+    """Check that the pin reaches both bosses, the small end fits between them, and the pin is no shell."""
+    widest, between = _WIDEST_PIN_BORE * rod.pin_diameter_mm, pin.boss_distance_mm
+    if pin.bore_diameter_mm > widest:
+        raise scene.invalid(
+            "rod.pin.bore_diameter_mm", f"must be at most {widest:.4g} mm, 0.8 of the pin's diameter"
+        )
+    if pin.length_mm <= between:
+        raise scene.invalid("rod.pin.length_mm", f"must be above boss_distance_mm, {between:g} mm")
+    if rod.small_end_width_mm > between:
+        raise scene.invalid("rod.small_end_width_mm", f"must be at most pin.boss_distance_mm, {between:g} mm")
 
 
 def _check_length(scene: Scene, rod: Rod) -> None:

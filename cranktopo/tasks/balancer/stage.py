@@ -102,8 +102,9 @@ def _checked(scene: Scene) -> BalancerPart:
         )
     if not part.step:
         raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
-    if len({round(b.z_mm, _PLACES) for b in part.bearing if not _is_thrust(b)}) < 2:
-        raise scene.invalid("balancer.bearing", "needs two radial bearings at different places")
+    radial = [round(b.z_mm, _PLACES) for b in part.bearing if not _is_thrust(b)]
+    if len(set(radial)) < max(2, len(radial)):
+        raise scene.invalid("balancer.bearing", "needs at least two radial bearings, each at another place")
     for one in part.placed:
         if not 0 <= one.z_mm <= part.length_mm:
             raise CranktopoError(

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from cranktopo.base.units import MM_PER_M, MPA_PER_GPA, NMM_PER_NM
-from cranktopo.design.bolt import Bolt, strength
+from cranktopo.design.bolt import LOST_TURNS, Bolt, strength
 from cranktopo.design.material import Material
 
 BOLT_E_MPA = 205_000.0
@@ -73,9 +73,9 @@ def assembly_preload_N(bolt: Bolt) -> float:
     """Return the preload at which tension and torsion of tightening take the utilised share of the yield."""
     nominal = bolt.nominal
     lever = nominal.pitch_mm / (math.pi * nominal.pitch_diameter_mm) + 1.155 * bolt.thread_friction
-    torsion = 1.5 * nominal.pitch_diameter_mm / nominal.stress_diameter_mm * lever
+    torsion = 1.5 * nominal.pitch_diameter_mm / bolt.stressed_diameter_mm * lever
     limit = bolt.utilisation * strength(bolt.strength_class, nominal).yield_MPa
-    return nominal.stress_area_mm2 * limit / math.sqrt(1 + 3 * torsion**2)
+    return bolt.stressed_area_mm2 * limit / math.sqrt(1 + 3 * torsion**2)
 
 
 def tightening_torque_Nm(bolt: Bolt, preload_N: float) -> float:
@@ -98,7 +98,7 @@ class Vdi:
         needed_preload_N: largest preload that the scatter asks for, F_Mmax.
         residual_clamp_N: force left on the split under the largest load with the smallest preload.
         clamp_safety: smallest preload after settling over what load and clamp force need.
-        thread_safety: force that strips the engaged thread over that which breaks the bolt.
+        thread_safety: force that strips the engaged thread over that which breaks the bolt in its thread.
     """
 
     bolt_N_per_mm: float
@@ -125,7 +125,7 @@ class Vdi:
 
 def vdi_2230(bolt: Bolt, loads: Loads, material: Material, permitted_MPa: float | None = None) -> Vdi:
     """Return the verification of a joint by VDI 2230."""
-    nominal, limits = bolt.nominal, strength(bolt.strength_class, bolt.nominal)
+    limits, area = strength(bolt.strength_class, bolt.nominal), bolt.stressed_area_mm2
     E = material.E_GPa * MPA_PER_GPA
     own, parts = bolt_compliance_mm_per_N(bolt, E), part_compliance_mm_per_N(bolt, E)
     factor = bolt.load_introduction * parts / (own + parts)
@@ -134,13 +134,13 @@ def vdi_2230(bolt: Bolt, loads: Loads, material: Material, permitted_MPa: float 
     least = preload / bolt.tightening_factor - lost
     needed = loads.clamp_N + (1 - factor) * loads.max_N
     largest = preload + max(factor * loads.max_N, 0.0)
-    tension = largest / nominal.stress_area_mm2
-    amplitude = factor * (loads.max_N - loads.min_N) / (2 * nominal.stress_area_mm2)
-    endurance = 0.85 * (150 / nominal.diameter_mm + 45)
+    tension = largest / area
+    amplitude = factor * (loads.max_N - loads.min_N) / (2 * area)
+    endurance = 0.85 * (150 / bolt.nominal.diameter_mm + 45)
     pressure = largest / (math.pi / 4 * (bolt.head_mm**2 - bolt.hole_mm**2))
-    torsion = preload * _thread_lever_mm(bolt) / (math.pi * nominal.stress_diameter_mm**3)
+    torsion = preload * _thread_lever_mm(bolt) / (math.pi * bolt.stressed_diameter_mm**3)
     working = math.hypot(tension, math.sqrt(3) * _TORSION_LEFT * 16 * torsion)
-    assembly = math.hypot(preload / nominal.stress_area_mm2, math.sqrt(3) * 12 * torsion)  # plastic: 12
+    assembly = math.hypot(preload / area, math.sqrt(3) * 12 * torsion)  # plastic: 12
     permitted = permitted_MPa or material.ultimate_MPa or 0.0
     return Vdi(
         1 / own,
@@ -172,14 +172,14 @@ def _over(capacity: float, use: float) -> float | None:
 
 
 def _thread_safety(bolt: Bolt, material: Material) -> float | None:
-    """Return the force that strips bolt or nut thread over that which breaks the bolt; VDI 2230 (5.6).
+    """Return the force that strips bolt or nut thread over that which breaks the bolt in it; VDI 2230 (5.6).
 
-    None where the tensile strength of the part is not known, or no whole turn is engaged.
+    None where the tensile strength of the part is not known.
     """
     nominal, limits = bolt.nominal, strength(bolt.strength_class, bolt.nominal)
     part_MPa = material.ultimate_MPa if bolt.held_in == "tapped_hole" else limits.ultimate_MPa
-    turns = bolt.engaged_mm / nominal.pitch_mm - 0.8
-    if part_MPa is None or turns <= 0:
+    turns = bolt.engaged_mm / nominal.pitch_mm - LOST_TURNS
+    if part_MPa is None:
         return None
     flat, slope = nominal.pitch_mm / 2, math.sqrt(3)
     nut_mm2 = (nominal.diameter_mm - nominal.pitch_diameter_mm) / slope + flat
@@ -223,11 +223,11 @@ class Shigley:
 def shigley(bolt: Bolt, loads: Loads, material: Material) -> Shigley:
     """Return the verification of a joint by Shigley; the preload is 0.75 of the proof load, or that given."""
     nominal, limits = bolt.nominal, strength(bolt.strength_class, bolt.nominal)
-    d, area, E = nominal.diameter_mm, nominal.stress_area_mm2, material.E_GPa * MPA_PER_GPA
+    d, area, E = nominal.diameter_mm, bolt.stressed_area_mm2, material.E_GPa * MPA_PER_GPA
     in_hole = min(bolt.engaged_mm, d) / 2 if bolt.held_in == "tapped_hole" else 0.0
     grip = bolt.grip_mm + in_hole
     shank = math.pi / 4 * (bolt.shank_diameter_mm or d) ** 2
-    own = BOLT_E_MPA / (bolt.shank_mm / shank + (grip - bolt.shank_mm) / area)
+    own = BOLT_E_MPA / (bolt.shank_mm / shank + (grip - bolt.shank_mm) / nominal.stress_area_mm2)
     cone = 0.5774 * grip
     parts = 0.5774 * math.pi * E * d / (2 * math.log(5 * (cone + 0.5 * d) / (cone + 2.5 * d)))
     share = own / (own + parts)

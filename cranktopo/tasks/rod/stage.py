@@ -149,17 +149,18 @@ def _checked(
 
 
 def _eye(loaded: _Loaded, push: float, pull: float) -> Iterator[RodSectionCheck]:
-    """Yield the small end at its crown and at its worst place, both faces, with the press fit throughout."""
+    """Yield the small end at crown and worst place, both faces; between pull and push its press fit alone."""
     rod, held = loaded.rod, held_angle_rad(loaded.rod, loaded.length_mm)
     inner, outer, width = rod.small_end_bore_mm / 2, rod.small_end_diameter_mm / 2, rod.small_end_width_mm
     share, middle = bush_share(rod, loaded.material), (inner + outer) / 2
     fit = press_fit_MPa(rod, bush_pressure_MPa(rod, loaded.material))
     states = []
-    for arch, force in ((pulled_arch(held), pull), (pushed_arch(held), push)):
+    pulled = pulled_arch(held)
+    for arch, force in ((pulled, pull), (pulled, 0.0), (pushed_arch(held), push)):
         moment, normal = force * middle * arch.moment, force * arch.normal
         faces = ring_stress_MPa(inner, outer, width, moment, normal, share)
         states.append(np.stack([face + more for face, more in zip(faces, fit, strict=True)]))
-    high, low = np.maximum(*states), np.minimum(*states)
+    high, low = np.max(states, axis=0), np.min(states, axis=0)
     gradient = 2 / (outer - inner)
     area = width * (outer - inner)
     for name, points in (("eye, crown", np.s_[:, :1]), ("eye, worst", np.s_[:, :])):

@@ -9,7 +9,7 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.design.rod_body import rod_mass
-from cranktopo.engine.analysis import analyse
+from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.rod_forces import rod_bolt_force_N, rod_motions
 from cranktopo.tasks.rod.eye import bush_pressure_MPa, bush_share, press_fit_MPa, pulled_arch, pushed_arch
 from cranktopo.tasks.rod.pin import check_pin
@@ -133,3 +133,26 @@ def test_more_material_is_safer(key):
     gained = [b.yield_safety - a.yield_safety for a, b in zip(before.sections, after.sections, strict=True)]
     assert max(gained) > 0.02
     assert after.masses.total_kg > before.masses.total_kg
+
+
+def test_gas_at_overspeed_is_that_of_its_speed():
+    low, high = (
+        {"rpm": rpm, "peak_pressure_MPa": peak, "peak_angle_deg": 11.0}
+        for rpm, peak in ((2100.0, 5.16), (2800.0, 6.5))
+    )
+    gas = SCENE.engine.gas.model_dump(exclude_none=True, exclude={"peak_pressure_MPa", "peak_angle_deg"})
+    mapped = with_values(SCENE, {"engine.gas": {**gas, "map": [low, high]}})
+    rated, fast = rod_motions(mapped)
+    assert rated.gas_N == pytest.approx(rod_motions(SCENE)[0].gas_N)
+    assert fast.gas_N == pytest.approx(rod_motions(at_speed(mapped, 2800.0))[0].gas_N)
+    assert fast.gas_N.max() > 1.2 * rated.gas_N.max()
+
+
+def test_between_pull_and_push_the_eye_has_its_press_fit_alone():
+    """The bore at the crown is stretched by pull and push alike: a larger pull leaves its swing as it is."""
+    fitted = with_values(SCENE, {"rod.bush_interference_um": 40.0})
+    slow = with_values(fitted, {"engine.overspeed_rpm": 2200.0})
+    (crown, *_), (slower, *_) = (check_rod_strength(scene).sections for scene in (fitted, slow))
+    assert crown.push_N == slower.push_N
+    assert crown.pull_N > 1.5 * slower.pull_N
+    assert crown.fatigue_safety == pytest.approx(slower.fatigue_safety)
