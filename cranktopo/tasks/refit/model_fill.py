@@ -208,11 +208,15 @@ class MovedFillet:
 
     def inside_mm(self, axes: Axes) -> Array:
         """Return signed distance of cells where the arc bounds the web, (nx, ny, nz), mm; -inf elsewhere."""
-        x, y = axes[0][:, None], axes[1][None, :]
-        off = self.circle.off_mm(x, y)
-        flat = np.minimum(np.minimum(off, _DEPTH * self._radius_mm - off), self.sector.below_rim_mm(x, y))
-        flat = np.where(self.circle.behind(x, y), flat, -np.inf)[:, :, None]
-        return np.minimum(flat, _between_mm(self.scene, self.sector, axes[2]))
+        return self.at_mm(axes[0][:, None, None], axes[1][None, :, None], axes[2])
+
+    def at_mm(self, x_mm: Array, y_mm: Array, z_mm: Array) -> Array:
+        """Return the same of points, broadcastable."""
+        off = self.circle.off_mm(x_mm, y_mm)
+        below_rim = self.sector.below_rim_mm(x_mm, y_mm)
+        flat = np.minimum(np.minimum(off, _DEPTH * self._radius_mm - off), below_rim)
+        flat = np.where(self.circle.behind(x_mm, y_mm), flat, -np.inf)
+        return np.minimum(flat, _between_mm(self.scene, self.sector, z_mm))
 
     def vjp(self, axes: Axes, weight: Array) -> Array:
         """Return derivative of sum(weight * inside_mm) by the parameters, where the arc is the nearest."""

@@ -272,4 +272,4 @@ class ParametricWeb:
         if self._zones is None:
             return [*parts, *sizes]
         named = list(named_parts(self.layout.parts, self._parts(values)))
-        return [*parts, *sizes, *zone_rules(self._zones, scene, points, named)]
+        return [*parts, *sizes, *zone_rules(self._zones, scene, points, named, self.fillet(values))]

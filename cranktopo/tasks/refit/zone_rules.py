@@ -18,6 +18,7 @@ from cranktopo.bodies.envelope_file import envelope_bounds_mm
 from cranktopo.bodies.zones import frozen_at, own_section, staying_at, zone_heights_mm
 from cranktopo.design.halves import has_zones
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.refit.model_fill import MovedFillet
 from cranktopo.throw.counterweight.holes import RadialHole
 from cranktopo.throw.feature import Mask
 from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
@@ -97,16 +98,22 @@ def _some_of(held: Mask) -> Mask:
 
 
 def zone_rules(
-    own: ZonePoints, scene: Scene, outline_mm: Array, named: Sequence[tuple[FittedFeature, Named]]
+    own: ZonePoints,
+    scene: Scene,
+    outline_mm: Array,
+    named: Sequence[tuple[FittedFeature, Named]],
+    fillet: MovedFillet | None,
 ) -> Iterator[Rule]:
     """Yield the rules, mm: outline with counterweight, each feature, each bore, and what stays empty.
 
     Args:
         outline_mm: points (n, 2) of the outline's right half, upward.
+        fillet: the counterweight's.
     """
     if own.solid.size:
         edge = "outline" if scene.web.counterweight is None else "outline or counterweight"
-        yield f"{_KEEPS} {edge}", CLEAR_MM - float(_inside_outline(scene, outline_mm, own.solid).min())
+        inside = _inside_outline(scene, outline_mm, fillet, own.solid)
+        yield f"{_KEEPS} {edge}", CLEAR_MM - float(inside.min())
         for part, values in named:
             away = _outside_part(part, values, outline_mm, scene, own.solid)
             yield f"{_KEEPS} {part.title}", CLEAR_MM - float(away.min())
@@ -115,12 +122,13 @@ def zone_rules(
             yield f"{_KEEPS} holes from the rim", CLEAR_MM - float(_outside_holes(holes, own.solid).min())
     if own.empty.size:
         parts = (_outside_part(part, values, outline_mm, scene, own.empty) for part, values in named)
-        fields = [_inside_outline(scene, outline_mm, own.empty), _outside_bores(scene, own.empty), *parts]
+        inside = _inside_outline(scene, outline_mm, fillet, own.empty)
+        fields = [inside, _outside_bores(scene, own.empty), *parts]
         yield _EMPTY, CLEAR_MM + float(np.min(fields, axis=0).max())
 
 
-def _inside_outline(scene: Scene, outline_mm: Array, at: Array) -> Array:
-    """Return how far points lie inside the outline, across the throw, or inside the counterweight."""
+def _inside_outline(scene: Scene, outline_mm: Array, fillet: MovedFillet | None, at: Array) -> Array:
+    """Return how far points lie inside the outline, across the throw, or the counterweight, its fillet."""
     (x, y), (low, high) = outline_mm.T, (outline_mm[0, 1], outline_mm[-1, 1])
     inside = np.minimum(np.interp(at[1], y, x) - at[0], np.minimum(at[1] - low, high - at[1]))
     weight = scene.web.counterweight
@@ -128,7 +136,7 @@ def _inside_outline(scene: Scene, outline_mm: Array, at: Array) -> Array:
         sector = weight.sector(scene)
         beside = (at[2] <= sector.z_mm[0]) | (at[2] >= sector.z_mm[1])
         inside = np.maximum(inside, np.where(beside, -np.inf, sector.inside_mm(at[0], at[1])))
-    return np.asarray(inside)
+    return np.asarray(inside if fillet is None else np.maximum(inside, fillet.at_mm(*at)))
 
 
 def _outside_part(part: FittedFeature, values: Named, outline_mm: Array, scene: Scene, at: Array) -> Array:

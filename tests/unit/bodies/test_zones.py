@@ -215,6 +215,13 @@ def test_the_hole_of_a_plug_in_a_frozen_zone_stays_empty_as_it_is(axis: str, y_m
     assert not broken(diesel(LOW_CYLINDER, plug=[plug]))
 
 
+def test_the_fillet_of_a_counterweight_in_a_frozen_zone_stays_as_it_is() -> None:
+    corner = {"shape": "box", "x_min_mm": -50.0, "x_max_mm": 50.0, "y_min_mm": -34.0, "y_max_mm": -5.0}
+    scene = diesel(corner, fillet_mm=10.0)
+    assert not broken(scene)
+    assert any("cut by the outline" in name for name in broken(scene, counterweight_angle=-3.0))
+
+
 def test_a_balancing_hole_moves_with_the_rim_but_into_no_zone() -> None:
     """Its floor, 14 mm below the rim, comes 10 mm nearer to the crank axis."""
     zone = {**LOW_CYLINDER, "y_mm": -42.0}
