@@ -45,6 +45,7 @@ def test_a_drag_moves_numbers_and_picture(bench: Any, tmp_path: Path) -> None:
     assert len(list((tmp_path / "bench").glob("*/0002.toml"))) == 1, "each step is a file"
 
 
+@pytest.mark.slow
 def test_a_limit_is_dragged_and_the_section_is_seen(bench: Any) -> None:
     seen = bench("mikron-iiic-plain")
     page = seen.page

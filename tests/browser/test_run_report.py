@@ -98,6 +98,7 @@ def test_the_front_view_is_that_of_a_drawing(visit: Any, run: Path) -> None:
     assert 0.002 < edge.sum() / solid.sum() < 0.05
 
 
+@pytest.mark.slow
 def test_keys_turn_zoom_and_reset(visit: Any, run: Path) -> None:
     seen = visit(run / "report.html")
     start = seen.picture()
@@ -157,6 +158,7 @@ def test_slider_shows_every_iteration_by_keyboard(visit: Any, run: Path, metrics
     np.testing.assert_array_equal(seen.picture(), final)
 
 
+@pytest.mark.slow
 def test_play_runs_to_the_final_surface(visit: Any, run: Path) -> None:
     seen = visit(run / "report.html")
     # All texts, because on a busy machine the first is gone before it can be asked for.

@@ -71,6 +71,7 @@ def test_colours_follow_the_stress(visit: Any, page: Path) -> None:
     assert seen.complaints == []
 
 
+@pytest.mark.slow
 def test_steps_show_densities(visit: Any, page: Path) -> None:
     """Only the final surface has stresses: a step takes the choice away, the end gives it back."""
     seen = visit(page)

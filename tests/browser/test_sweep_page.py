@@ -187,6 +187,7 @@ def test_plots_and_table_show_the_points(opened: Any, record: SweepResult) -> No
     assert reached == sorted(reached, reverse=True), "the front goes up with the mass"
 
 
+@pytest.mark.slow
 def test_filter_sort_and_hover_are_linked_and_quick(opened: Any, record: SweepResult) -> None:
     page = opened()
     names = page.evaluate(
@@ -242,6 +243,7 @@ def test_the_web_under_the_cursor_is_drawn_at_once(opened: Any) -> None:
     assert widths[1] / widths[0] == pytest.approx(WIDE_MM / NARROW_MM, rel=0.03)
 
 
+@pytest.mark.slow
 def test_keys_and_rows_lead_to_the_web(opened: Any, record: SweepResult) -> None:
     page, rows = opened(), record.points
     page.locator("[data-scatter]").focus()
@@ -260,6 +262,7 @@ def test_keys_and_rows_lead_to_the_web(opened: Any, record: SweepResult) -> None
     assert page.locator("[data-web-of]").inner_text() == "original web"
 
 
+@pytest.mark.slow
 def test_a_touch_shows_the_web(opened: Any) -> None:
     page = opened(viewport={"width": 390, "height": 780}, has_touch=True)
     dot = page.locator("[data-scatter] circle[data-i='12']")
@@ -281,6 +284,7 @@ def test_a_page_without_room_keeps_the_webs_of_picks_and_front(record: SweepResu
     assert 'id="viewer"' not in sweep_html(record, {})
 
 
+@pytest.mark.slow
 def test_a_range_is_dragged_along_an_axis(opened: Any) -> None:
     page = opened()
     page.locator("#coordinates").scroll_into_view_if_needed()

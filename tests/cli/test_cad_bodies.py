@@ -175,6 +175,7 @@ def test_what_fatigue_needs_of_a_body(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_shaft_of_a_body_is_that_of_its_design(
     step_of: Callable[..., Path], mikron: Scene, capsys: Capture
 ) -> None:

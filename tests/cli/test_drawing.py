@@ -98,6 +98,7 @@ def test_export_writes_it(ending: str, tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["export", "mikron-iiic-plain", str(tmp_path / "drawing.dwg")]) == 2
 
 
+@pytest.mark.slow
 def test_halves_that_differ_have_a_sheet_each() -> None:
     """The second pocket, at x = +9 of the throw, is at x = -9 of its sheet, in the solid and as a stroke."""
     scene = lopsided()

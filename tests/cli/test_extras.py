@@ -42,7 +42,13 @@ def without_extras(folder: Path, *words: str) -> subprocess.CompletedProcess[str
         (SWEEP, "sweep", "cryptography", "sweep"),
         (["sweep", "--resume", "any"], "sweep", "cryptography", "sweep"),
         (["fatigue", "--method", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
-        ([*COMPARE, "--fatigue", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
+        pytest.param(
+            [*COMPARE, "--fatigue", "fkm"],
+            "fatigue by method 'fkm'",
+            "pandas",
+            "fatigue",
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["sweep", "resume", "fatigue", "compare"],
 )

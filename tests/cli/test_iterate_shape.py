@@ -32,6 +32,7 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> ShapeStandIn:
     return found
 
 
+@pytest.mark.slow
 def test_a_loop_interrupted_in_its_last_step_goes_on_there(
     stand_in: ShapeStandIn, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

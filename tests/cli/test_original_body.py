@@ -76,6 +76,7 @@ def test_the_first_step_of_a_loop_is_the_body(
     assert (half[:, 2].min(), half[:, 2].max()) == (0.0, mikron.pitch_mm / 2)
 
 
+@pytest.mark.slow
 def test_a_goal_is_measured_against_the_body_without_its_fillets(
     body_of: Callable[..., Path], mikron: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

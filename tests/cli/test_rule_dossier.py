@@ -67,6 +67,7 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_solve")
 def test_the_dossier_of_two_webs_has_both(tmp_path: Path) -> None:
     path, scene = tmp_path / "dossier.md", tmp_path / "two.toml"

@@ -5,9 +5,12 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 _PROGRAM = """
 import os, threading
 import jax
+
 from cranktopo.numerics.grid.multigrid import build_hierarchy
 from cranktopo.numerics.precision import double_precision
 from tests.studies.parts import lopsided
@@ -27,6 +30,7 @@ os._exit(sum(thread.is_alive() for thread in threads))
 """
 
 
+@pytest.mark.slow
 def test_hierarchies_of_two_threads() -> None:
     """jaxlib 0.10.2 hangs here where the coarsest matrices of both load cases are factorised side by side."""
     done = subprocess.run([sys.executable, "-c", _PROGRAM], check=False)

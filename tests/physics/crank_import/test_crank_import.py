@@ -86,6 +86,7 @@ def test_a_whole_crank_with_bevels(tmp_path: Path) -> None:
     assert "8  obround" in " ".join(import_text(result).split("\n")).replace("   ", "  ")
 
 
+@pytest.mark.slow
 def test_a_half_throw_with_a_counterweight(tmp_path: Path) -> None:
     scene = load_scene("car-diesel")
     export_solid(scene, "half", tmp_path / "body.step")
@@ -156,6 +157,7 @@ def test_end_journals_are_what_the_user_says(tmp_path: Path, ends: Any, length: 
     assert result.halves[0].dimensions_mm["throw.main_journal.length_mm"] == pytest.approx(length)
 
 
+@pytest.mark.slow
 def test_the_design_has_the_name_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

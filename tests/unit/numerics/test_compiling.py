@@ -128,6 +128,7 @@ def compiled(names: list[str]) -> Iterator[None]:
         logger.removeHandler(handler)
 
 
+@pytest.mark.slow
 def test_the_memory_of_compilers_is_given_back() -> None:
     """Some 300 MiB for the programs of a solve, of which the allocator would keep most."""
     here = os.environ | {"JAX_ENABLE_COMPILATION_CACHE": "false"}

@@ -213,6 +213,7 @@ except KeyboardInterrupt:
 """
 
 
+@pytest.mark.slow
 def test_a_native_module_begins_before_the_end() -> None:
     """jaxlib ended by signal 11 where Ctrl-C fell into its beginning."""
     done = subprocess.run([sys.executable, "-c", _BEGINNING], capture_output=True, text=True, check=True)

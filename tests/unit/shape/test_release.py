@@ -38,7 +38,7 @@ def looked_at(scene: Scene) -> ShapedUndercuts:
     ("pocket", "process", "released"),
     [
         (BOX, {"process": "forged"}, False),
-        (BOX, {"process": "forged", "parting": "web_faces"}, True),
+        pytest.param(BOX, {"process": "forged", "parting": "web_faces"}, True, marks=pytest.mark.slow),
         pytest.param(SIDE, {"process": "forged"}, True, marks=pytest.mark.slow),
         (SIDE, {"process": "cast", "parting": "web_faces"}, False),
         pytest.param(SIDE, {"process": "milled"}, True, marks=pytest.mark.slow),

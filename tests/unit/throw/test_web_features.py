@@ -96,6 +96,7 @@ def test_solid_cells_and_sections_agree(mikron: Scene, features: dict[str, Any],
     assert 2 * float((domain.web * domain.volume_mm3).sum()) == pytest.approx(volume, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_cells_put_the_bevel_on_its_own_face(mikron: Scene) -> None:
     """A bevel on the journal face at the pin's end: cells there are empty near that face only."""
     scene = scene_with_web(mikron, table(bevel=[{**PLANE, "y_mm": 50.0, "depth_mm": 14.0}]))
