@@ -1,4 +1,4 @@
-"""What of a web stays as it is in frozen zones, and outside those where alone material may be removed."""
+"""Parts of a web that stay as they are: in frozen zones, and outside those to remove material from."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SIDES = 256
 _FAR_MM = 1e3
 """Over the throw's radius: beyond every web."""
 _BEYOND_MM = 1.0
-"""How far a zone where material may be removed goes on beyond the web's faces."""
+"""Length by which a zone where material may be removed goes on beyond the web's faces."""
 
 
 def frozen_at(scene: Scene, z_mm: float) -> list[Section]:

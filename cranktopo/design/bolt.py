@@ -129,7 +129,7 @@ class Bolt(SceneTable):
     shank_diameter_mm: Length | None = Field(default=None, examples=[8.0])
     """Diameter of the shank; by default that of the thread."""
     held_in: Literal["tapped_hole", "nut"] = "tapped_hole"
-    """What the thread is screwed into; `nut` is a through bolt."""
+    """Part that the thread is screwed into; `nut` is a through bolt."""
     engagement_mm: Length | None = Field(default=None, examples=[15.0])
     """Length of engaged thread; by default 1.5 diameters in a tapped hole, 0.8 in a nut."""
     head_diameter_mm: Length | None = Field(default=None, examples=[15.0])
@@ -157,6 +157,11 @@ class Bolt(SceneTable):
     def nominal(self) -> Thread:
         """Return its thread."""
         return thread(self.thread)
+
+    @property
+    def shank_area_mm2(self) -> float:
+        """Return the area of the shank."""
+        return math.pi / 4 * (self.shank_diameter_mm or self.nominal.diameter_mm) ** 2
 
     @property
     def stressed_diameter_mm(self) -> float:

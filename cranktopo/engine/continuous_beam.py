@@ -6,14 +6,11 @@ direction, with its pin force in the middle; Euler-Bernoulli, two unknowns a nod
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.halves import halves
@@ -21,13 +18,11 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.forces import throw_forces
+from cranktopo.engine.forces import by_cylinder, by_throw, throw_forces
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.histories import every_degree
-from cranktopo.engine.kinematics import phase_shift
 from cranktopo.engine.throw_compliance import throw_compliance
-
-Complex = NDArray[np.complex128]
+from cranktopo.numerics.stepped_beam import Beam, Complex, bend
 
 
 @dataclass(frozen=True)
@@ -63,16 +58,9 @@ def _pin_forces_N(scene: Scene) -> Complex:
     engine, curve = engine_of(scene), pressure_curve(scene)
     assert curve is not None
     rod = throw_forces(engine, scene.throw.radius_mm, curve, throw_balance(scene), engine.speed_rpm)
-    one = rod.tangential_force_N - 1j * rod.web_force_N
-    fires = engine.firing_angles_deg
-    every = np.array(
-        [
-            phase_shift(one.real, curve.angle_deg, at, engine.cycle_deg)
-            + 1j * phase_shift(one.imag, curve.angle_deg, at, engine.cycle_deg)
-            for at in fires
-        ]
-    )[:, :: every_degree(curve.angle_deg)]
-    return np.asarray(every.reshape(-1, engine.throws, every.shape[1]).sum(axis=0))
+    one: Complex = rod.tangential_force_N - 1j * rod.web_force_N
+    every = by_cylinder(one, curve.angle_deg, engine.firing_angles_deg, engine.cycle_deg)
+    return by_throw(every[:, :: every_degree(curve.angle_deg)], engine.throws)
 
 
 def _web_moments(
@@ -85,29 +73,12 @@ def _web_moments(
 ) -> Complex:
     """Bending moment in the middle of both webs of every throw, (throws, 2, states)."""
     count, half = len(force_N), pitch_mm / 2
-    bar = _bar(stiffness, half)
-    unknowns = 2 * (2 * count + 1)
-    matrix, load = np.zeros((unknowns, unknowns)), np.zeros((unknowns, force_N.shape[1]), dtype=complex)
-    for element in range(2 * count):
-        own = slice(2 * element, 2 * element + 4)
-        matrix[own, own] += bar
-    load[2::4] = force_N
-    sections = [4 * number for number in borne]
-    free = np.setdiff1d(np.arange(unknowns), sections if spring is None else [])
-    if spring is not None:
-        matrix[sections, sections] += spring
-    moved = np.zeros_like(load)
-    moved[free] = np.linalg.solve(matrix[np.ix_(free, free)], load[free])
-    found = np.empty((count, 2, force_N.shape[1]), dtype=complex)
-    for throw in range(count):
-        near, far = (bar @ moved[4 * throw + shift : 4 * throw + shift + 4] for shift in (0, 2))
-        found[throw, 0] = near[0] * arms_mm[0] - near[1]
-        found[throw, 1] = far[2] * arms_mm[1] + far[3]
-    return found
-
-
-def _bar(stiffness: float, length: float) -> Array:
-    """Stiffness of a beam over deflection and slope of both ends."""
-    a, b, c, d = 12.0, 6 * length, 4 * length**2, 2 * length**2
-    form = np.array([[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]])
-    return np.asarray(stiffness / math.pow(length, 3) * form)
+    spans = np.full(2 * count, stiffness)
+    beam = Beam(half * np.arange(2.0 * count + 1), spans, np.full_like(spans, np.inf))
+    load = np.zeros((2 * count + 1, force_N.shape[1]), dtype=complex)
+    load[1::2] = force_N
+    bent = bend(beam, {2 * section: spring for section in borne}, load, np.zeros_like(load))
+    pin = bent.before_Nmm[1::2]
+    ends = bent.after_Nmm[:-1:2], bent.before_Nmm[2::2]
+    webs = [end + (pin - end) * arm / half for end, arm in zip(ends, arms_mm, strict=True)]
+    return np.stack(webs, axis=1)

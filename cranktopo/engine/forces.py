@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance
 from cranktopo.engine.gas import PressureCurve, gas_force_N
-from cranktopo.engine.kinematics import exact_motion, force_ratios, phase_shift
+from cranktopo.engine.kinematics import Curve, exact_motion, force_ratios, phase_shift
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,18 @@ def shaft_torque(
         rod_torque_Nm: torque of one rod at even angles after its own firing dead centre.
         firing_deg: crank angle at which each cylinder fires; cylinder 1, at the free end, first.
     """
-    single = np.array([phase_shift(rod_torque_Nm, angle_deg, fires, cycle_deg) for fires in firing_deg])
-    by_throw = single.reshape(-1, throws, len(angle_deg)).sum(axis=0)
-    return ShaftTorque(angle_deg, np.cumsum(by_throw, axis=0))
+    single = by_cylinder(rod_torque_Nm, angle_deg, firing_deg, cycle_deg)
+    return ShaftTorque(angle_deg, np.cumsum(by_throw(single, throws), axis=0))
+
+
+def by_cylinder(curve: Curve, angle_deg: Array, firing_deg: Sequence[float], cycle_deg: float) -> Curve:
+    """Return a curve after firing dead centre as each cylinder has it, (cylinders, angles)."""
+    return np.array([phase_shift(curve, angle_deg, fires, cycle_deg) for fires in firing_deg])
+
+
+def by_throw(curves: Curve, throws: int) -> Curve:
+    """Return the sum of the cylinders on each throw, (throws, angles); one bank stands after the other."""
+    return np.asarray(curves.reshape(-1, throws, curves.shape[1]).sum(axis=0))
 
 
 INERTIA_EFFECTS = frozenset({"reciprocating_inertia", "rotating_rod_mass"})

@@ -20,7 +20,7 @@ from cranktopo.base.notes import at_work
 
 _TRIANGLE = 2
 _ADDRESSES_MIB = 300.0
-"""What its library and a small model take; where they cannot be had, it may end the process."""
+"""Memory of its library and a small model; where it cannot be had, it may end the process."""
 _RESET = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM)
 _SIGACTION = 512
 """Bytes that hold a `struct sigaction` of any platform."""

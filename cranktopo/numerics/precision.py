@@ -20,7 +20,7 @@ from cranktopo.base.notes import note
 Precision = Literal["float32", "float64"]
 
 _XLA_ADDRESSES_MIB = 1400.0
-"""What XLA takes beside its threads (1000 to 1250 measured); where it cannot be had, it aborts."""
+"""Memory of XLA beside its threads (1000 to 1250 measured); where it cannot be had, it aborts."""
 _FOLDER_SETTING, _KEEPING = "jax_compilation_cache_dir", "jax_enable_compilation_cache"
 
 

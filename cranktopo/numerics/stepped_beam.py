@@ -1,4 +1,4 @@
-"""A straight beam of round steps on springs: shear-flexible elements that are exact between nodes.
+"""A straight beam of steps on springs: shear-flexible elements that are exact between nodes.
 
 Loads, deflections and moments are complex: the real part is one plane through the axis, the imaginary part
 the plane across it. A round beam bends alike in both.
@@ -19,42 +19,40 @@ Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
-class RoundBeam:
-    """Nodes along a beam and the hollow round section between neighbours.
+class Beam:
+    """Nodes along a beam and the stiffness between neighbours.
 
     Attributes:
         z_mm: nodes, increasing, shape (n,).
-        outer_mm, inner_mm: diameters between them, shape (n - 1,).
+        bending_Nmm2: E I of each step, shape (n - 1,).
+        shear_N: shear stiffness of each step, shape (n - 1,); infinite where shear does not count.
     """
 
     z_mm: Array
-    outer_mm: Array
-    inner_mm: Array
-    E_MPa: float
-    poisson: float
+    bending_Nmm2: Array
+    shear_N: Array
 
-    @property
-    def bending_Nmm2(self) -> Array:
-        """Return E I of each step."""
-        return self.E_MPa * math.pi / 64 * (self.outer_mm**4 - self.inner_mm**4)
 
-    @property
-    def shear_N(self) -> Array:
-        """Return the shear stiffness of each step, G A with Cowper's factor of a hollow circle."""
-        nu, m2 = self.poisson, (self.inner_mm / self.outer_mm) ** 2
-        wide = (1 + m2) ** 2
-        factor = 6 * (1 + nu) * wide / ((7 + 6 * nu) * wide + (20 + 12 * nu) * m2)
-        area = math.pi / 4 * (self.outer_mm**2 - self.inner_mm**2)
-        return np.asarray(factor * area * self.E_MPa / (2 * (1 + nu)))
+def round_beam(z_mm: Array, outer_mm: Array, inner_mm: Array, E_MPa: float, poisson: float) -> Beam:
+    """Return a beam of hollow round steps by their diameters (n - 1,).
+
+    Its shear stiffness is G A with Cowper's factor of a hollow circle.
+    """
+    nu, m2 = poisson, (inner_mm / outer_mm) ** 2
+    wide = (1 + m2) ** 2
+    factor = 6 * (1 + nu) * wide / ((7 + 6 * nu) * wide + (20 + 12 * nu) * m2)
+    area = math.pi / 4 * (outer_mm**2 - inner_mm**2)
+    bending = E_MPa * math.pi / 64 * (outer_mm**4 - inner_mm**4)
+    return Beam(z_mm, bending, factor * area * E_MPa / (2 * (1 + nu)))
 
 
 @dataclass(frozen=True)
 class BentBeam:
-    """A loaded beam.
+    """A loaded beam, of the same shape as its loads.
 
     Attributes:
-        deflection_mm, slope_rad: at the nodes, (n,).
-        before_Nmm, after_Nmm: bending moment on both sides of each node, (n,); ends have one side.
+        deflection_mm, slope_rad: at the nodes.
+        before_Nmm, after_Nmm: bending moment on both sides of each node; ends have one side.
         reaction_N: force of each support on the beam, by its node.
     """
 
@@ -62,7 +60,7 @@ class BentBeam:
     slope_rad: Complex
     before_Nmm: Complex
     after_Nmm: Complex
-    reaction_N: dict[int, complex]
+    reaction_N: dict[int, Complex]
 
     @property
     def moment_Nmm(self) -> Complex:
@@ -71,10 +69,8 @@ class BentBeam:
         return np.where(larger, self.before_Nmm, self.after_Nmm)
 
 
-def bend(
-    beam: RoundBeam, supports: Mapping[int, float | None], force_N: Complex, couple_Nmm: Complex
-) -> BentBeam:
-    """Return a beam under forces and couples at its nodes.
+def bend(beam: Beam, supports: Mapping[int, float | None], force_N: Complex, couple_Nmm: Complex) -> BentBeam:
+    """Return a beam under forces and couples at its nodes, (n,) or of several states, (n, states).
 
     Args:
         supports: by node, the stiffness of each support in N/mm; None is rigid.
@@ -84,30 +80,24 @@ def bend(
         numpy.linalg.LinAlgError: the supports do not hold the beam.
     """
     count = len(beam.z_mm)
-    parts = [_element(*values) for values in _steps(beam)]
+    steps = zip(np.diff(beam.z_mm), beam.bending_Nmm2, beam.shear_N, strict=True)
+    parts = [_element(*map(float, step)) for step in steps]
     stiffness = np.zeros((2 * count, 2 * count))
     for first, part in enumerate(parts):
         stiffness[2 * first : 2 * first + 4, 2 * first : 2 * first + 4] += part
-    load = np.stack([force_N, couple_Nmm], axis=1).ravel().astype(complex)
+    load = np.stack([force_N, couple_Nmm], axis=1).reshape(2 * count, *force_N.shape[1:]).astype(complex)
     held = stiffness.copy()
     for node, spring in supports.items():
         held[2 * node, 2 * node] += spring or 0.0
     fixed = {2 * node for node, spring in supports.items() if spring is None}
     free = [dof for dof in range(2 * count) if dof not in fixed]
-    moved = np.zeros(2 * count, dtype=complex)
+    moved = np.zeros_like(load)
     moved[free] = np.linalg.solve(held[np.ix_(free, free)], load[free])
     ends = np.array([part @ moved[2 * n : 2 * n + 4] for n, part in enumerate(parts)])
-    before = np.append(0j, ends[:, 3])
-    after = np.append(-ends[:, 1], 0j)
+    nothing = np.zeros_like(ends[:1, 0])
+    before, after = np.concatenate([nothing, ends[:, 3]]), np.concatenate([-ends[:, 1], nothing])
     unmet = stiffness @ moved - load
-    return BentBeam(
-        moved[::2], moved[1::2], before, after, {node: complex(unmet[2 * node]) for node in supports}
-    )
-
-
-def _steps(beam: RoundBeam) -> list[tuple[float, float, float]]:
-    lengths = np.diff(beam.z_mm)
-    return [tuple(map(float, step)) for step in zip(lengths, beam.bending_Nmm2, beam.shear_N, strict=True)]  # type: ignore[misc]
+    return BentBeam(moved[::2], moved[1::2], before, after, {node: unmet[2 * node] for node in supports})
 
 
 def _element(length: float, bending: float, shear: float) -> Array:

@@ -19,11 +19,11 @@ from cranktopo.base.table import Length, Place, SceneTable
 
 class _Zone(SceneTable):
     z_min_mm: Place | None = Field(default=None, examples=[27.0])
-    """Where it begins along the crank axis, from the middle of the main journal; left out: at the web's
+    """Place along the crank axis where it begins, from the middle of the main journal; left out: at the web's
     journal face."""
     z_max_mm: Place | None = Field(default=None, examples=[35.0])
-    """Where it ends along the crank axis, from the middle of the main journal; left out: at the web's pin
-    face."""
+    """Place along the crank axis where it ends, from the middle of the main journal; left out: at the web's
+    pin face."""
 
     @property
     def z_mm(self) -> tuple[float, float]:
@@ -35,10 +35,6 @@ class _Zone(SceneTable):
     def body_file(self) -> Path | None:
         """Body that it is; the others have one section and say themselves what it is."""
         return None
-
-    @abstractmethod
-    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        """Lateral intervals of its section within its heights, at places along the throw, mm."""
 
     @abstractmethod
     def mirrored(self) -> Self:
@@ -64,8 +60,8 @@ class BoxZone(_Zone):
     y_max_mm: Place = Field(examples=[30.0])
     """Upper end along the throw."""
 
-    @override
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        """Lateral intervals of its section within its heights, at places along the throw, mm."""
         inside = (y_mm >= self.y_min_mm) & (y_mm <= self.y_max_mm)
         start = np.full(inside.shape, self.x_min_mm)
         return [(start, np.where(inside, self.x_max_mm, start))]
@@ -93,8 +89,8 @@ class CylinderZone(_Zone):
     diameter_mm: Length = Field(examples=[20.0])
     """Diameter."""
 
-    @override
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        """Lateral intervals of its section within its heights, at places along the throw, mm."""
         ((left, right),) = disc_section(self.diameter_mm / 2, self.y_mm)(y_mm, z_mm)
         return [(self.x_mm + left, self.x_mm + right)]
 
@@ -116,10 +112,6 @@ class BodyZone(_Zone):
     @override
     def body_file(self) -> Path:
         return Path(self.file)
-
-    @override
-    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
-        raise NotImplementedError
 
     @override
     def mirrored(self) -> Self:

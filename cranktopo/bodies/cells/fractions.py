@@ -148,7 +148,7 @@ _ALL = -math.inf, math.inf
 
 @dataclass(frozen=True)
 class _Tool:
-    """What is drilled out of the cells, with the wall around it that stays, and boxes around either."""
+    """A hole to drill out of the cells, with the wall around it that stays, and boxes around either."""
 
     hole: Section
     wall: Section

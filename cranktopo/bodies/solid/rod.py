@@ -85,7 +85,7 @@ def _prism(occ: Any, face: int, width: float) -> DimTags:
 
 
 def _pockets(occ: Any, rod: Rod, length: float) -> DimTags:
-    """What the section of the shank leaves out on both sides; it runs into both eyes."""
+    """Bodies that the section of the shank leaves out on both sides; they run into both eyes."""
     if rod.shank == "H":
         deep = rod.shank_width_mm - 2 * rod.flange_mm
         wide = rod.boss_width_mm + rod.big_end_diameter_mm

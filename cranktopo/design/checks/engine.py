@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.engine import Arrangement, BalancerShaft, Engine, Gas
@@ -265,12 +264,12 @@ def _check_map(scene: Scene, gas: Gas) -> None:
             "engine.gas: a map over speed and a single curve are both given.",
             hint="Keep [[engine.gas.map]], or indicator_csv, or the peak.",
         )
-    for index, (before, at) in enumerate(pairwise((None, *gas.map))):
+    before = 0.0
+    for index, at in enumerate(gas.map):
         key = f"engine.gas.map[{index}]"
-        if at is None:
-            continue
-        if before is not None and at.rpm <= before.rpm:
-            raise scene.invalid(f"{key}.rpm", f"must be above the {before.rpm:g} rpm before it")
+        if at.rpm <= before:
+            raise scene.invalid(f"{key}.rpm", f"must be above the {before:g} rpm before it")
+        before = at.rpm
         peak = at.peak_pressure_MPa, at.peak_angle_deg
         if peak != (None, None) if at.file is not None else None in peak:
             raise CranktopoError(

@@ -10,7 +10,7 @@ from cranktopo.engine.plan.cost import Cost
 from cranktopo.engine.plan.effect import Estimate
 
 _BEAM_ERROR = 0.05
-"""What the beam may be off from the elements: 0.03 on three engines and four bearings."""
+"""Allowed error of the beam; 0.03 was found beside elements, on three engines and four bearings."""
 
 
 def continuous_shaft(context: PlanningContext) -> Estimate:
@@ -38,7 +38,7 @@ def continuous_shaft(context: PlanningContext) -> Estimate:
 
 
 def _absent(scene: Scene) -> str:
-    """Why nothing can be told of the shaft; empty when it can."""
+    """Reason that nothing can be told of the shaft; empty when it can."""
     engine = scene.engine
     if engine is None or engine.gas is None:
         return "the scene tells no forces over the cycle ([engine.gas])"

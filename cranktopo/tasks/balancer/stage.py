@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.balancer_shafts import GearForces, gear_forces
 from cranktopo.engine.bearings import equivalent_load_N, rating_life_h, roller_spring_N_per_mm
-from cranktopo.numerics.stepped_beam import BentBeam, RoundBeam, bend
+from cranktopo.numerics.stepped_beam import Beam, BentBeam, bend, round_beam
 from cranktopo.tasks.balancer.notch import notch_stress, size_factor
 from cranktopo.tasks.balancer.result import (
     BalancerStrength,
@@ -30,7 +30,7 @@ from cranktopo.tasks.bolts.joint import Loads
 from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.bolts.stage import check_joint
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
 from cranktopo.tasks.fatigue.safety_field import check_method
 
 _TURN_POINTS = 360
@@ -44,7 +44,7 @@ class _Loaded:
 
     scene: Scene
     part: BalancerPart
-    beam: RoundBeam
+    beam: Beam
     by_weights: BentBeam
     by_gear: BentBeam
 
@@ -53,7 +53,7 @@ class _Loaded:
         return self.part.material or self.scene.material
 
     def node(self, z_mm: float) -> int:
-        return int(np.abs(self.beam.z_mm - z_mm).argmin())
+        return _nearest(self.beam, z_mm)
 
 
 def check_balancer(design: DesignLike) -> BalancerStrength:
@@ -124,8 +124,12 @@ def _checked(scene: Scene) -> BalancerPart:
         if notch_stress(notch, outer, bore)[0] <= 0:
             raise scene.invalid(f"balancer.notch[{number}].diameter_mm", "leaves nothing of the hollow shaft")
     if part.notch:
-        check_method(scene.model_copy(update={"material": part.material or scene.material}), "lsa")
+        check_method(_of_its_material(scene, part), "lsa")
     return part
+
+
+def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
+    return scene.model_copy(update={"material": part.material or scene.material})
 
 
 def _is_thrust(bearing: ShaftBearing) -> bool:
@@ -164,23 +168,26 @@ def _load(scene: Scene, part: BalancerPart) -> _Loaded:
     step = np.searchsorted(ends, middle) - 1
     outer = np.array([part.step[i].diameter_mm for i in step])
     inner = np.array([part.step[i].bore_mm for i in step])
-    beam = RoundBeam(z, outer, inner, material.E_GPa * MPA_PER_GPA, material.poisson)
+    beam = round_beam(z, outer, inner, material.E_GPa * MPA_PER_GPA, material.poisson)
     nowhere = np.zeros(len(z), dtype=complex)
     weights, gear, couple = nowhere.copy(), nowhere.copy(), nowhere.copy()
     for weight in part.weight:
         force = _force_N(weight.unbalance_kg_mm, part.max_speed_rpm)
-        weights[np.abs(z - weight.z_mm).argmin()] += cmath.rect(force, math.radians(weight.deg))
+        weights[_nearest(beam, weight.z_mm)] += cmath.rect(force, math.radians(weight.deg))
     forces = _gear(part)
     if part.gear and forces:
-        at, out = np.abs(z - part.gear.z_mm).argmin(), cmath.rect(1.0, math.radians(part.gear.deg))
+        at, out = _nearest(beam, part.gear.z_mm), cmath.rect(1.0, math.radians(part.gear.deg))
         gear[at] = out * (-forces.radial_N + 1j * forces.tangential_N)
         couple[at] = -out * forces.axial_N * part.gear.pitch_radius_mm
-    supports = {
-        int(np.abs(z - b.z_mm).argmin()): _spring_N_per_mm(b) for b in part.bearing if not _is_thrust(b)
-    }
+    supports = {_nearest(beam, b.z_mm): _spring_N_per_mm(b) for b in part.bearing if not _is_thrust(b)}
     return _Loaded(
         scene, part, beam, bend(beam, supports, weights, nowhere), bend(beam, supports, gear, couple)
     )
+
+
+def _nearest(beam: Beam, z_mm: float) -> int:
+    """Return the node at a place."""
+    return int(np.abs(beam.z_mm - z_mm).argmin())
 
 
 def _both(loaded: _Loaded, name: str, z_mm: float) -> float:
@@ -190,12 +197,12 @@ def _both(loaded: _Loaded, name: str, z_mm: float) -> float:
 
 
 def _bearings(loaded: _Loaded) -> Iterator[ShaftBearingLoad]:
+    forces = _gear(loaded.part)
     for bearing in loaded.part.bearing:
         thrust, rollers = _is_thrust(bearing), bearing.roller_bearing
         node = loaded.node(bearing.z_mm)
-        weights = 0j if thrust else loaded.by_weights.reaction_N[node]
-        gear = 0j if thrust else loaded.by_gear.reaction_N[node]
-        forces = _gear(loaded.part)
+        weights = 0j if thrust else complex(loaded.by_weights.reaction_N[node])
+        gear = 0j if thrust else complex(loaded.by_gear.reaction_N[node])
         axial = forces.axial_N if thrust and forces else 0.0
         equivalent, mean_rpm = _equivalent(loaded.part, weights, gear, axial)
         rating = rollers.dynamic_rating_kN if rollers else None
@@ -258,17 +265,8 @@ def _notch(loaded: _Loaded, notch: ShaftNotch) -> NotchCheck:
 
 
 def _strength(loaded: _Loaded, size: float) -> LsaStrength:
-    material, fatigue = loaded.material, loaded.scene.fatigue
-    return LsaStrength(
-        material.fatigue_tension_MPa or 0.0,
-        material.fatigue_bending_MPa or 0.0,
-        material.yield_MPa or 0.0,
-        material.ultimate_MPa or 0.0,
-        fatigue.specimen_diameter_mm,
-        size,
-        fatigue.survival_factor,
-        loaded.part.treatment_factor,
-    )
+    own = lsa_strength(_of_its_material(loaded.scene, loaded.part))
+    return replace(own, size_factor=size, treatment_factor=loaded.part.treatment_factor)
 
 
 def _joints(loaded: _Loaded) -> Iterator[JointCheck]:

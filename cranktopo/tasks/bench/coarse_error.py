@@ -1,4 +1,4 @@
-"""What the coarse ring of the bench may be off by, as it was measured against settled webs."""
+"""Error of the coarse ring of the bench, as it was measured against settled webs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 _MOST_MM, _MOST_DEG = 5.0, 10.0
-"""How far a dimension may be from the settled web: beyond it no error is known."""
+"""Largest way of a dimension from the settled web: beyond it no error is known."""
 _ERROR = {"torsion": (0.3, 0.06, 1.0), "bending": (0.6, 0.15, 2.2)}
 """Percent; per percent of change by the cells; and per mm of a fillet, which the cells do not have.
 

@@ -38,8 +38,7 @@ def bolt_compliance_mm_per_N(bolt: Bolt, part_E_MPa: float) -> float:
     """Return the elongation of the bolt per newton: head, shank, free thread, engaged thread, nut or hole."""
     nominal = bolt.nominal
     core, full = nominal.core_area_mm2, math.pi / 4 * nominal.diameter_mm**2
-    shank = math.pi / 4 * (bolt.shank_diameter_mm or nominal.diameter_mm) ** 2
-    at_shank = bolt.shank_mm / shank
+    at_shank = bolt.shank_mm / bolt.shank_area_mm2
     at_thread = (bolt.grip_mm - bolt.shank_mm + 0.5 * nominal.diameter_mm) / core
     head = 0.5 * nominal.diameter_mm / full
     nut, nut_E = (0.4, BOLT_E_MPA) if bolt.held_in == "nut" else (0.33, part_E_MPa)
@@ -226,8 +225,9 @@ def shigley(bolt: Bolt, loads: Loads, material: Material) -> Shigley:
     d, area, E = nominal.diameter_mm, bolt.stressed_area_mm2, material.E_GPa * MPA_PER_GPA
     in_hole = min(bolt.engaged_mm, d) / 2 if bolt.held_in == "tapped_hole" else 0.0
     grip = bolt.grip_mm + in_hole
-    shank = math.pi / 4 * (bolt.shank_diameter_mm or d) ** 2
-    own = BOLT_E_MPA / (bolt.shank_mm / shank + (grip - bolt.shank_mm) / nominal.stress_area_mm2)
+    own = BOLT_E_MPA / (
+        bolt.shank_mm / bolt.shank_area_mm2 + (grip - bolt.shank_mm) / nominal.stress_area_mm2
+    )
     cone = 0.5774 * grip
     parts = 0.5774 * math.pi * E * d / (2 * math.log(5 * (cone + 0.5 * d) / (cone + 2.5 * d)))
     share = own / (own + parts)

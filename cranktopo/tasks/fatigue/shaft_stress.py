@@ -18,8 +18,8 @@ from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, mesh_for_stress, stress_model
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import UnitField
-from cranktopo.tasks.shaft.continuous import cycle_forces, shaft_cycle, throw_states
-from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, loaded_throw, throw_body
+from cranktopo.tasks.shaft.continuous import CycleForces, ShaftCycle, cycle_forces, shaft_cycle, throw_states
+from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, LoadedThrow, ThrowBody, loaded_throw, throw_body
 from cranktopo.tasks.shaft.stage import shaft_effects
 
 
@@ -75,11 +75,25 @@ def shaft_loads(
     Raises:
         CranktopoError: no engine, or no pressures.
     """
-    loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in throws]
-    forces = cycle_forces(at, shaft_effects(scene))
-    cycle = shaft_cycle(loaded, scene.shaft_angles_deg, forces, spring_N_per_mm, carried(scene))
+    loaded, forces, cycle = solved_cycle(throws, scene, at, spring_N_per_mm)
     states = throw_states(loaded, scene.shaft_angles_deg, forces, cycle)
     return forces.angle_deg, np.stack([one.loads(own) for one, own in zip(throws, states, strict=True)])
+
+
+def solved_cycle(
+    throws: Sequence[ShaftStress], scene: Scene, at: Scene, spring_N_per_mm: float | None
+) -> tuple[list[LoadedThrow], CycleForces, ShaftCycle]:
+    """Return the throws with their loads, the forces on their pins, and the shaft under these.
+
+    Arguments and errors as of `shaft_loads`.
+    """
+    loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in throws]
+    forces = cycle_forces(at, shaft_effects(scene))
+    return (
+        loaded,
+        forces,
+        shaft_cycle(loaded, scene.shaft_angles_deg, forces, spring_N_per_mm, carried(scene)),
+    )
 
 
 def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:

@@ -103,7 +103,7 @@ class StressModel:
 
     @cached_property
     def at_outlet(self) -> NDArray[np.bool_]:
-        """Which surface nodes lie at an outlet of an oil bore, off the fillets."""
+        """Mask of the surface nodes at an outlet of an oil bore, off the fillets."""
         return ~self.on_fillet & _where(self.scene, self.whole, outlet_nodes, self.surface.points_mm)
 
     @property

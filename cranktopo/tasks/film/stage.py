@@ -21,6 +21,7 @@ from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.balance.free_forces import Complex, turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
+from cranktopo.engine.gas import pressure_curve
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, Orbit, orbit
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
@@ -60,7 +61,6 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         raise CranktopoError(
             f"{scene.name}: a film carries only where the engine turns.", hint="Give a speed."
         )
-    gas = rod_force(scene, engine)[2]
     found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films_at(at_speed(scene, rpm))) for rpm in speeds)
     return FilmResult(
         design=scene.name,
@@ -68,7 +68,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         temperature_C=None if table.viscosity_mPas else table.temperature_C,
         viscosity_mPas=1e3 * table.dynamic_viscosity_Pas,
         loads=ALONE,
-        gas=gas,
+        gas=pressure_curve(scene) is not None,
         speeds=found,
         permitted_film_um=table.permitted_film_um,
         permitted_pressure_MPa=table.permitted_pressure_MPa,

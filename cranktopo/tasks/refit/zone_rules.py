@@ -25,7 +25,7 @@ from cranktopo.throw.fitted import CLEAR_MM, FittedFeature, Named, Rule
 from cranktopo.throw.web import kept_holes, web_bodies
 
 _INWARD_MM = 0.05
-"""How far inward of a surface its points lie; the web's own surfaces may move by a part of it."""
+"""Distance of the points inward of a surface; the web's own surfaces may move by a part of it."""
 _STEP_MM, _HEIGHTS = 1.0, 9
 _KEEPS, _EMPTY = "what stays of the web is not cut by the", "empty part of a frozen zone"
 

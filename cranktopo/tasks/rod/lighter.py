@@ -112,7 +112,7 @@ def _safeties(found: RodStrength) -> tuple[list[float], list[float]]:
 
 
 def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
-    """What must stay below 0: lost safeties, and dimensions below what the others leave them."""
+    """Values that must stay below 0: lost safeties, and dimensions below what the others leave them."""
     lost = [
         1 + _KEPT - value / min(limit)
         for values, limit in zip(_safeties(found), _safeties(before), strict=True)

@@ -108,4 +108,4 @@ class RodStrength(Result):
     pin: PinCheck | None
     bolt: JointCheck | None
     lighter: LighterRod | None = UNLESS_NONE
-    """What `--lighter` changed; the strength is then that of the lighter rod."""
+    """Dimensions that `--lighter` changed; the strength is then that of the lighter rod."""

@@ -225,8 +225,10 @@ def _buckling(loaded: _Loaded) -> tuple[Buckling, Buckling]:
     push = max(float(force.max()) for force in loaded.force_N(length / 2))
     E, limit = loaded.material.E_GPa * MPA_PER_GPA, loaded.yield_MPa
     free = length - (rod.small_end_diameter_mm + rod.big_end_diameter_mm) / 2
-    planes = ("motion", length, found.swing_mm4[0]), ("pins", free / 2, found.side_mm4[0])
-    return tuple(_strut(*plane, area, push, E, limit) for plane in planes)  # type: ignore[return-value]
+    return (
+        _strut("motion", length, found.swing_mm4[0], area, push, E, limit),
+        _strut("pins", free / 2, found.side_mm4[0], area, push, E, limit),
+    )
 
 
 def _strut(

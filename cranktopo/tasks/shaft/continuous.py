@@ -17,16 +17,14 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.crank_throws import carried
-from cranktopo.design.engine import Engine
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, throw_forces
+from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_cylinder, by_throw, throw_forces
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.histories import every_degree
-from cranktopo.engine.kinematics import phase_shift
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
 from cranktopo.tasks.film.stage import LoadedBearing, film_of, main_bearing
@@ -93,20 +91,16 @@ def cycle_forces(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> Cyc
     rod = throw_forces(engine, scene.throw.radius_mm, curve, throw_balance(scene), engine.speed_rpm)
     stride, layout = every_degree(curve.angle_deg), engine_layout(scene)
     radial, tangential = (
-        _by_cylinder(engine, curve.angle_deg, force)[:, ::stride]
+        by_cylinder(force, curve.angle_deg, engine.firing_angles_deg, engine.cycle_deg)[:, ::stride]
         for force in (rod.web_force_N, rod.tangential_force_N)
     )
     aside = (layout.throw_z_mm[list(layout.throw_of)] - layout.cylinder_z_mm)[:, None]
-
-    def by_throw(forces: Array) -> Array:
-        return np.asarray(forces.reshape(-1, engine.throws, forces.shape[1]).sum(axis=0))
-
     forces = CycleForces(
         curve.angle_deg[::stride],
-        by_throw(radial),
-        by_throw(tangential),
-        by_throw(aside * radial),
-        by_throw(aside * tangential),
+        by_throw(radial, engine.throws),
+        by_throw(tangential, engine.throws),
+        by_throw(aside * radial, engine.throws),
+        by_throw(aside * tangential, engine.throws),
         angular_speed_rad_s(engine.speed_rpm),
     )
     if "torsional_vibration" not in enabled:
@@ -128,11 +122,6 @@ def _of_inertia(torque: ShaftTorque, forces: CycleForces, scene: Scene) -> Array
     added = np.vstack([half, np.zeros_like(half[:1])]) + np.vstack([np.zeros_like(half[:1]), half])
     added[0] += ahead[0]
     return np.asarray(added)
-
-
-def _by_cylinder(engine: Engine, angle_deg: Array, force: Array) -> Array:
-    shifted = [phase_shift(force, angle_deg, fires, engine.cycle_deg) for fires in engine.firing_angles_deg]
-    return np.array(shifted)
 
 
 def shaft_cycle(

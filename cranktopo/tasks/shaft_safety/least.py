@@ -7,7 +7,7 @@ swings most; those whose safety comes near the least of their part are looked at
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -128,8 +128,11 @@ def _by_part(
     nodes = np.flatnonzero(near)
     if not nodes.size:
         return {}
-    cut: Callable[[Array], Array] = lambda field: np.ascontiguousarray(field[:, nodes])  # noqa: E731
     stress = model.stress
+
+    def cut(field: Array) -> Array:
+        return np.ascontiguousarray(field[:, nodes])
+
     own = SurfaceStress(cut(stress.stress_MPa), cut(stress.depth_MPa_per_mm), cut(stress.jump_MPa))
     ranges = signed_von_mises_ranges(own, list(loads * model.images[image].signs))
     local = LocalStress(

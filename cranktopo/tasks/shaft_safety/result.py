@@ -26,7 +26,7 @@ class WebSafety(Result):
     safety: float
     """The least of these."""
     part: str
-    """Where that is: pin_fillet, journal_fillet, outlets or elsewhere."""
+    """Part of the web with that safety: pin_fillet, journal_fillet, outlets or elsewhere."""
     speed_rpm: float
     """Speed of the least safety."""
     over_speeds: tuple[float, ...]
@@ -86,7 +86,7 @@ class ShaftSafety(Result):
     safety: float
     """Least safety of the shaft."""
     worst: WorstPlace
-    """Where and when that is."""
+    """Place and moment of that safety."""
     webs: tuple[WebSafety, ...]
     """The webs from the free end."""
     speeds: tuple[SpeedSafety, ...]

@@ -20,21 +20,15 @@ from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, check_method, field_of_states
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress
+from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
 from cranktopo.tasks.fatigue.stage import note_quality, note_yielding
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
-from cranktopo.tasks.shaft.continuous import (
-    cycle_forces,
-    loads_on_bearings_N,
-    shaft_cycle,
-)
-from cranktopo.tasks.shaft.loaded_throw import loaded_throw
+from cranktopo.tasks.shaft.continuous import loads_on_bearings_N
 from cranktopo.tasks.shaft.stage import (
     evaluate_shaft,
     of_stiffness,
-    shaft_effects,
     speed_scenes,
     stands_on_bearings,
     throw_targets,
@@ -153,9 +147,7 @@ class _Judged:
     def bearing_loads(self, speed_rpm: float) -> BearingLoads:
         """Return the forces on the main bearings at one speed."""
         scene, sections = self.target.scene, carried(self.target.scene)
-        loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in self.throws]
-        forces = cycle_forces(at_speed(scene, speed_rpm), shaft_effects(scene))
-        cycle = shaft_cycle(loaded, scene.shaft_angles_deg, forces, self._spring, sections)
+        _, _, cycle = solved_cycle(self.throws, scene, at_speed(scene, speed_rpm), self._spring)
         on_bearings = loads_on_bearings_N(cycle)[list(sections)]
         return BearingLoads(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
 

@@ -211,7 +211,7 @@ class DrilledHole(SceneTable):
     @property
     @abstractmethod
     def title(self) -> str:
-        """How the drawing's table calls it."""
+        """Name in the drawing's table."""
 
     @property
     def places(self) -> tuple[tuple[float, float], ...]:

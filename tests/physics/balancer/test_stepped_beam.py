@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from cranktopo.numerics.stepped_beam import RoundBeam, bend
+from cranktopo.numerics.stepped_beam import bend, round_beam
 
 E, NU = 210e3, 0.3
 
 
 def beam(z, outer, inner=0.0):
     steps = np.ones(len(z) - 1)
-    return RoundBeam(np.array(z, dtype=float), outer * steps, inner * steps, E, NU)
+    return round_beam(np.array(z, dtype=float), outer * steps, inner * steps, E, NU)
 
 
 def load(count, **at):
@@ -36,7 +36,7 @@ def test_simple_beam_with_shear():
 
 def test_overhang_and_a_step():
     """Deflection at the end of an overhang by Castigliano, the overhang thinner than the span."""
-    bar = RoundBeam(np.array([0.0, 161.0, 237.0]), np.array([60.0, 45.0]), np.zeros(2), E, NU)
+    bar = round_beam(np.array([0.0, 161.0, 237.0]), np.array([60.0, 45.0]), np.zeros(2), E, NU)
     bent = bend(bar, {0: None, 1: None}, load(3, n2=3000.0), load(3))
     thick, thin = bar.bending_Nmm2
     shear = bar.shear_N
