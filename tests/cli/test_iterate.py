@@ -31,7 +31,7 @@ from cranktopo.tasks.iterate import one_step
 from cranktopo.tasks.iterate.one_step import Solids, read_solids, write_solids
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.iterate.text import best_line
-from cranktopo.throw.manufacturing_limits import ManufacturingLimits
+from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 from cranktopo.throw.outline import ObroundWeb
 
 Capture = pytest.CaptureFixture[str]
@@ -235,12 +235,14 @@ def test_manufacturing_limits_hold_in_every_step(
     """As given at the start, when it is continued, and the usual ones for a loop that kept none."""
     out, seen = tmp_path / "loop", []
 
-    def fit(surface: SurfaceMesh, scene: Scene, limits: ManufacturingLimits) -> Any:
-        seen.append(limits)
+    def fit(surface: SurfaceMesh, scene: Scene, limits: ProcessLimits) -> Any:
+        assert limits.opens == "sides"  # of the loop's own process, a lateral die
+        own = vars(limits)
+        seen.append(ManufacturingLimits(**{name: own[name] for name in vars(ManufacturingLimits())}))
         raise KeyboardInterrupt
 
     monkeypatch.setattr(one_step, "fit_web", fit)
-    given = ["--min-wall-mm", "4", "--min-radius-mm", "7", "--draft-deg", "5", "--cell-mm", "2"]
+    given = ["--min-wall-mm", "4", "--min-radius-mm", "7", "--draft-deg", "6", "--cell-mm", "2"]
     assert main(["iterate", "--steps", "1", "--resolution-mm", "4.5", *given, "--out", str(out)]) == 130
     assert main(["iterate", "--resume", str(out)]) == 130
     manifest = json.loads((out / "manifest.json").read_text())
@@ -248,8 +250,9 @@ def test_manufacturing_limits_hold_in_every_step(
     manifest["settings_sha256"] = settings_hash(manifest["scene"], manifest["options"])
     (out / "manifest.json").write_text(json.dumps(manifest))
     assert main(["iterate", "--resume", str(out)]) == 130
-    asked = ManufacturingLimits(min_wall_mm=4.0, min_radius_mm=7.0, min_draft_deg=5.0, cell_mm=2.0)
-    assert seen == [asked, asked, ManufacturingLimits()]
+    asked = ManufacturingLimits(min_wall_mm=4.0, min_radius_mm=7.0, min_draft_deg=6.0, cell_mm=2.0)
+    usual = ManufacturingLimits(min_draft_deg=5.0)  # that of the process, more than the usual 3 deg
+    assert seen == [asked, asked, usual]
 
 
 def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, capsys: Capture) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fatigue.m53 import Factors, Nominal
 
+JudgedAs = Literal["throw_alone", "continuous_shaft"]
 NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
 """Quality limits of IACS UR M53 for surface-normal stress and jump between elements."""
 
@@ -125,6 +127,8 @@ class FieldFatigue(_TargetFatigue):
     """The point of least safety of fillets, oil outlets, rounded edges and faces."""
     at_sharp_edges: CriticalPoint | None
     """The point of least safety at sharp inner edges, which the mesh decides; null without any."""
+    judged_as: JudgedAs
+    """Whether the safety is that of a throw alone, or of one in its shaft on all main bearings."""
     load_states: int
     """Number of load states."""
     unit_loads: tuple[str, ...]
@@ -258,7 +262,7 @@ class FatigueResult(Result):
     method: str
     """Method as in `--method`."""
     loads: str
-    """Extremes of the loads joined ("extremes"), or every angle of the cycle ("cycle")."""
+    """Loads of a throw alone: their extremes joined ("extremes"), or every angle of the cycle ("cycle")."""
     baseline: str | None
     """Target that counts as 100 %."""
     fatigue: tuple[FieldFatigue | RuleFatigue, ...]

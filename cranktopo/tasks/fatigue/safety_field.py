@@ -46,6 +46,7 @@ class FatigueField:
         at_sharp_edges: point of least safety at inner edges without a radius, where it follows from the mesh.
         fillet_safety: least safety of the journals' and of the pin's fillets.
         web_safety: least safety of the first and of the second web where the halves differ.
+        on_bearings: whether the states are those of the throw in its shaft on all main bearings.
     """
 
     model: StressModel
@@ -58,6 +59,7 @@ class FatigueField:
     at_sharp_edges: CriticalPoint | None
     fillet_safety: dict[str, float]
     web_safety: dict[str, float]
+    on_bearings: bool = False
 
 
 def check_method(scene: Scene, method: str) -> None:

@@ -116,7 +116,7 @@ def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) 
     def field(method: str, throw: int) -> FatigueField:
         loads = np.concatenate([of_throws[throw] for _, _, of_throws in found])
         named = tuple(f"throw {throw + 1}, {label}" for label in labels)
-        return field_of_states(stress.model, method, loads, named)
+        return replace(field_of_states(stress.model, method, loads, named), on_bearings=True)
 
     every = [[field(method, throw) for throw in range(len(throws))] for method in methods]
     return tuple(min(fields, key=lambda one: one.critical.safety) for fields in every)

@@ -260,6 +260,7 @@ def _field_fatigue(
         web_safety=field.web_safety or None,
         critical=field.critical,
         at_sharp_edges=field.at_sharp_edges,
+        judged_as="continuous_shaft" if field.on_bearings else "throw_alone",
         load_states=len(field.labels),
         unit_loads=model.kinds,
         quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),

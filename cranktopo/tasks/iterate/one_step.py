@@ -29,6 +29,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault, mesh_o
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, open_run
 from cranktopo.tasks.density import stage
+from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.fea.evaluation import Evaluation, evaluate
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.importing.imported_body import half_throw_of, half_throw_surface, read_half_throw
@@ -37,6 +38,7 @@ from cranktopo.tasks.iterate.result import LoopStep, Settings, step_of
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation
 from cranktopo.tasks.refit.fit import fit_web
+from cranktopo.tasks.refit.process import fit_limits
 from cranktopo.tasks.refit.shape_error import shape_error
 from cranktopo.throw.envelope import StlEnvelope
 
@@ -206,7 +208,7 @@ def make_step(
     note(f"  removing {100 * (1 - fraction):.0f} % of the envelope")
     surface = optimised_surface(folder / "optimise", bounded)
     note("  re-modelling")
-    fitted = fit_web(surface, bounded, settings.limits)
+    fitted = fit_web(surface, bounded, fit_limits(bounded, settings.limits))
     near = shape_error(fitted.scene, surface)
     own = {"web": fitted.scene.web, "name": f"{design.name}-step-{number}"}
     scene = design.model_copy(update={**own, "published": None, "original": None})
@@ -215,7 +217,8 @@ def make_step(
     note("  evaluating")
     found = _evaluated(scene, settings)
     thickness, removed = transition_mm(solids.web, scene), 100 * (1 - fraction)
-    step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began)
+    undercuts = shaped_undercuts(solids.half, scene)
+    step = step_of(number, found, thickness, 100 * near.web_iou, removed, time.monotonic() - began, undercuts)
     return _kept(StepWeb(step, scene, solids), folder)
 
 

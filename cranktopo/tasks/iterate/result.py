@@ -11,13 +11,14 @@ from pydantic import Field
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.near_ties import clearly_more, exceeds, first_of_the_best
-from cranktopo.base.result import FileName, Result
+from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
 from cranktopo.design.goal.quantities import QuantityName
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.runs.kind import SHAPE
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.designs.run_webs import LoopWeb, best_web
+from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import percent_of, throw_values
 from cranktopo.tasks.refit.fit import usual_limits
@@ -91,6 +92,7 @@ class LoopStep(Result):
         overlap_percent: how much of the extracted web the re-model has in common with it (IoU); None for
             the original.
         removed_percent: volume that the optimiser was to take out of the envelope; None for the original.
+        undercuts: what the process cannot leave; None for the original and in loops of an earlier version.
     """
 
     number: int
@@ -104,6 +106,12 @@ class LoopStep(Result):
     overlap_percent: float | None
     removed_percent: float | None
     seconds: float
+    undercuts: ShapedUndercuts | None = UNLESS_NONE
+
+    @property
+    def makeable(self) -> bool:
+        """True unless the process that was asked for cannot make the web."""
+        return self.undercuts is None or self.undercuts.makeable
 
     @property
     def torsion_per_kg(self) -> float:
@@ -143,6 +151,7 @@ def step_of(
     overlap_percent: float | None = None,
     removed_percent: float | None = None,
     seconds: float = 0.0,
+    undercuts: ShapedUndercuts | None = None,
 ) -> LoopStep:
     """Return a step from its evaluation and what else was measured; see `LoopStep`."""
     return LoopStep(
@@ -157,6 +166,7 @@ def step_of(
         overlap_percent=overlap_percent,
         removed_percent=removed_percent,
         seconds=seconds,
+        undercuts=undercuts,
     )
 
 
@@ -173,10 +183,11 @@ def verdict(steps: Sequence[LoopStep], least_transition_mm: float) -> Verdict:
 def best_step(steps: Sequence[LoopStep], least_transition_mm: float) -> LoopStep | None:
     """Return the step that gains most in torsional stiffness per mass of those that beat the original web.
 
-    Of steps that gain the same the first is taken; none whose web is too thin around its journals.
+    Of steps that gain the same the first is taken; none whose web is too thin around its journals, and none
+    that the process cannot make.
     """
     original, *others = steps
-    sound = [s for s in others if s.beats(original) and not s.too_thin(least_transition_mm)]
+    sound = [s for s in others if s.beats(original) and s.makeable and not s.too_thin(least_transition_mm)]
     return first_of_the_best(sound, lambda step: step.torsion_per_kg) if sound else None
 
 

@@ -92,6 +92,7 @@ def _row(number: int, data: ShapeResult, web: Scene) -> LoopStep:
         overlap_percent=None,
         removed_percent=None,
         seconds=data.seconds["total"],
+        undercuts=data.undercuts,
     )
 
 

@@ -10,6 +10,7 @@ from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
+from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.quantities import (
     BENDING,
     BENDING_PER_MASS,
@@ -50,6 +51,7 @@ _VALUES: tuple[Column[StepRow], ...] = (
 _SHAPE: tuple[Column[StepRow], ...] = (
     Column("transition_mm", 1, lambda step: step.transition_mm),
     Column("overlap_percent", 1, lambda step: step.overlap_percent),
+    Column("die_releases_it", 0, lambda step: release_verdict(step.undercuts) if step.number else None),
 )
 _PERCENT: tuple[Column[StepRow], ...] = tuple(
     Column(quantity.percent_column, 1, _in_percent(quantity.key)) for quantity in _IN_PERCENT
@@ -124,6 +126,13 @@ def _thin_words(loop: LoopResult) -> str:
     )
 
 
+def unmade_lines(loop: LoopResult) -> list[str]:
+    """Name the steps that the process cannot make, and what holds them."""
+    return [
+        f"{row.words} CANNOT BE MADE: {release_text(row.undercuts)}" for row in loop.steps if not row.makeable
+    ]
+
+
 def loop_summary(loop: LoopResult, folder: Path) -> str:
     """Return a finished loop in words."""
     lines = []
@@ -131,6 +140,7 @@ def loop_summary(loop: LoopResult, folder: Path) -> str:
         lines += [caption, terminal(table), ""]
     lines.append(steps_estimate(loop.steps))
     lines += bound_lines(loop.bound)
+    lines += unmade_lines(loop)
     lines += [f"ended: {loop.stop_reason}", *filter(None, [shape_line(loop)]), best_line(loop)]
     lines += [f"note: {notice}" for notice in loop.notices]
     if loop.best is not None:

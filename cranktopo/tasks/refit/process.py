@@ -13,6 +13,13 @@ _FLOOR_SHARE = 0.5
 """Most radius of a floor's edge over the depth that a pocket may have."""
 
 
+def fit_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
+    """Return the limits of a fit with the demands of the scene's process; a free one has none."""
+    if scene.optimise.process == "free":
+        return ProcessLimits(**vars(limits))
+    return process_limits(scene, limits)
+
+
 def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
     """Return limits with what the scene's process asks of pockets: way, draft, corners, and depth.
 

@@ -34,7 +34,7 @@ from cranktopo.tasks.importing.imported_body import read_half_throw
 from cranktopo.tasks.refit.family import parameter_unit
 from cranktopo.tasks.refit.fit import FittedWeb, fit_web, usual_limits
 from cranktopo.tasks.refit.page import refit_page
-from cranktopo.tasks.refit.process import process_limits
+from cranktopo.tasks.refit.process import fit_limits
 from cranktopo.tasks.refit.result import (
     FittedParameter,
     Overlaps,
@@ -70,7 +70,7 @@ def remodel_run(
     folder = out or run.path / "remodel"
     check_destination(folder)
     scene = design_from_run(run)
-    limits = _limits(scene, given or {})
+    limits = fit_limits(scene, usual_limits(scene, **(given or {})))
     surface = _surface(target, scene)
     note(f"{run.name}: fitting a parametric web")
     fitted = fit_web(surface, scene, limits)
@@ -88,14 +88,6 @@ def remodel_run(
         check()
         moved(unfinished, folder)
     return result.model_copy(update={"folder": str(folder)})
-
-
-def _limits(scene: Scene, given: Mapping[str, float | None]) -> ProcessLimits:
-    """Return the limits of a fit with the demands of the scene's process; a free one has none."""
-    limits = usual_limits(scene, **given)
-    return (
-        ProcessLimits(**vars(limits)) if scene.optimise.process == "free" else process_limits(scene, limits)
-    )
 
 
 def write_refit(

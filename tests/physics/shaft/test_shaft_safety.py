@@ -205,3 +205,4 @@ def test_fatigue_takes_the_worst_throw_of_the_shaft(stress: ShaftStress) -> None
     )
     assert found.critical.states[0].startswith("throw 4, ")
     assert len(found.labels) == 720
+    assert found.on_bearings

@@ -15,10 +15,21 @@ from cranktopo.bodies.envelope_file import envelope_from_file, mirror_difference
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of
+from cranktopo.runs.directories import RunStore
+from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.iterate import one_step
-from cranktopo.tasks.iterate.one_step import read_solids, transition_mm, write_envelope, write_solids
-from cranktopo.tasks.iterate.result import LoopStep, best_step, verdict
+from cranktopo.tasks.iterate.one_step import (
+    Solids,
+    StepWeb,
+    make_step,
+    read_solids,
+    transition_mm,
+    write_envelope,
+    write_solids,
+)
+from cranktopo.tasks.iterate.result import LoopStep, best_step, loop_settings, verdict
 from cranktopo.throw.envelope import StlEnvelope
+from cranktopo.throw.manufacturing_limits import ProcessLimits
 from tests.unit.extraction.surface_cases import scene_with
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
@@ -83,6 +94,49 @@ def test_best_is_no_heavier_and_no_softer() -> None:
     assert share["mass"] == pytest.approx(93.75)
     assert share["torsion_per_mass"] == pytest.approx(100 * (1640 / 1.5) / 1000)
     assert share["bending_per_mass"] == pytest.approx(100 * (235 / 1.5) / (230 / 1.6))
+
+
+def undercuts(process: str, released: bool) -> ShapedUndercuts:
+    volume, held = (0.0, None) if released else (51.0, "web.pocket[0]")
+    return ShapedUndercuts(volume_mm3=volume, released=released, process=process, held_by=held)
+
+
+def test_best_can_be_made() -> None:
+    """A web that the die holds is never the best; one of a free process may be held, nobody asked."""
+    good, better = step(1, 1.55, 1650.0, 231.0), step(2, 1.5, 1640.0, 235.0)
+    held = better.model_copy(update={"undercuts": undercuts("forged", False)})
+    assert best_step([ORIGINAL, good, held], 7.0) == good
+    assert best_step([ORIGINAL, held], 7.0) is None
+    for allowed in (undercuts("forged", True), undercuts("free", False)):
+        kept = better.model_copy(update={"undercuts": allowed})
+        assert best_step([ORIGINAL, good, kept], 7.0) == kept
+
+
+class _FittedError(Exception):
+    """Ends a step where its fit would begin."""
+
+
+def test_a_step_is_fitted_within_what_its_process_allows(
+    tmp_path: Path, mikron: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A lateral die opens pockets from the sides alone, with its draft; a mill needs its radius."""
+    seen: list[ProcessLimits] = []
+
+    def fit(surface: SurfaceMesh, scene: Scene, limits: ProcessLimits) -> None:
+        seen.append(limits)
+        raise _FittedError
+
+    monkeypatch.setattr(one_step, "optimised_surface", lambda folder, scene: block())
+    monkeypatch.setattr(one_step, "fit_web", fit)
+    for asked in ({"process": "forged", "draft_deg": 4.0}, {"process": "milled", "tool_radius_mm": 8.0}):
+        scene = mikron.with_optimise(**asked)
+        web = StepWeb(ORIGINAL, scene, Solids(block(), block()))
+        with pytest.raises(_FittedError):
+            make_step(RunStore(tmp_path), tmp_path / asked["process"], 1, [web], loop_settings(scene))
+    forged, milled = seen
+    assert forged.opens == "sides"
+    assert forged.min_draft_deg == 4.0
+    assert milled.pocket_radius_mm == 8.0
 
 
 def test_a_symmetric_mesh_is_the_box_it_shows(tmp_path: Path, mikron: Scene) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.refit import select, stage
+from cranktopo.tasks.refit import select
 from cranktopo.tasks.refit.fit import usual_limits
-from cranktopo.tasks.refit.process import process_limits
+from cranktopo.tasks.refit.process import fit_limits, process_limits
 from cranktopo.tasks.refit.search import FitProblem
 from cranktopo.throw.manufacturing_limits import Workshop
 
@@ -23,7 +23,7 @@ def pockets(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Kinds that the re-model tries where the body has a recess in the pin face."""
     monkeypatch.setattr(select, "model_fill", lambda *_: None)
     monkeypatch.setattr(select, "residual_regions", lambda *_: [select.ResidualRegion(**REGION)])
-    problem = FitProblem(None, np.zeros(0), scene, stage._limits(scene, {}))  # type: ignore[arg-type]
+    problem = FitProblem(None, np.zeros(0), scene, fit_limits(scene, usual_limits(scene)))  # type: ignore[arg-type]
     return [part for part, _ in select._pockets(problem, None)]  # type: ignore[arg-type]
 
 
@@ -43,7 +43,8 @@ def test_a_lateral_die_gets_no_pocket_of_a_face(mikron: Scene, monkeypatch: pyte
 def test_limits_are_those_of_shape_and_a_free_process_has_none(mikron: Scene) -> None:
     forged = mikron.with_optimise(process="forged", parting="web_faces", draft_deg=5.0)
     given = {"min_wall_mm": 4.0}
-    assert stage._limits(forged, given) == process_limits(forged, usual_limits(forged, **given))
-    free = stage._limits(mikron, given)
+    limits = usual_limits(forged, **given)
+    assert fit_limits(forged, limits) == process_limits(forged, limits)
+    free = fit_limits(mikron, limits)
     assert free.workshop == Workshop()
     assert free.min_wall_mm == 4.0
