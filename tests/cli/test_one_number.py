@@ -92,10 +92,11 @@ def _shaft(data):
     yield from {
         "mass of the throw": data["mass_kg"] / len(throws),
         "angles of the throws": data["throw_angles_deg"],
-        "inertia of a throw that moves": sum(disk["I"] for disk in disks) / len(throws),
+        "inertia of a throw that moves": disks[0]["I"],
     }.items()
-    if len(throws) > 1 and throws[0] == pytest.approx(throws[1]):  # equal halves: half a throw of either
-        yield "stiffness between the first throws", throws[0]
+    if len(throws) > 1:
+        yield "stiffness between the first throws", data["opentorsion"]["shafts"][0]["k"]
+        yield "first natural frequency of the bare shaft", data["natural_frequencies_Hz"][0]
     if len(throws) == 1:  # alone it has no neighbours that hold it
         yield "torsional stiffness", throws[0]
 
@@ -104,6 +105,9 @@ def _vibration(data):
     sections = [one for one in data["sections"] if one["name"] == "throw 1 - throw 2"]
     yield "inertia of a throw that moves", data["disks"][0]["inertia_kg_m2"]
     yield "stiffness between the first throws", sections[0]["stiffness_Nm_per_rad"]
+    if all(disk["name"].startswith("throw ") for disk in data["disks"]):
+        stiffer = (1 + data["damping"]["throw_loss_factor"] ** 2) ** 0.25  # what swings has |k (1 + i loss)|
+        yield "first natural frequency of the bare shaft", data["natural_frequencies_Hz"][0] / stiffer
 
 
 def _fatigue(data):

@@ -14,7 +14,8 @@ from cranktopo.app.main import main
 from cranktopo.base.machine import private_cache
 from cranktopo.design.loading import designs_folder
 
-PROGRAM = f"{sys.executable} -c 'from cranktopo.app.main import main; main()'"
+PATIENT = "from cranktopo.cli import verbosity; verbosity._QUIET_S = 3600.0"  # no lines about waits
+PROGRAM = f"{sys.executable} -c '{PATIENT}; from cranktopo.app.main import main; main()'"
 
 
 def shell(line: str, folder: Path, **settings: str) -> subprocess.CompletedProcess[bytes]:

@@ -138,6 +138,14 @@ def estimated_chain(scene: Scene) -> ShaftChain:
     )
 
 
+def bare_chain(
+    scene: Scene, throw_inertia_kg_mm2: float | tuple[float, ...], throws_Nm_per_rad: tuple[float, ...]
+) -> DiskChain:
+    """Return the chain of the crankshaft alone, with its moving masses and what `[crank]` has at its ends."""
+    alone = scene.model_copy(update={"shaft": None})
+    return shaft_chain(alone, throw_inertia_kg_mm2, throws_Nm_per_rad).chain
+
+
 def shaft_chain(
     scene: Scene, throw_inertia_kg_mm2: float | tuple[float, ...], throws_Nm_per_rad: tuple[float, ...]
 ) -> ShaftChain:

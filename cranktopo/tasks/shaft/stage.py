@@ -27,6 +27,7 @@ from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.tasks.fea.condense import Superelement
 from cranktopo.tasks.fea.discretisation_error import discretisation_errors
@@ -50,7 +51,6 @@ from cranktopo.tasks.shaft.assembly import (
 from cranktopo.tasks.shaft.continuous import continuous_shaft
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, loaded_throw, throw_body
 from cranktopo.tasks.shaft.result import ContinuousShaft
-from cranktopo.tasks.shaft.torsional import disk_model
 
 
 class TorsionError(Result):
@@ -151,7 +151,7 @@ def evaluate_shaft(
         coarse, _ = _on_meshes(_condensed_throws(throws, coarser), scene, bearings, spring)
         error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
     inertias = tuple(throw_inertia_kg_mm2(meshed[throw.name], throw.scene) for throw in throws)
-    disks = disk_model(scene, inertias, stiffness.throws_Nm_per_rad)
+    disks = bare_chain(scene, inertias, stiffness.throws_Nm_per_rad)
     count = Counter(throw.name for throw in throws)
     first = {throw.name: throw for throw in reversed(throws)}
     mass = sum(count[name] * meshed_throw_kg(meshed[name], first[name].scene) for name in count)

@@ -95,11 +95,14 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
         )
     ]
     frequencies = ", ".join(f"{f:.0f}" for f in shaft.natural_frequencies_Hz)
+    told = (
+        f"{frequencies} Hz (shaft and moving masses alone, free ends)" if frequencies else "none: one throw"
+    )
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     rows = (
         (shaft.weighed, f"{shaft.mass_kg:.3f} kg"),
         (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
-        ("natural frequencies", f"{frequencies} Hz (shaft and moving masses alone, free ends)"),
+        ("natural frequencies", told),
     )
     return _table({"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2}, throws), labelled(rows)
 

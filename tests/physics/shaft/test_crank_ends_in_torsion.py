@@ -13,8 +13,7 @@ from scipy.linalg import eigh
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.end_chain import end_chain
-from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.tasks.shaft.torsional import disk_model
+from cranktopo.engine.vibration.shaft_chain import bare_chain, estimated_chain
 
 NOSE = {"kind": "cylinder", "diameter_mm": 30.0, "length_mm": 60.0, "bore_diameter_mm": 10.0}
 CONE = {"kind": "cone", "diameter_mm": 40.0, "outer_end_diameter_mm": 30.0, "length_mm": 50.0}
@@ -110,7 +109,7 @@ def test_own_main_journals_make_their_throws_softer() -> None:
 
 def test_the_bare_shaft_has_a_disk_and_a_spring_for_each_end() -> None:
     scene = mikron({"free": [NOSE], "output": []})
-    model = disk_model(scene, 4000.0, (1e5,) * 4)
-    assert len(model.inertia_kg_m2) == 7
-    plain = disk_model(load_scene("mikron-iiic-plain"), 4000.0, (1e5,) * 4)
-    assert model.stiffness_Nm_per_rad[1:5] == plain.stiffness_Nm_per_rad
+    model = bare_chain(scene, 4000.0, (1e5,) * 4)
+    assert len(model.inertia_kg_m2) == 6
+    plain = bare_chain(load_scene("mikron-iiic-plain"), 4000.0, (1e5,) * 4)
+    assert model.stiffness_Nm_per_rad[1:4] == plain.stiffness_Nm_per_rad
