@@ -49,7 +49,7 @@ class ShaftWeight(SceneTable):
     bolt: Bolt | None = None
 
 
-class ShaftBearing(SceneTable):
+class BalancerBearing(SceneTable):
     """A bearing of the shaft: rigid, a spring, or rollers."""
 
     z_mm: Place = Field(examples=[0.0])
@@ -120,13 +120,13 @@ class BalancerPart(SceneTable):
     gear: ShaftGear | None = None
     step: tuple[ShaftStep, ...] = Field(default=(), max_length=64)
     weight: tuple[ShaftWeight, ...] = Field(default=(), max_length=32)
-    bearing: tuple[ShaftBearing, ...] = Field(default=(), max_length=32)
+    bearing: tuple[BalancerBearing, ...] = Field(default=(), max_length=32)
     notch: tuple[ShaftNotch, ...] = Field(default=(), max_length=32)
     probe: tuple[ShaftProbe, ...] = Field(default=(), max_length=32)
     speed: tuple[SpeedStep, ...] = Field(default=(), max_length=64)
 
     @property
-    def placed(self) -> tuple[ShaftWeight | ShaftBearing | ShaftNotch | ShaftProbe | ShaftGear, ...]:
+    def placed(self) -> tuple[ShaftWeight | BalancerBearing | ShaftNotch | ShaftProbe | ShaftGear, ...]:
         """Return all that has a place along the shaft."""
         gear = (self.gear,) if self.gear else ()
         return (*self.weight, *self.bearing, *self.notch, *self.probe, *gear)

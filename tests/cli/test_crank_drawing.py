@@ -19,7 +19,7 @@ from cranktopo.bodies.volume import throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
-from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, Layout
+from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, SheetLayout
 from cranktopo.tasks.crank_drawing.sheet import crank_figure
 
 JOURNAL = {"outer_diameter_mm": 40.0, "length_mm": 30.0, "fillet_mm": 2.0}
@@ -41,7 +41,7 @@ def small(**tables: Any) -> Scene:
     )
 
 
-def drawn(scene: Scene) -> tuple[Figure, Layout]:
+def drawn(scene: Scene) -> tuple[Figure, SheetLayout]:
     return crank_figure(scene, crank_shape(scene), DAY)
 
 
@@ -50,7 +50,7 @@ def words(figure: Figure) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def sheet() -> tuple[Figure, Layout]:
+def sheet() -> tuple[Figure, SheetLayout]:
     return drawn(
         small(
             drawing={"crankpin_fit": "k6", "hardness_HRC": 54.0, "number": "K-17", "notes": ["Crack test."]}
@@ -58,18 +58,18 @@ def sheet() -> tuple[Figure, Layout]:
     )
 
 
-def test_it_says_what_the_shop_needs(sheet: tuple[Figure, Layout]) -> None:
+def test_it_says_what_the_shop_needs(sheet: tuple[Figure, SheetLayout]) -> None:
     found = "\n".join(words(sheet[0]))
     wanted = ("2× ⌀44 h6 (0/-0.016)", "1× ⌀40 k6 (+0.018/+0.002)", "54 HRC", "K-17", "Crack test.")
     for text in (*wanted, "42CrMo4", "G 16", "40 ±0.05", "2026-01-02", "↗", "∥", "R2\nRa 0.4", "WEB 1"):
         assert text in found, text
 
 
-def test_a_pocket_is_dimensioned_from_both_axes(sheet: tuple[Figure, Layout]) -> None:
+def test_a_pocket_is_dimensioned_from_both_axes(sheet: tuple[Figure, SheetLayout]) -> None:
     assert {"14.00", "4.00"} <= set(words(sheet[0]))
 
 
-def test_views_have_their_scale(sheet: tuple[Figure, Layout]) -> None:
+def test_views_have_their_scale(sheet: tuple[Figure, SheetLayout]) -> None:
     figure, found = sheet
     assert np.allclose(figure.get_size_inches() * MM_PER_INCH, SHEETS_MM[found.sheet])
     (axes,) = (axes for axes in figure.axes if axes.get_title(loc="left").startswith("Crank"))
@@ -98,7 +98,7 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
     ]
 
 
-def test_no_text_lies_over_another(sheet: tuple[Figure, Layout]) -> None:
+def test_no_text_lies_over_another(sheet: tuple[Figure, SheetLayout]) -> None:
     assert not overlaps(sheet[0])
 
 
@@ -111,7 +111,7 @@ def test_no_text_lies_over_another_in_designs(design: str) -> None:
 
 
 def test_a_dxf_file_holds_true_millimetres_and_real_dimensions(
-    sheet: tuple[Figure, Layout], tmp_path: Path
+    sheet: tuple[Figure, SheetLayout], tmp_path: Path
 ) -> None:
     ezdxf = pytest.importorskip("ezdxf")
     from cranktopo.report.dxf import write_dxf

@@ -8,7 +8,7 @@ from cranktopo.design.bolt import Bolt, strength, thread
 from cranktopo.design.material import Material
 from cranktopo.tasks.bolts.joint import (
     BOLT_E_MPA,
-    Loads,
+    JointLoads,
     assembly_preload_N,
     bolt_compliance_mm_per_N,
     part_compliance_mm_per_N,
@@ -65,7 +65,7 @@ def test_assembly_preloads_and_torques_of_vdi_2230(name, strength_class, head, h
 
 
 def test_tightening_takes_the_utilised_share_of_the_yield_strength():
-    found = vdi_2230(bolt(utilisation=0.7), Loads(1000.0), STEEL)
+    found = vdi_2230(bolt(utilisation=0.7), JointLoads(1000.0), STEEL)
     assert found.assembly_stress_MPa == pytest.approx(0.7 * 640, rel=2e-3)
 
 
@@ -99,38 +99,38 @@ def test_members_by_shigley_agree_with_the_fit_of_wileman():
     """k = E d 0.78715 exp(0.62873 d / l) for steel, Shigley (8-23); a fit to elements."""
     screw = bolt(held_in="nut", grip_mm=30.0)
     fit = 210e3 * 10 * 0.78715 * math.exp(0.62873 * 10 / 30)
-    assert shigley(screw, Loads(1000.0), STEEL).parts_N_per_mm == pytest.approx(fit, rel=0.05)
+    assert shigley(screw, JointLoads(1000.0), STEEL).parts_N_per_mm == pytest.approx(fit, rel=0.05)
 
 
 def test_joint_forces_balance():
     """What the split loses and the bolt gains is the load, by both methods."""
-    loads = Loads(5000.0)
+    loads = JointLoads(5000.0)
     vdi = vdi_2230(bolt(embedding_um=0.0, tightening_factor=1.0), loads, STEEL)
     gained, lost = vdi.max_bolt_N - vdi.preload_N, vdi.preload_N - vdi.residual_clamp_N
     assert gained + lost == pytest.approx(5000.0, rel=1e-12)
-    parting = Loads(vdi.preload_N / (1 - vdi.load_factor))
+    parting = JointLoads(vdi.preload_N / (1 - vdi.load_factor))
     at_split = vdi_2230(bolt(embedding_um=0.0, tightening_factor=1.0), parting, STEEL)
     assert at_split.residual_clamp_N == pytest.approx(0.0, abs=1e-6)
     assert at_split.clamp_safety == pytest.approx(1.0, rel=1e-12)
 
 
 def test_shigleys_safeties_are_the_loads_at_which_they_are_one():
-    screw, found = bolt(), shigley(bolt(), Loads(5000.0), STEEL)
-    assert shigley(screw, Loads(5000.0 * found.load_safety), STEEL).proof_safety == pytest.approx(1.0)
-    again = shigley(screw, Loads(5000.0 * found.separation_safety), STEEL)
+    screw, found = bolt(), shigley(bolt(), JointLoads(5000.0), STEEL)
+    assert shigley(screw, JointLoads(5000.0 * found.load_safety), STEEL).proof_safety == pytest.approx(1.0)
+    again = shigley(screw, JointLoads(5000.0 * found.separation_safety), STEEL)
     assert again.separation_safety == pytest.approx(1.0)
     assert again.fatigue_safety * found.separation_safety == pytest.approx(found.fatigue_safety)
 
 
 def test_a_short_thread_strips_and_a_long_one_breaks_the_bolt():
-    short, long = (vdi_2230(bolt(engagement_mm=e), Loads(1e3), STEEL).thread_safety for e in (4.0, 15.0))
+    short, long = (vdi_2230(bolt(engagement_mm=e), JointLoads(1e3), STEEL).thread_safety for e in (4.0, 15.0))
     assert short < 1 < long
     assert strength("8.8", thread("M20")).yield_MPa == 660
 
 
 def test_a_reduced_shank_is_the_stressed_section():
     """VDI 2230 takes d0 = d_T; Shigley's proof load is that of the weakest section as well."""
-    loads, shank = Loads(5000.0, 1000.0), math.pi / 4 * 5.5**2
+    loads, shank = JointLoads(5000.0, 1000.0), math.pi / 4 * 5.5**2
     waisted = bolt(shank_mm=20.0, shank_diameter_mm=5.5)
     found, again = vdi_2230(waisted, loads, STEEL), shigley(waisted, loads, STEEL)
     assert found.assembly_stress_MPa == pytest.approx(0.9 * 640, rel=2e-3)

@@ -11,7 +11,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MM_PER_M, MPA_PER_GPA, NMM_PER_NM, angular_speed_rad_s, density_kg_per_mm3
-from cranktopo.design.balancer import BalancerPart, ShaftBearing, ShaftNotch
+from cranktopo.design.balancer import BalancerBearing, BalancerPart, ShaftNotch
 from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
@@ -26,7 +26,7 @@ from cranktopo.tasks.balancer.result import (
     ShaftBearingLoad,
     WeightForce,
 )
-from cranktopo.tasks.bolts.joint import Loads
+from cranktopo.tasks.bolts.joint import JointLoads
 from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.bolts.stage import check_joint
 from cranktopo.tasks.fatigue.criterion import LocalStress
@@ -39,7 +39,7 @@ _PLACES = 2
 
 
 @dataclass(frozen=True)
-class _Loaded:
+class _LoadedShaft:
     """A shaft bent by its masses at the highest speed, and by its gear."""
 
     scene: Scene
@@ -132,7 +132,7 @@ def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
     return scene.model_copy(update={"material": part.material or scene.material})
 
 
-def _is_thrust(bearing: ShaftBearing) -> bool:
+def _is_thrust(bearing: BalancerBearing) -> bool:
     return bearing.roller_bearing is not None and bearing.roller_bearing.kind == "thrust"
 
 
@@ -144,7 +144,7 @@ def _section(part: BalancerPart, z_mm: float) -> tuple[float, float]:
     return thin.diameter_mm, thin.bore_mm
 
 
-def _spring_N_per_mm(bearing: ShaftBearing) -> float | None:
+def _spring_N_per_mm(bearing: BalancerBearing) -> float | None:
     """Return the radial stiffness of a bearing; None where it is rigid."""
     rollers = bearing.roller_bearing
     if bearing.spring_N_per_mm is not None or rollers is None:
@@ -160,7 +160,7 @@ def _gear(part: BalancerPart) -> GearForces | None:
     return gear_forces(part.gear, angular_speed_rad_s(part.max_speed_rpm)) if part.gear else None
 
 
-def _load(scene: Scene, part: BalancerPart) -> _Loaded:
+def _load(scene: Scene, part: BalancerPart) -> _LoadedShaft:
     material = part.material or scene.material
     ends = np.round(np.cumsum([0.0, *(step.length_mm for step in part.step)]), _PLACES)
     z = np.unique(np.round([*ends, *(one.z_mm for one in part.placed)], _PLACES)).astype(float)
@@ -180,7 +180,7 @@ def _load(scene: Scene, part: BalancerPart) -> _Loaded:
         gear[at] = out * (-forces.radial_N + 1j * forces.tangential_N)
         couple[at] = -out * forces.axial_N * part.gear.pitch_radius_mm
     supports = {_nearest(beam, b.z_mm): _spring_N_per_mm(b) for b in part.bearing if not _is_thrust(b)}
-    return _Loaded(
+    return _LoadedShaft(
         scene, part, beam, bend(beam, supports, weights, nowhere), bend(beam, supports, gear, couple)
     )
 
@@ -190,13 +190,13 @@ def _nearest(beam: Beam, z_mm: float) -> int:
     return int(np.abs(beam.z_mm - z_mm).argmin())
 
 
-def _both(loaded: _Loaded, name: str, z_mm: float) -> float:
+def _both(loaded: _LoadedShaft, name: str, z_mm: float) -> float:
     """Return what masses and gear make at a place when both point in one direction."""
     node = loaded.node(z_mm)
     return float(abs(getattr(loaded.by_weights, name)[node]) + abs(getattr(loaded.by_gear, name)[node]))
 
 
-def _bearings(loaded: _Loaded) -> Iterator[ShaftBearingLoad]:
+def _bearings(loaded: _LoadedShaft) -> Iterator[ShaftBearingLoad]:
     forces = _gear(loaded.part)
     for bearing in loaded.part.bearing:
         thrust, rollers = _is_thrust(bearing), bearing.roller_bearing
@@ -235,7 +235,7 @@ def _equivalent(part: BalancerPart, weights: complex, gear: complex, axial: floa
     return equivalent_load_N(np.repeat(loads, repeats)), float(turns.sum() / sum(share for _, share in steps))
 
 
-def _notch(loaded: _Loaded, notch: ShaftNotch) -> NotchCheck:
+def _notch(loaded: _LoadedShaft, notch: ShaftNotch) -> NotchCheck:
     outer, bore = _section(loaded.part, notch.z_mm)
     per_moment, factor, gradient = notch_stress(notch, outer, bore)
     node = loaded.node(notch.z_mm)
@@ -264,16 +264,16 @@ def _notch(loaded: _Loaded, notch: ShaftNotch) -> NotchCheck:
     )
 
 
-def _strength(loaded: _Loaded, size: float) -> LsaStrength:
+def _strength(loaded: _LoadedShaft, size: float) -> LsaStrength:
     own = lsa_strength(_of_its_material(loaded.scene, loaded.part))
     return replace(own, size_factor=size, treatment_factor=loaded.part.treatment_factor)
 
 
-def _joints(loaded: _Loaded) -> Iterator[JointCheck]:
+def _joints(loaded: _LoadedShaft) -> Iterator[JointCheck]:
     for number, weight in enumerate(loaded.part.weight, start=1):
         if weight.bolt is not None:
             force = _force_N(weight.unbalance_kg_mm, loaded.part.max_speed_rpm) / weight.bolts
-            yield check_joint(f"weight {number}", weight.bolt, Loads(force), loaded.material)
+            yield check_joint(f"weight {number}", weight.bolt, JointLoads(force), loaded.material)
 
 
 def _mass_kg(part: BalancerPart, material: Material) -> float:

@@ -52,7 +52,7 @@ def own_command(*words: str) -> list[str]:
     return [sys.executable, "-c", "from cranktopo.app.launch import main; main()", *words]
 
 
-class _Job(Result):
+class _KnownJob(Result):
     id: str
     kind: str
     words: tuple[str, ...]
@@ -64,11 +64,11 @@ class _Job(Result):
 
 
 @dataclass
-class Job:
+class BenchJob:
     """A job that was started, whoever started it."""
 
     place: Path
-    known: _Job
+    known: _KnownJob
 
     @property
     def out(self) -> Path:
@@ -167,22 +167,22 @@ class Jobs:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def all(self) -> list[Job]:
+    def all(self) -> list[BenchJob]:
         """Return every job, the oldest first."""
         found = []
         for file in sorted(self._folder.glob(f"*/{_JOB}")):
             with suppress(CranktopoError):
-                found.append(Job(file.parent, _Job.read(file)))
+                found.append(BenchJob(file.parent, _KnownJob.read(file)))
         return found
 
-    def job(self, id_: str) -> Job:
+    def job(self, id_: str) -> BenchJob:
         """Return a job by its name."""
         for job in self.all():
             if job.known.id == id_:
                 return job
         raise CranktopoError("job: there is no such job.")
 
-    def start(self, kind: str, design: str, options: Mapping[str, Any]) -> Job:
+    def start(self, kind: str, design: str, options: Mapping[str, Any]) -> BenchJob:
         """Start a command on the text of a design."""
         if kind not in KINDS:
             raise CranktopoError("job: there is no such command.")
@@ -193,10 +193,10 @@ class Jobs:
         (place / "design.toml").write_text(design, encoding="utf-8")
         words = [kind, "design.toml", *given]
         words += ["--out", _OUT] if kind in ("optimise", "shape", "sweep") else ["--json"]
-        known = _Job(id=place.name, kind=kind, words=tuple(words), started=time.time())
+        known = _KnownJob(id=place.name, kind=kind, words=tuple(words), started=time.time())
         return self._run(place, known, words)
 
-    def resume(self, id_: str) -> Job:
+    def resume(self, id_: str) -> BenchJob:
         """Continue a job that was stopped."""
         job = self.job(id_)
         if not job.resumable:
@@ -208,7 +208,7 @@ class Jobs:
             shutil.rmtree(job.out)
         return self._run(job.place, job.known, job.known.words)
 
-    def _run(self, place: Path, known: _Job, words: Sequence[str]) -> Job:
+    def _run(self, place: Path, known: _KnownJob, words: Sequence[str]) -> BenchJob:
         line = ["/bin/sh", "-c", _SHELL, "sh", *own_command(*words)]
         process = subprocess.Popen(
             line,
@@ -223,7 +223,7 @@ class Jobs:
         known = known.model_copy(update={"started": time.time(), "pid": process.pid, "born": born})
         write_json(place / _JOB, known.as_json())
         _running.append(process)
-        return Job(place, known)
+        return BenchJob(place, known)
 
 
 _running: list[subprocess.Popen[bytes]] = []

@@ -25,7 +25,7 @@ from cranktopo.tasks.bench.edits import changed_text, check_files_inside
 _FOLDER, _STATE = "bench", "state.json"
 
 
-class Step(Result):
+class DesignStep(Result):
     """One state of the design: its file, what was done to get there, and the command that does the same."""
 
     file: str
@@ -50,7 +50,7 @@ class _State(Result):
     source: str
     at: int = 0
     original: int = 0
-    steps: tuple[Step, ...] = ()
+    steps: tuple[DesignStep, ...] = ()
     variants: tuple[Variant, ...] = ()
 
 
@@ -84,7 +84,7 @@ class Project:
             if kept.text_of(0) == text:
                 return kept
         place.mkdir(parents=True, exist_ok=True)
-        first = Step(file="0000.toml", what=what, command=command)
+        first = DesignStep(file="0000.toml", what=what, command=command)
         write_text(place / first.file, text)
         state = _State(name=name, source=source, steps=(first,))
         write_json(place / _STATE, state.as_json())
@@ -96,7 +96,7 @@ class Project:
         return self._state.name
 
     @property
-    def step(self) -> Step:
+    def step(self) -> DesignStep:
         """The step that is shown."""
         return self._state.steps[self._state.at]
 
@@ -128,7 +128,7 @@ class Project:
         """Tables of the design as it was opened, whose files are trusted."""
         return self.data(self.text_of(0))
 
-    def as_steps(self, first: int, last: int) -> tuple[Step, ...]:
+    def as_steps(self, first: int, last: int) -> tuple[DesignStep, ...]:
         """Return the steps after one up to another."""
         return self._state.steps[first + 1 : last + 1]
 
@@ -153,7 +153,7 @@ class Project:
             return
         kept = self._state.steps[: self._state.at + 1]
         number = 1 + max(int(Path(step.file).stem) for step in self._state.steps)
-        step = Step(file=f"{number:04d}.toml", what=what, command=command)
+        step = DesignStep(file=f"{number:04d}.toml", what=what, command=command)
         write_text(self.place / step.file, text)
         self._write(steps=(*kept, step), at=len(kept), original=min(self._state.original, len(kept) - 1))
         self._text = text

@@ -10,12 +10,12 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, read_text_file
 from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.tasks.bench.jobs import Job, own_command
+from cranktopo.tasks.bench.jobs import BenchJob, own_command
 
 _REMODEL_S = 3600
 
 
-def job_numbers(job: Job) -> dict[str, float]:
+def job_numbers(job: BenchJob) -> dict[str, float]:
     """Return the gauges that a finished job tells, by name; a bound is called `bound_` and its quantity."""
     reader = {"shape": _of_shape, "bound": _of_bound, "fatigue": _of_fatigue, "optimise": _of_optimise}
     if job.known.kind not in reader:
@@ -26,7 +26,7 @@ def job_numbers(job: Job) -> dict[str, float]:
         return {}
 
 
-def job_words(job: Job) -> list[str]:
+def job_words(job: BenchJob) -> list[str]:
     """Return what a finished job found, in a few lines."""
     try:
         if job.known.kind == "shape":
@@ -66,7 +66,7 @@ def _fatigue_words(told: dict[str, Any]) -> list[str]:
     return lines
 
 
-def variant_of(job: Job) -> str | None:
+def variant_of(job: BenchJob) -> str | None:
     """Return the design that a finished job ends with; a density is re-modelled first."""
     if job.known.kind == "shape":
         return _design(job.out / "web.toml")
@@ -86,7 +86,7 @@ def _design(file: Path) -> str:
     return read_text_file(file, f"'{file}'")
 
 
-def _of_shape(job: Job) -> dict[str, float]:
+def _of_shape(job: BenchJob) -> dict[str, float]:
     result = read_json(job.out / "shape.json")["result"]
     return _evaluated(result)
 
@@ -106,12 +106,12 @@ def _evaluated(entry: dict[str, Any]) -> dict[str, float]:
     return {**found, **({} if safety is None else {"fatigue_safety": safety})}
 
 
-def _of_bound(job: Job) -> dict[str, float]:
+def _of_bound(job: BenchJob) -> dict[str, float]:
     bound = json.loads(job.stdout())["bound"]
     return {f"bound_{bound['quantity']}": bound["value"]} if bound["quantity"] in QUANTITIES else {}
 
 
-def _of_fatigue(job: Job) -> dict[str, float]:
+def _of_fatigue(job: BenchJob) -> dict[str, float]:
     told = json.loads(job.stdout())
     if told["method"] != "m53":
         return {"fatigue_safety": min(entry["safety"] for entry in told["fatigue"])}
@@ -123,5 +123,5 @@ def _of_fatigue(job: Job) -> dict[str, float]:
     }
 
 
-def _of_optimise(job: Job) -> dict[str, float]:
+def _of_optimise(job: BenchJob) -> dict[str, float]:
     return {"mass": read_json(job.out / "metrics.json")["mass_kg"]["throw"]}

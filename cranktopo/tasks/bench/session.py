@@ -24,7 +24,7 @@ from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside
 from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload
-from cranktopo.tasks.bench.jobs import PARTLY, Job, Jobs, own_command, reap
+from cranktopo.tasks.bench.jobs import PARTLY, BenchJob, Jobs, own_command, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
@@ -368,7 +368,7 @@ class Bench:
                 self._seen = str(told)
                 self._tell_all({"type": "jobs", "jobs": told})
 
-    async def _keep_result(self, job: Job) -> None:
+    async def _keep_result(self, job: BenchJob) -> None:
         """Keep what a finished job found: a variant, numbers, or both."""
         project = self._required
         numbers, found = job_numbers(job), job_words(job)

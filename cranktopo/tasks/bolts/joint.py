@@ -26,7 +26,7 @@ _TORQUE_COEFFICIENT = 0.2
 
 
 @dataclass(frozen=True)
-class Loads:
+class JointLoads:
     """Force on one bolt along its axis, positive parting the joint, and what must stay clamped, N."""
 
     max_N: float
@@ -122,7 +122,7 @@ class Vdi:
     thread_safety: float | None
 
 
-def vdi_2230(bolt: Bolt, loads: Loads, material: Material, permitted_MPa: float | None = None) -> Vdi:
+def vdi_2230(bolt: Bolt, loads: JointLoads, material: Material, permitted_MPa: float | None = None) -> Vdi:
     """Return the verification of a joint by VDI 2230."""
     limits, area = strength(bolt.strength_class, bolt.nominal), bolt.stressed_area_mm2
     E = material.E_GPa * MPA_PER_GPA
@@ -219,7 +219,7 @@ class Shigley:
     fatigue_safety: float | None
 
 
-def shigley(bolt: Bolt, loads: Loads, material: Material) -> Shigley:
+def shigley(bolt: Bolt, loads: JointLoads, material: Material) -> Shigley:
     """Return the verification of a joint by Shigley; the preload is 0.75 of the proof load, or that given."""
     nominal, limits = bolt.nominal, strength(bolt.strength_class, bolt.nominal)
     d, area, E = nominal.diameter_mm, bolt.stressed_area_mm2, material.E_GPa * MPA_PER_GPA

@@ -8,7 +8,7 @@ from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import rod_bolt_force_N
-from cranktopo.tasks.bolts.joint import Loads, shigley, vdi_2230
+from cranktopo.tasks.bolts.joint import JointLoads, shigley, vdi_2230
 from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
 
 
@@ -23,7 +23,7 @@ def check_bolts(design: DesignLike) -> BoltChecks:
         check_joint(
             joint.name,
             joint,
-            Loads(joint.max_force_N, joint.min_force_N, joint.clamp_force_N),
+            JointLoads(joint.max_force_N, joint.min_force_N, joint.clamp_force_N),
             scene.material,
             joint.permitted_pressure_MPa,
         )
@@ -44,11 +44,11 @@ def check_rod_bolt(scene: Scene) -> JointCheck | None:
     if scene.rod is None or scene.rod.bolt is None:
         return None
     most, least = rod_bolt_force_N(scene)
-    return check_joint("rod", scene.rod.bolt, Loads(most, least), scene.rod.material or scene.material)
+    return check_joint("rod", scene.rod.bolt, JointLoads(most, least), scene.rod.material or scene.material)
 
 
 def check_joint(
-    name: str, bolt: Bolt, loads: Loads, material: Material, permitted_MPa: float | None = None
+    name: str, bolt: Bolt, loads: JointLoads, material: Material, permitted_MPa: float | None = None
 ) -> JointCheck:
     """Return one joint with the smallest of its safeties."""
     vdi = vdi_2230(bolt, loads, material, permitted_MPa)

@@ -44,7 +44,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Layout:
+class SheetLayout:
     """Sheet, scale of the crank and of its webs, and the views with their lower left corners."""
 
     sheet: str
@@ -83,7 +83,7 @@ def layout(
     blocks: Callable[[float, float], Sequence[Block]],
     crankpin_mm: float,
     column_fits: Callable[[float], bool],
-) -> Layout:
+) -> SheetLayout:
     """Return the layout on the smallest sheet on which crankpins are large enough, else the largest on A0.
 
     `blocks` gives them at a scale of the crank and one of its webs; `column_fits` tells whether the column's
@@ -101,7 +101,7 @@ def layout(
 
 def _largest(
     sheet: str, blocks: Callable[[float, float], Sequence[Block]], area: tuple[float, float]
-) -> Layout | None:
+) -> SheetLayout | None:
     """The largest scale of the crank that fits, with the largest of the webs beside it."""
     for scale in SCALES:
         fitting = None
@@ -109,11 +109,11 @@ def _largest(
             views = rows(blocks(scale, web_scale), *area)
             if views is None:
                 break
-            fitting = Layout(sheet, scale, web_scale, tuple(views))
+            fitting = SheetLayout(sheet, scale, web_scale, tuple(views))
         if fitting:
             return fitting
     return None
 
 
-def _readable(found: Layout, crankpin_mm: float) -> bool:
+def _readable(found: SheetLayout, crankpin_mm: float) -> bool:
     return found.scale * crankpin_mm >= _LEAST_MM and found.web_scale * crankpin_mm >= _LEAST_WEB_MM

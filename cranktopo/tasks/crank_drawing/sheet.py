@@ -42,7 +42,7 @@ from cranktopo.tasks.crank_drawing.layout import (
     SHEETS_MM,
     TITLE_MM,
     Block,
-    Layout,
+    SheetLayout,
     View,
     layout,
 )
@@ -77,7 +77,7 @@ def draw_crank(design: DesignLike, path: Path | str, started: datetime | None = 
     return found.sheet, found.scale
 
 
-def crank_figure(scene: Scene, shape: CrankShape, written: datetime) -> tuple[Figure, Layout]:
+def crank_figure(scene: Scene, shape: CrankShape, written: datetime) -> tuple[Figure, SheetLayout]:
     """Return the drawing of a crank as a figure, and its layout; `scene` has the material and the title."""
     from matplotlib.figure import Figure
 
@@ -257,7 +257,7 @@ def _mass_kg(scene: Scene, shape: CrankShape) -> float:
 
 
 def _title_block(
-    page: Any, width: float, scene: Scene, shape: CrankShape, found: Layout, written: datetime
+    page: Any, width: float, scene: Scene, shape: CrankShape, found: SheetLayout, written: datetime
 ) -> None:
     """Draw the fields of ISO 7200, 180 mm wide."""
     left, drawing, step = width - BORDER_MM - COLUMN_MM, scene.drawing, _TITLE_MM / 6

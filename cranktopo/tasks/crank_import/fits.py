@@ -16,7 +16,7 @@ _BAND = 4.0
 
 
 @dataclass(frozen=True)
-class Circle:
+class FittedCircle:
     """A circle in a plane; `off_mm` is the distance of each point from it, outside positive."""
 
     centre: Array
@@ -24,7 +24,7 @@ class Circle:
     off_mm: Array
 
 
-def circle(points: Array, weights: Array | None = None) -> Circle:
+def circle(points: Array, weights: Array | None = None) -> FittedCircle:
     """Return the circle through points (n, 2) by linear least squares (I. Kasa, IEEE Trans. IM 25, 1976)."""
     middle = points.mean(axis=0)
     x, y = (points - middle).T
@@ -33,10 +33,10 @@ def circle(points: Array, weights: Array | None = None) -> Circle:
     solved, *_ = np.linalg.lstsq(rows, (x**2 + y**2) * root, rcond=None)
     radius = float(np.sqrt(max(solved[2] + solved[0] ** 2 + solved[1] ** 2, 0.0)))
     centre = middle + solved[:2]
-    return Circle(centre, radius, np.linalg.norm(points - centre, axis=1) - radius)
+    return FittedCircle(centre, radius, np.linalg.norm(points - centre, axis=1) - radius)
 
 
-def trimmed_circle(points: Array, weights: Array, least_mm: float) -> tuple[Circle, NDArray[np.bool_]]:
+def trimmed_circle(points: Array, weights: Array, least_mm: float) -> tuple[FittedCircle, NDArray[np.bool_]]:
     """Return the circle through points (n, 2) of most weight, and which are on it: ends of fillets are not.
 
     Points nearer than `least_mm` stay.
@@ -49,7 +49,7 @@ def trimmed_circle(points: Array, weights: Array, least_mm: float) -> tuple[Circ
         if near.sum() < 3 or (near == on).all():
             break
         on = near
-    return Circle(found.centre, found.radius, off), on
+    return FittedCircle(found.centre, found.radius, off), on
 
 
 def weighted_median(values: Array, weights: Array) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.tasks.shaft.result import ContinuousShaft
-from cranktopo.tasks.shaft_safety.plots import BearingLoads, bearing_pictures, safety_pictures
+from cranktopo.tasks.shaft_safety.plots import BearingPolar, bearing_pictures, safety_pictures
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 from cranktopo.tasks.shaft_safety.text import (
     bearing_table,
@@ -16,7 +16,7 @@ from cranktopo.tasks.shaft_safety.text import (
 )
 
 
-def shaft_page(shaft: ShaftAssessment, loads: BearingLoads, written: str) -> Page:
+def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Page:
     """Return a judged shaft as content; `written` is a date.
 
     Args:

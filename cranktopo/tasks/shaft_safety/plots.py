@@ -16,7 +16,7 @@ _BAR = 0.38
 
 
 @dataclass(frozen=True)
-class BearingLoads:
+class BearingPolar:
     """Forces of the shaft on its main bearings over the cycle at one speed.
 
     Attributes:
@@ -42,7 +42,7 @@ def safety_pictures(found: ShaftSafety) -> tuple[Picture, ...]:
     return tuple(pictures)
 
 
-def bearing_pictures(loads: BearingLoads) -> tuple[Picture, ...]:
+def bearing_pictures(loads: BearingPolar) -> tuple[Picture, ...]:
     """Return the polar diagram of each main bearing."""
     size_kN = np.hypot(loads.load_N[:, 0], loads.load_N[:, 1]) / N_PER_KN
     return tuple(

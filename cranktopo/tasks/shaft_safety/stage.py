@@ -35,7 +35,7 @@ from cranktopo.tasks.shaft.stage import (
 )
 from cranktopo.tasks.shaft_safety.least import PARTS, Part, least_safeties
 from cranktopo.tasks.shaft_safety.page import shaft_page
-from cranktopo.tasks.shaft_safety.plots import BearingLoads
+from cranktopo.tasks.shaft_safety.plots import BearingPolar
 from cranktopo.tasks.shaft_safety.result import (
     SafetySeconds,
     ShaftAssessment,
@@ -144,12 +144,12 @@ class _Judged:
             assumed=filter_by_table(self.target.assumed, USED),
         )
 
-    def bearing_loads(self, speed_rpm: float) -> BearingLoads:
+    def bearing_loads(self, speed_rpm: float) -> BearingPolar:
         """Return the forces on the main bearings at one speed."""
         scene, sections = self.target.scene, carried(self.target.scene)
         _, _, cycle = solved_cycle(self.throws, scene, at_speed(scene, speed_rpm), self._spring)
         on_bearings = loads_on_bearings_N(cycle)[list(sections)]
-        return BearingLoads(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
+        return BearingPolar(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
 
     @property
     def _spring(self) -> float | None:

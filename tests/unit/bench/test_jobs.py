@@ -11,13 +11,13 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text
-from cranktopo.tasks.bench.jobs import Job, Jobs, reap
+from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
 
 TEXT = design_text("mikron-iiic-plain")
 
 
-def ended(jobs: Jobs, id_: str) -> Job:
+def ended(jobs: Jobs, id_: str) -> BenchJob:
     for _ in range(1200):
         reap()
         if jobs.job(id_).state != "running":
@@ -52,12 +52,12 @@ def test_a_job_is_stopped_and_can_go_on(tmp_path: Path) -> None:
 
 def test_the_result_of_shape_is_a_design(tmp_path: Path) -> None:
     ran = ended(Jobs(tmp_path), Jobs(tmp_path).start("fatigue", TEXT, {"method": "none"}).known.id)
-    job = Job(ran.place, ran.known.model_copy(update={"kind": "shape"}))
+    job = BenchJob(ran.place, ran.known.model_copy(update={"kind": "shape"}))
     job.out.mkdir()
     shutil.copy(job.place / "design.toml", job.out / "web.toml")
     assert variant_of(job) == TEXT
     assert variant_of(ran) == TEXT, "a check comes back with the design that it was of"
-    assert variant_of(Job(ran.place, ran.known.model_copy(update={"kind": "bound"}))) is None
+    assert variant_of(BenchJob(ran.place, ran.known.model_copy(update={"kind": "bound"}))) is None
 
 
 def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Path) -> None:
@@ -70,7 +70,7 @@ def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Pat
     lines = job_words(ran)
     assert lines[1] == "pin fillet: 0.9 by polynomials, 0.8 by elements; elements govern"
     assert job_numbers(ran)["m53_pin_elements"] == 0.8
-    shape = Job(ran.place, ran.known.model_copy(update={"kind": "shape"}))
+    shape = BenchJob(ran.place, ran.known.model_copy(update={"kind": "shape"}))
     (ran.place / "stdout.txt").write_text("met: mass -5.0 %\nmore\n", encoding="utf-8")
     shape.out.mkdir()
     price = {"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 1.59}
