@@ -5,9 +5,10 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from cranktopo.base.table import SHOWN, UNLESS_IN_LIBRARY, Length, SceneTable, Strength, filled_in
 
@@ -26,17 +27,36 @@ _FkmGroup = Literal[
 """Material groups of the FKM guideline."""
 
 
+LIBRARY_STRENGTHS = ("yield_MPa", "fatigue_tension_MPa", "fatigue_bending_MPa")
+"""Keys of the library that follow a tensile strength which the design gives."""
+_SECTION = "sections_to_mm"
+
+
+@cache
+def _entries() -> dict[str, dict[str, Any]]:
+    return tomllib.loads((files("cranktopo.design") / "materials.toml").read_text(encoding="utf-8"))
+
+
 @cache
 def material_library() -> dict[str, dict[str, Any]]:
     """Return the material library shipped with the package, by name."""
-    return tomllib.loads((files("cranktopo.design") / "materials.toml").read_text(encoding="utf-8"))
+    return {
+        name: {key: value for key, value in entry.items() if key != _SECTION}
+        for name, entry in _entries().items()
+    }
+
+
+def library_section_mm(name: str) -> float | None:
+    """Return the thickest section that the library's strengths of a material hold for; None where unknown."""
+    return _entries().get(name, {}).get(_SECTION)
 
 
 class Material(SceneTable):
     """Linear elastic material; a known `name` fills in every value that is not given."""
 
     name: str = Field(default="custom", examples=["31CrMoV9"], json_schema_extra=SHOWN)
-    """A name of the library fills in every key that is not given; any other name needs own values."""
+    """A name of the library fills in every key that is not given; any other name needs own values. Beside an
+    own tensile strength the other strengths of the library are taken in proportion."""
     E_GPa: float = Field(ge=0.1, le=2000, examples=[210.0], json_schema_extra=UNLESS_IN_LIBRARY)
     """Young's modulus."""
     poisson: float = Field(ge=0, le=0.49, examples=[0.3], json_schema_extra=UNLESS_IN_LIBRARY)
@@ -63,7 +83,31 @@ class Material(SceneTable):
     @model_validator(mode="before")
     @classmethod
     def _from_library(cls, data: Any) -> Any:
-        return filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
+        filled = filled_in(data, material_library(), frozenset({"E_GPa", "poisson", "density_kg_m3"}))
+        return _in_proportion(data, filled)
+
+    @model_validator(mode="after")
+    def _below_ultimate(self) -> Self:
+        for key in LIBRARY_STRENGTHS:
+            value = getattr(self, key)
+            if value is not None and self.ultimate_MPa is not None and value > self.ultimate_MPa:
+                why = f"{key} = {value:g} is above ultimate_MPa = {self.ultimate_MPa:g}"
+                raise PydanticCustomError("statement", "{why}", {"why": why, "hint": "Correct one of them."})
+        return self
+
+
+def _in_proportion(data: Any, filled: Any) -> Any:
+    """Return a material with the library's strengths scaled to the tensile strength that is given."""
+    if not isinstance(data, dict) or not isinstance(data.get("ultimate_MPa"), int | float):
+        return filled
+    entry = material_library().get(str(data.get("name")), {})
+    usual = entry.get("ultimate_MPa")
+    if not usual or data["ultimate_MPa"] == usual:
+        return filled
+    share = data["ultimate_MPa"] / usual
+    scaled = {key: entry[key] * share for key in LIBRARY_STRENGTHS if key in entry and key not in data}
+    source = data.get("source", f"tensile strength of the design; for the rest: {entry['source']}")
+    return {**filled, **scaled, "source": source}
 
 
 M53Factors = Literal["lower", "polynomials", "elements"]

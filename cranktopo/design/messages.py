@@ -98,7 +98,8 @@ def _describe(detail: ErrorDetails, path: str) -> tuple[str, str]:
         context = detail["ctx"]
         return f"{path}.name = {quoted(detail['input']['name'])}: {detail['msg']}", context["hint"]
     if kind == "statement":
-        return f"{path} = {quoted(detail['input'])}: {detail['msg']}", detail["ctx"]["hint"]
+        value = "" if isinstance(detail["input"], dict) else f" = {quoted(detail['input'])}"
+        return f"{path}{value}: {detail['msg']}", detail["ctx"]["hint"]
     limits = _limits(loc)
     value = f"{path} = {quoted(detail['input'])}"
     if kind in _NUMBERS:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -213,6 +214,7 @@ def _material(scene: Scene) -> list[tuple[str, str]]:
     material, fatigue = scene.material, scene.fatigue
     return [
         ("material", f"{material.name} {material.source}".strip()),
+        *(("remark", f"{remark}.") for remark in strength_remarks(scene)),
         ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
         ("yield strength", f"{material.yield_MPa:g} MPa" if material.yield_MPa else "unknown"),
         ("heat treatment", material.heat_treatment or "unknown"),

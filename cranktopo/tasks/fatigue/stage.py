@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
+from cranktopo.design.strength import note_strength
 from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
@@ -160,6 +161,7 @@ def assess_by_methods(
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
+        note_strength(target.name, target.scene)
         higher = higher_elsewhere(target.scene)
         if higher:
             note(f"{target.name}: judged by the {higher}")

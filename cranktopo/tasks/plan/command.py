@@ -49,6 +49,7 @@ def command(
     from cranktopo.design.goal.outcome import stated_goal
     from cranktopo.design.goal.wanted import wanted
     from cranktopo.design.loading import load_scene
+    from cranktopo.design.strength import strength_remarks
     from cranktopo.engine.one_throw import one_throw
     from cranktopo.engine.plan.cost import effort
     from cranktopo.engine.plan.planning import plan
@@ -83,5 +84,7 @@ def command(
         click.echo(f"\n{plan_text(effects)}")
         if assumed:
             click.echo(assumed_text(assumed), err=True)
+        for remark in strength_remarks(scene):
+            click.echo(f"warning: material: {remark}", err=True)
         for line in shaft_warnings(scene) if scene.shaft else ():
             click.echo(f"warning: {line}", err=True)

@@ -30,6 +30,7 @@ from cranktopo.design.halves import usual_scale
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
@@ -122,6 +123,7 @@ def shape_design(
     settings = settings or shape_settings(scene)
     stress = plan_for_stress(scene)
     note_left_off(scene.name, scene, stress)
+    note_strength(scene.name, scene)
     if "continuous_shaft" in stress.enabled:
         note(
             f"{scene.name}: effect continuous_shaft counts in `fatigue` and `compare`; here a throw is alone"

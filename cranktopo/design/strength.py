@@ -1,0 +1,64 @@
+"""What the strengths of a material are worth in a crank of this size: remarks beside every safety."""
+
+from __future__ import annotations
+
+from math import isclose
+
+from cranktopo.base.notes import note
+from cranktopo.design.halves import halves
+from cranktopo.design.material import LIBRARY_STRENGTHS, library_section_mm, material_library
+from cranktopo.design.schema import Scene
+from cranktopo.throw.journal import Journal
+
+
+def strength_remarks(scene: Scene) -> tuple[str, ...]:
+    """Return what the library's strengths do not hold for: thicker sections, another tensile strength."""
+    return tuple(filter(None, (_section_remark(scene), _proportion_remark(scene))))
+
+
+def note_strength(name: str, scene: Scene) -> None:
+    """Tell the remarks of a design that is judged by its strength."""
+    for remark in strength_remarks(scene):
+        note(f"{name}: material: {remark}")
+
+
+def ruling_section_mm(scene: Scene) -> float:
+    """Return the thickness through which the crank is hardened: of a solid journal its diameter, of a bored
+    one its wall, or that of a web."""
+    parts = halves(scene)
+    journals = [_through_mm(journal) for half in parts for journal, _ in half.throw.journals]
+    return max(*journals, *(half.web.thickness_mm for half in parts))
+
+
+def _through_mm(journal: Journal) -> float:
+    wall = (journal.outer_diameter_mm - journal.bore_diameter_mm) / 2
+    return wall if journal.bore_diameter_mm else journal.outer_diameter_mm
+
+
+def _section_remark(scene: Scene) -> str:
+    material = scene.material
+    entry, most_mm = material_library().get(material.name, {}), library_section_mm(material.name)
+    section = ruling_section_mm(scene)
+    if most_mm is None or section <= most_mm or material.ultimate_MPa != entry["ultimate_MPa"]:
+        return ""
+    return (
+        f"ultimate_MPa = {material.ultimate_MPa:g} of {material.name} is that of sections to {most_mm:g} mm "
+        f"in the library; this crank has {section:g} mm, where the standard asks for less. "
+        "Give material.ultimate_MPa and yield_MPa of the forging"
+    )
+
+
+def _proportion_remark(scene: Scene) -> str:
+    material = scene.material
+    entry = material_library().get(material.name)
+    if entry is None or material.ultimate_MPa in (None, entry["ultimate_MPa"]):
+        return ""
+    share = material.ultimate_MPa / entry["ultimate_MPa"]
+    scaled = [
+        f"{key} = {value:g}"
+        for key in LIBRARY_STRENGTHS
+        if (value := getattr(material, key)) is not None and isclose(value, entry[key] * share)
+    ]
+    if not scaled:
+        return ""
+    return f"{', '.join(scaled)}: those of {material.name} in proportion to ultimate_MPa"
