@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
@@ -54,6 +54,21 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
         )
     history = _extremes(scene, enabled) if kind == "extremes" else _cycle(scene, scene.engine, enabled)
     return _without(history, enabled)
+
+
+def tangential_range_N(scene: Scene, enabled: frozenset[str]) -> float:
+    """Return the range of the tangential force on a pin, which the torque of the other throws has no part in.
+
+    Where the scene tells the torque of the shaft alone, all of it is taken as that of one throw.
+    """
+    vibrating = "torsional_vibration" in enabled
+    speeds = (scene, at_worst_speed(scene, enabled)) if vibrating else (scene,)
+    cycles = [analyse(at, enabled).cycle for at in speeds]
+    known = [cycle.extreme("tangential_force_N") for cycle in cycles if cycle is not None]
+    if not known:
+        history = load_history(scene, "extremes", enabled)
+        return float(np.ptp(history.torque_Nm)) * NMM_PER_NM / scene.throw.radius_mm
+    return max(high.value for high, _ in known) - min(low.value for _, low in known)
 
 
 def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:

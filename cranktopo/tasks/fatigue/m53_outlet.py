@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history, tangential_range_N
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.outlet import DrillOutlet
@@ -102,7 +101,10 @@ def check_outlets(
     if not outlets:
         return ()
     history = load_history(scene, kind, enabled | {"tangential"})
-    return tuple(_check(half, share, channel, mouth, kind, history, torque_Nmm) for channel, mouth in outlets)
+    tangential = tangential_range_N(scene, enabled) if kind == "extremes" else None
+    return tuple(
+        _check(half, share, channel, mouth, (history, tangential), torque_Nmm) for channel, mouth in outlets
+    )
 
 
 def _check(
@@ -110,15 +112,14 @@ def _check(
     share: float,
     channel: DrillBore,
     mouth: DrillOutlet,
-    kind: HistoryKind,
-    history: LoadHistory,
+    loads: tuple[LoadHistory, float | None],
     torque_Nmm: float,
 ) -> OutletCheck:
     pin, bore = scene.throw.crankpin, 2 * channel.radius_mm
     size = pin.outer_diameter_mm
     gamma = outlet_factors(bore, size)
     modulus = math.pi / 32 * (size**4 - pin.bore_diameter_mm**4) / size
-    bending = _alternating_moment_Nmm(scene, share, mouth, kind, history) / modulus
+    bending = _alternating_moment_Nmm(scene, share, mouth, *loads) / modulus
     torsion = torque_Nmm / (2 * modulus)
     settings = scene.fatigue
     # Factors of the process above 1, and treatments of the fillets, count in the fillets alone.
@@ -149,18 +150,20 @@ def unchecked_journal_outlets(scene: Scene) -> dict[str, str]:
 
 
 def _alternating_moment_Nmm(
-    scene: Scene, share: float, mouth: DrillOutlet, kind: HistoryKind, history: LoadHistory
+    scene: Scene, share: float, mouth: DrillOutlet, history: LoadHistory, tangential_N: float | None
 ) -> float:
-    """Alternating moment at the outlet: triangular diagrams of radial and tangential force."""
+    """Alternating moment at the outlet: triangular diagrams of radial and tangential force.
+
+    Over the cycle where no range of the tangential force is given, else of the ranges of both joined.
+    """
     aside, along, _ = mouth.normal
     # Largest at the pin's middle: an outlet beyond it counts as there.
     lever = share * min(mouth.point_mm[2], scene.pitch_mm / 2)
-    if kind == "cycle":
+    if tangential_N is None:
         at = history.tangential_N * aside - history.radial_N * along
         return lever * float(np.ptp(at)) / 2
-    tangential = float(np.ptp(history.torque_Nm)) * NMM_PER_NM / scene.throw.radius_mm
     radial = float(np.ptp(history.radial_N))
-    return float(lever * (radial * abs(along) + tangential * abs(aside)) / 2)
+    return float(lever * (radial * abs(along) + tangential_N * abs(aside)) / 2)
 
 
 def _outside(bore: float, mouth: DrillOutlet) -> tuple[str, ...]:

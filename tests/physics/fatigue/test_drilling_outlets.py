@@ -53,6 +53,10 @@ def test_moment_over_the_cycle() -> None:
     assert between != pytest.approx(mirrored, rel=1e-3)
     joined = check_outlets(radial(30.0), "extremes", ALL, 0.0)[0].bending_MPa
     assert joined >= max(between, mirrored)
+    # At 90 deg the pin's own tangential force, not the torque that the other throws pass through.
+    assert check_outlets(radial(90.0), "extremes", ALL, 0.0)[0].bending_MPa == pytest.approx(
+        check_outlets(radial(90.0), "cycle", ALL, 0.0)[0].bending_MPa, rel=0.01
+    )
 
 
 def test_strength_takes_the_bore_and_no_credit_of_the_forging() -> None:
