@@ -140,6 +140,10 @@ class ShaftTable(SceneTable):
     throw_stiffness_Nm_per_rad: TorsionalStiffness | None = Field(default=None, examples=[1.5e5])
     """Torsional stiffness of a throw; by default that of finite elements in `vibration` and `fatigue`, and
     the mean of Carter's and Ker Wilson's formulae in the plan and the load cases of optimisations."""
+    throw_stiffnesses_Nm_per_rad: tuple[TorsionalStiffness, ...] | None = Field(
+        default=None, min_length=1, max_length=32, examples=[[1.48e5, 1.52e5, 1.52e5, 1.48e5]]
+    )
+    """The same of every throw, from the free end; one between neighbours is stiffer than the outer ones."""
     cylinder_damping_Nms_per_rad: TorsionalDamping = 0.0
     """Absolute damping: torque at each throw over the angular velocity of its vibration (friction)."""
     throw_damping_Nms_per_rad: TorsionalDamping = 0.0
@@ -157,6 +161,11 @@ class ShaftTable(SceneTable):
     driven: Rotor | None = None
     """Driven machine behind coupling or flywheel; it takes up the engine's mean torque."""
     propeller: Propeller | None = None
+
+    @property
+    def gives_stiffness(self) -> bool:
+        """Tell whether it gives the torsional stiffness of the throws."""
+        return self.throw_stiffness_Nm_per_rad is not None or self.throw_stiffnesses_Nm_per_rad is not None
 
     @property
     def has_takeoff(self) -> bool:

@@ -63,8 +63,11 @@ def _half_torsion(scene: Scene) -> float:
 
 
 def throw_stiffness_Nm_per_rad(scene: Scene) -> float:
-    """Torsional stiffness of a throw: the shaft table's own, else in closed form."""
-    given = scene.shaft.throw_stiffness_Nm_per_rad if scene.shaft else None
+    """Torsional stiffness of a throw: the shaft table's own (the mean of several), else in closed form."""
+    shaft = scene.shaft
+    if shaft is not None and shaft.throw_stiffnesses_Nm_per_rad is not None:
+        return sum(shaft.throw_stiffnesses_Nm_per_rad) / len(shaft.throw_stiffnesses_Nm_per_rad)
+    given = shaft.throw_stiffness_Nm_per_rad if shaft else None
     return given if given is not None else 1 / throw_torsion_rad_per_Nmm(scene) / NMM_PER_NM
 
 

@@ -123,6 +123,9 @@ def _compare(data):
     yield from _fatigue(data["fatigue"])
 
 
+_SWINGS = r"swings most at (\d+) rpm[^:]*: \+-([\d,.]+) N m"
+
+
 def _page(text):
     """Frequency and speed of the vibration, and the load case of torsion, as a page has them."""
     found = re.search(r"first natural frequency (\S+) Hz\D*order (\S+) at (\d+) rpm", text)
@@ -203,7 +206,11 @@ def test_what_the_rule_and_its_pages_tell(capsys, tmp_path):
     path.write_text(SCENES["four with a propeller"])
     rule = ["--method", "m53", "--report", str(dossier)]
     beside = ["--baseline", str(path), "--fatigue", "m53", "--report", str(page)]
-    found = told(capsys, path, {"fatigue": ["fatigue", *rule], "compare": ["compare", *beside]})
+    report = tmp_path / "shaft.md"
+    commands = {"fatigue": ["fatigue", *rule], "compare": ["compare", *beside]}
+    found = told(capsys, path, commands | {"vibration": ["vibration", "--report", str(report)]})
     found |= {one.stem: dict(_page(one.read_text(encoding="utf-8"))) for one in (dossier, page)}
+    swings = [re.search(_SWINGS, one.read_text(encoding="utf-8")) for one in (dossier, report)]
+    assert swings[0].groups() == swings[1].groups()
     with capsys.disabled():
         check(found, least=8)

@@ -27,7 +27,22 @@ def check_shaft(scene: Scene) -> None:
             "shaft: driven and propeller are both given; the shaft ends at one of them.",
             hint="Keep [shaft.driven] or [shaft.propeller].",
         )
+    _check_stiffnesses(scene, shaft)
     _check_speeds(scene, shaft)
+
+
+def _check_stiffnesses(scene: Scene, shaft: ShaftTable) -> None:
+    given = shaft.throw_stiffnesses_Nm_per_rad
+    if given is None:
+        return
+    if shaft.throw_stiffness_Nm_per_rad is not None:
+        raise CranktopoError(
+            "shaft: throw_stiffness_Nm_per_rad and throw_stiffnesses_Nm_per_rad are both given.",
+            hint="Keep one of them.",
+        )
+    throws = len(scene.shaft_angles_deg) if scene.engine else len(given)
+    if len(given) != throws:
+        raise scene.invalid("shaft.throw_stiffnesses_Nm_per_rad", f"must have {throws} values, one a throw")
 
 
 def speed_range_rpm(scene: Scene) -> tuple[float, float]:

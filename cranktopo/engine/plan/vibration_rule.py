@@ -75,7 +75,7 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
         return Estimate(0.0, because, "nothing")
     kind = "major" if found.major else "minor"
     shaft = context.scene.shaft
-    given = shaft is not None and shaft.throw_stiffness_Nm_per_rad is not None
+    given = shaft is not None and shaft.gives_stiffness
     source = "" if given else " (throws in closed form)"
     because = (
         f"first natural frequency {found.frequency_Hz:.0f} Hz{source}, {kind} order {found.order:g} at "

@@ -125,16 +125,17 @@ def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
 
 
 def estimated_chain(scene: Scene) -> ShaftChain:
-    """Return the chain with inertia and stiffness of the throws in closed form; the scene has an engine."""
+    """Return the chain with inertia of the throws in closed form, and stiffness unless the scene gives it."""
     _ = scene.shaft_angles_deg  # refuses a scene without an engine
     throws = throw_scenes(scene)
     different = {throw.name: throw for throw in throws}
     inertias = {name: throw_balance(throw).inertia_kg_mm2 for name, throw in different.items()}
     stiffnesses = {name: throw_stiffness_Nm_per_rad(throw) for name, throw in different.items()}
+    given = scene.shaft.throw_stiffnesses_Nm_per_rad if scene.shaft else None
     return shaft_chain(
         scene,
         tuple(inertias[throw.name] for throw in throws),
-        tuple(stiffnesses[throw.name] for throw in throws),
+        given or tuple(stiffnesses[throw.name] for throw in throws),
     )
 
 

@@ -44,6 +44,7 @@ class Target:
             where `file` is None.
         file: STL or STEP of the half throw, mm.
         assumed: what the design does not say of throw, engine, supports and fatigue.
+        throw_stiffness_source: where the stiffness in the shaft table comes from, unless the design gives it.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Target:
     run: Path | None = None
     align: bool = False
     assumed: tuple[Assumption, ...] = ()
+    throw_stiffness_source: str = ""
 
     @property
     def triangles(self) -> bool:

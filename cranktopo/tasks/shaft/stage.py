@@ -190,24 +190,29 @@ def with_throw_stiffness(target: Target) -> Target:
         CranktopoError: a failed solve.
     """
     scene = target.scene
-    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+    if scene.shaft is None or scene.shaft.gives_stiffness:
         return target
     if "torsional_vibration" not in plan(scene).enabled:
         return target
-    throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
+    shaft = evaluate_shaft(target, "rigid")
+    throws = shaft.stiffness.throws_Nm_per_rad
     stiffness = sum(throws) / len(throws)
     note(
         f"{target.name}: torque of the vibrating shaft with {stiffness:,.0f} N m/rad for a throw, by elements"
     )
-    return replace(target, scene=of_stiffness(scene, throws))
+    return replace(target, scene=of_stiffness(scene, throws), throw_stiffness_source=stiffness_source(shaft))
+
+
+def stiffness_source(shaft: ShaftEvaluation) -> str:
+    """Return where the stiffness of the throws comes from, in words."""
+    return f"finite elements, {shaft.bearings} bearings, +-{shaft.error_percent:.2g} %"
 
 
 def of_stiffness(scene: Scene, throws_Nm_per_rad: Sequence[float]) -> Scene:
-    """Return the scene with the mean stiffness of its throws in its shaft table, where that has none."""
-    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+    """Return the scene with the stiffness of its throws in its shaft table, where that has none."""
+    if scene.shaft is None or scene.shaft.gives_stiffness:
         return scene
-    stiffness = sum(throws_Nm_per_rad) / len(throws_Nm_per_rad)
-    shaft = scene.shaft.model_copy(update={"throw_stiffness_Nm_per_rad": stiffness})
+    shaft = scene.shaft.model_copy(update={"throw_stiffnesses_Nm_per_rad": tuple(throws_Nm_per_rad)})
     return scene.model_copy(update={"shaft": shaft})
 
 

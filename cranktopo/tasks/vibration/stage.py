@@ -12,6 +12,7 @@ from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
 from cranktopo.engine.vibration.study import VibrationStudy, check_vibration, study_vibration
@@ -21,7 +22,7 @@ from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
-from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables
+from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, stiffness_source
 from cranktopo.tasks.vibration.page import vibration_page
 
 
@@ -75,14 +76,14 @@ def shaft_vibration(
 def _given(target: Target) -> bool:
     """Tell whether the design gives the stiffness of its throw, so that no elements are needed."""
     shaft = target.scene.shaft
-    return target.file is None and shaft is not None and shaft.throw_stiffness_Nm_per_rad is not None
+    return target.file is None and shaft is not None and shaft.gives_stiffness
 
 
 def _check_solved(target: Target, bearings: Bearings | None, size_mm: float | None) -> None:
     options = {"--bearings": bearings, "--element-size-mm": size_mm}
     for option in (name for name, value in options.items() if value is not None and _given(target)):
         raise CranktopoError(
-            f"{option}: shaft.throw_stiffness_Nm_per_rad gives the stiffness of a throw, so none is solved.",
+            f"{option}: {_key_of_stiffness(target.scene)} gives the stiffness of a throw, so none is solved.",
             hint=f"Leave out {option}, or that key of '{target.name}'.",
             code=ExitCode.USAGE,
         )
@@ -94,14 +95,18 @@ def _studied(
     scene = target.scene
     if _given(target):
         inertia = _mean(throw_balance(throw).inertia_kg_mm2 for throw in throw_scenes(scene))
-        source = "shaft.throw_stiffness_Nm_per_rad"
+        source = target.throw_stiffness_source or _key_of_stiffness(scene)
         return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)
     note(f"{target.name}: condensing one throw")
     shaft = evaluate_shaft(target, bearings, size_mm)
     stiffness, inertias = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertias_kg_mm2
-    source = f"finite elements, {bearings} bearings, +-{shaft.error_percent:.2g} %"
     chain = shaft_chain(scene, inertias, stiffness)
-    return study_vibration(scene, chain, _mean(inertias), source, run_up_s)
+    return study_vibration(scene, chain, _mean(inertias), stiffness_source(shaft), run_up_s)
+
+
+def _key_of_stiffness(scene: Scene) -> str:
+    one = scene.shaft is not None and scene.shaft.throw_stiffness_Nm_per_rad is not None
+    return f"shaft.throw_{'stiffness' if one else 'stiffnesses'}_Nm_per_rad"
 
 
 def _mean(values: Iterable[float]) -> float:

@@ -134,10 +134,11 @@ def run_up_sentence(study: VibrationStudy) -> str:
 def _stiffness_sentence(study: VibrationStudy) -> str:
     """Return what load cases take instead, where that is not what was given."""
     scene, chain = study.scene, study.shaft.chain
-    if scene.shaft is None or scene.shaft.throw_stiffness_Nm_per_rad is not None or study.shaft.throws < 2:
+    if scene.shaft is None or scene.shaft.gives_stiffness or study.shaft.throws < 2:
         return ""
     first = study.shaft.first
-    found, estimated = chain.stiffness_Nm_per_rad[first], throw_stiffness_Nm_per_rad(scene)
+    between = chain.stiffness_Nm_per_rad[first : first + study.shaft.throws - 1]
+    found, estimated = sum(between) / len(between), throw_stiffness_Nm_per_rad(scene)
     return (
         f"Load cases take {number_text(estimated)} N m/rad for a throw, in closed form; to have them take "
         f"that of this run write shaft.throw_stiffness_Nm_per_rad = {plain_number(found)}."

@@ -195,7 +195,8 @@ def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyP
 
     def evaluated(target: Target, bearings: str) -> Any:
         asked.append(bearings)
-        return SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=(1.5e5, 1.7e5)))
+        stiffness = SimpleNamespace(throws_Nm_per_rad=(1.5e5, 1.7e5, 1.7e5, 1.5e5))
+        return SimpleNamespace(stiffness=stiffness, bearings="rigid", error_percent=0.31)
 
     monkeypatch.setattr("cranktopo.tasks.shaft.stage.evaluate_shaft", evaluated)
     scene = turning(PROPELLER)
@@ -203,13 +204,15 @@ def test_fatigue_takes_the_stiffness_of_the_elements(monkeypatch: pytest.MonkeyP
     with redirected(said.append):
         found = with_throw_stiffness(Target("mine", scene))
     assert found.scene.shaft is not None
-    assert found.scene.shaft.throw_stiffness_Nm_per_rad == 1.6e5
+    assert found.scene.shaft.throw_stiffnesses_Nm_per_rad == (1.5e5, 1.7e5, 1.7e5, 1.5e5)
+    assert found.throw_stiffness_source == "finite elements, rigid bearings, +-0.31 %"
     assert asked == ["rigid"]
     assert "160,000 N m/rad" in said[0]
     before, after = (load_history(s, "extremes", plan(s).enabled) for s in (scene, found.scene))
     assert np.ptp(after.torque_Nm) < 0.9 * np.ptp(before.torque_Nm)  # the resonance of order 8 has gone
     given = turning({**PROPELLER, "throw_stiffness_Nm_per_rad": 1.4e5})
-    for same in (given, switched_to(scene, "off"), load_scene("mikron-iiic-plain")):
+    every = turning({**PROPELLER, "throw_stiffnesses_Nm_per_rad": [1.4e5] * 4})
+    for same in (given, every, switched_to(scene, "off"), load_scene("mikron-iiic-plain")):
         target = Target("mine", same)
         assert with_throw_stiffness(target) is target
     assert len(asked) == 1
