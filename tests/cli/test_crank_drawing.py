@@ -20,7 +20,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, SheetLayout
-from cranktopo.tasks.crank_drawing.sheet import crank_figure
+from cranktopo.tasks.crank_drawing.sheet import _places, crank_figure
 
 JOURNAL = {"outer_diameter_mm": 40.0, "length_mm": 30.0, "fillet_mm": 2.0}
 DAY = datetime(2026, 1, 2)
@@ -63,6 +63,20 @@ def test_it_says_what_the_shop_needs(sheet: tuple[Figure, SheetLayout]) -> None:
     wanted = ("2× ⌀44 h6 (0/-0.016)", "1× ⌀40 k6 (+0.018/+0.002)", "54 HRC", "K-17", "Crack test.")
     for text in (*wanted, "42CrMo4", "G 16", "40 ±0.05", "2026-01-02", "↗", "∥", "R2\nRa 0.4", "WEB 1"):
         assert text in found, text
+
+
+@pytest.mark.parametrize(
+    ("numbers", "alone", "words"),
+    [
+        ([1, 2, 3, 4, 5, 6], True, "all throws"),
+        ([1], True, "throw 1"),
+        ([2, 3], False, "throws 2, 3"),
+        ([1, 3, 4, 5, 8], False, "throws 1, 3 to 5, 8"),
+    ],
+)
+def test_webs_name_their_throws_in_few_words(numbers: list[int], alone: bool, words: str) -> None:
+    """Six throws one by one ran into the title of the view beside."""
+    assert _places(numbers, alone) == words
 
 
 def test_a_pocket_is_dimensioned_from_both_axes(sheet: tuple[Figure, SheetLayout]) -> None:

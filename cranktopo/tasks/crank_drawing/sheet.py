@@ -114,14 +114,29 @@ def _distinct(shape: CrankShape) -> list[tuple[str, Sheet]]:
     found: list[tuple[str, Sheet]] = []
     scenes = list(dict.fromkeys(throw.scene for throw in shape.throws))
     for scene in scenes:
-        numbers = [str(k) for k, throw in enumerate(shape.throws, 1) if throw.scene == scene]
-        where = f"throw{'s' * (len(numbers) > 1)} {', '.join(numbers)}"
+        where = _places(
+            [k for k, throw in enumerate(shape.throws, 1) if throw.scene == scene], len(scenes) == 1
+        )
         if difference(scene):
             first, second = (replace(sheet, placed=True) for sheet in throw_sheets(scene))
             found += [(f"first web of {where}", first), (f"second web of {where}", second)]
         else:
             found.append((f"both webs of {where}", Sheet(scene, throw_solid(scene), placed=True)))
     return [(f"WEB {k}: {where}", sheet) for k, (where, sheet) in enumerate(found, 1)]
+
+
+def _places(numbers: Sequence[int], alone: bool) -> str:
+    """Return which throws these are: `all throws`, `throw 2`, `throws 1, 3 to 6`."""
+    if alone and len(numbers) > 1:
+        return "all throws"
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and runs[-1][-1] == number - 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    words = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return f"throw{'s' * (len(numbers) > 1)} {', '.join(words)}"
 
 
 def _all_details(sheets: Sequence[Sheet]) -> list[list[Detail]]:

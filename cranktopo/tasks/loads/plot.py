@@ -65,9 +65,14 @@ def _draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
     cycle = _cycle(analysis)
     angle = cycle.forces.angle_deg
     axes.plot(angle, cycle.forces.torque_Nm, label="one throw")
-    axes.plot(angle, cycle.torque.engine_Nm, label=f"engine, {analysis.engine.cylinders} cylinders")
+    axes.plot(angle, cycle.torque.engine_Nm, label=_engine(analysis))
     axes.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
     _frame(axes, analysis, "torque [N m]")
+
+
+def _engine(analysis: LoadAnalysis) -> str:
+    count = analysis.engine.cylinders
+    return f"engine, {count} cylinder{'s' * (count > 1)}"
 
 
 def _draw_piston(axes: Any, analysis: LoadAnalysis) -> None:
