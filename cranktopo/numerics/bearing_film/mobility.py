@@ -7,18 +7,21 @@ force is interpolated over that of the width.
 
 from __future__ import annotations
 
-import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from cranktopo.base.arrays import Array
 from cranktopo.numerics.bearing_film.reynolds import film
 
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
 MAP_FILE = Path(__file__).with_name("mobility_map.npz")
 WIDTHS = (0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4)
 """Width over diameter."""
@@ -31,60 +34,64 @@ _FINE, _ANGLES = 240, 480
 
 @dataclass(frozen=True)
 class Mobility:
-    """The map of one width, over (film thickness, angle of the load).
+    """Maps of some widths, over (film thickness, angle of the load).
 
     Rows are even in the logarithm of 1 - eccentricity; the angle of the load from the eccentricity grows with
     the square of the column, since a load near the thinnest film moves the journal any way.
 
     Attributes:
-        direction: of the velocity, rad.
-        log_force: logarithm of the force of a unit velocity.
-        peak: largest pressure over the load per projected area.
+        motion: direction of the velocity in rad, and logarithm of the force of a unit velocity, one row for
+            each entry of each map, (entries, 2).
+        peak: largest pressure over the load per projected area, (entries, 1).
+        map: of each bearing, the number of its map.
     """
 
-    direction: Array
-    log_force: Array
+    motion: Array
     peak: Array
+    map: Index
 
-    def velocity(self, eccentricity: complex, load: complex) -> complex:
-        """Return the velocity of the journal's centre over the load's magnitude, dimensionless."""
-        turn, angle = self._from_eccentricity(eccentricity, load)
-        cell = self._cell(abs(eccentricity), abs(angle))
-        way = math.copysign(_mixed(self.direction, cell), angle)
-        return cmath.rect(math.exp(-_mixed(self.log_force, cell)), turn + way)
+    def velocity(self, eccentricity: Complex, load: Complex, bearing: Index | int = 0) -> Complex:
+        """Return the velocity of each journal's centre over the load's magnitude, dimensionless."""
+        turn = np.angle(eccentricity)
+        angle = np.angle(load * np.exp(-1j * turn))
+        found = self._mixed(self.motion, np.abs(eccentricity), np.abs(angle), bearing)
+        return np.asarray(np.exp(1j * (turn + np.copysign(found[..., 0], angle)) - found[..., 1]))
 
-    def peak_pressure(self, eccentricity: complex, load: complex) -> float:
+    def peak_pressure(self, eccentricity: Complex, load: Complex, bearing: Index | int = 0) -> Array:
         """Return the largest pressure over the load per projected area."""
-        _, angle = self._from_eccentricity(eccentricity, load)
-        return _mixed(self.peak, self._cell(abs(eccentricity), abs(angle)))
+        angle = np.angle(load * np.exp(-1j * np.angle(eccentricity)))
+        found = self._mixed(self.peak, np.abs(eccentricity), np.abs(angle), bearing)
+        return np.asarray(found[..., 0])
 
-    @staticmethod
-    def _from_eccentricity(eccentricity: complex, load: complex) -> tuple[float, float]:
-        turn = cmath.phase(eccentricity)
-        return turn, math.remainder(cmath.phase(load) - turn, 2 * math.pi)
-
-    @staticmethod
-    def _cell(eccentricity: float, angle: float) -> tuple[int, int, float, float]:
-        thickness = max(1 - eccentricity, THICKNESS[-1])
-        row = math.log(thickness) / _LOG_THINNEST * (_FINE - 1)
-        column = math.sqrt(angle / math.pi) * (_ANGLES - 1)
-        i, j = min(int(row), _FINE - 2), min(int(column), _ANGLES - 2)
-        return i, j, row - i, column - j
+    def _mixed(self, table: Array, eccentricity: Array, angle: Array, bearing: Index | int) -> Array:
+        """Return entries between those of the table, (..., values)."""
+        thickness = np.minimum(np.maximum(1 - eccentricity, THICKNESS[-1]), 1.0)
+        row = np.log(thickness) * ((_FINE - 1) / _LOG_THINNEST)
+        column = np.sqrt(angle * ((_ANGLES - 1) ** 2 / math.pi))
+        i = np.minimum(row.astype(np.intp), _FINE - 2)
+        j = np.minimum(column.astype(np.intp), _ANGLES - 2)
+        entry = (self.map[bearing] * _FINE + i) * _ANGLES + j
+        down, right = (row - i)[..., None], (column - j)[..., None]
+        upper = table[entry] + right * (table[entry + 1] - table[entry])
+        entry = entry + _ANGLES
+        lower = table[entry] + right * (table[entry + 1] - table[entry])
+        return np.asarray(upper + down * (lower - upper))
 
 
 _LOG_THINNEST = math.log(float(THICKNESS[-1]))
 
 
-def _mixed(table: Array, cell: tuple[int, int, float, float]) -> float:
-    i, j, down, right = cell
-    (a, b), (c, d) = table[i, j : j + 2].tolist(), table[i + 1, j : j + 2].tolist()
-    upper, lower = a + right * (b - a), c + right * (d - c)
-    return float(upper + down * (lower - upper))
+def mobility(widths_over_diameter: Sequence[float]) -> Mobility:
+    """Return the maps of bearings of these widths."""
+    own, which = np.unique(widths_over_diameter, return_inverse=True)
+    found = np.stack([_map(float(width)) for width in own])
+    table = found.transpose(0, 2, 3, 1).reshape(-1, 3)
+    return Mobility(np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:]), which)
 
 
 @lru_cache(maxsize=8)
-def mobility(width_over_diameter: float) -> Mobility:
-    """Return the map of a width.
+def _map(width_over_diameter: float) -> Array:
+    """Return the map of a width: direction, logarithm of the force, largest pressure; (3, rows, columns).
 
     A film narrower than those of the table is one of parabolas along the width, whose force goes with its
     square (Ocvirk); a wider one than the table's is taken as the widest.
@@ -102,7 +109,7 @@ def mobility(width_over_diameter: float) -> Mobility:
         rising = np.maximum.accumulate(angle[row])
         way = np.interp(asked, rising, DIRECTIONS)
         found[:, row] = way, np.interp(way, DIRECTIONS, log_force[row]), np.interp(way, DIRECTIONS, peak[row])
-    return Mobility(*found)
+    return found
 
 
 def entry(width_over_diameter: float, thickness: float) -> Array:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import solver_error
-from cranktopo.numerics.bearing_film.mobility import THICKNESS, Mobility, mobility
+from cranktopo.numerics.bearing_film.mobility import THICKNESS, Complex, Index, Mobility, mobility
+from cranktopo.numerics.planar_motion import motions
 
-_RELATIVE, _ABSOLUTE = 1e-6, 1e-8
+_TOLERANCE = 1e-6
+"""Of the eccentricity, a step."""
 _CYCLES = 30
 _SAME = 1e-4
 """Part of the least film by which it may differ from that of the cycle before."""
@@ -61,44 +63,55 @@ class Orbit:
     """
 
     angle_deg: Array
-    eccentricity: NDArray[np.complex128]
+    eccentricity: Complex
     film_mm: Array
     pressure_MPa: Array
     friction_W: Array
     cycles: int
 
 
-def orbit(
-    bearing: JournalBearing,
-    angle_deg: Array,
-    load_N: NDArray[np.complex128],
-    speed_rad_s: float,
-    surfaces_rad_s: tuple[Array, Array],
-    start: complex = 0.5 + 0j,
-) -> Orbit:
-    """Return the orbit under a load that repeats, over cycles until it does the same.
+@dataclass(frozen=True)
+class LoadedJournal:
+    """A journal in its bearing under a load that repeats.
+
+    Attributes:
+        load_N: on the journal, toward where it moves; in a frame that stands still.
+        speed_rad_s: of the shaft, over whose angle the load is given.
+        surfaces_rad_s: angular speed of journal and bearing.
+    """
+
+    bearing: JournalBearing
+    load_N: Complex
+    speed_rad_s: float
+    surfaces_rad_s: tuple[Array, Array]
+
+
+def orbits(journals: Sequence[LoadedJournal], angle_deg: Array, start: complex = 0.5 + 0j) -> list[Orbit]:
+    """Return the orbit of each journal, over cycles until it does the same; all of them at once.
 
     Args:
         angle_deg: even steps over one cycle of the shaft, from 0, the end left out.
-        load_N: on the journal, toward where it moves; in a frame that stands still.
-        speed_rad_s: of the shaft, which `angle_deg` is of.
-        surfaces_rad_s: angular speed of journal and bearing.
 
     Raises:
-        CranktopoError: it does not become steady.
+        CranktopoError: one that does not become steady.
     """
-    cycle = math.radians(angle_deg[1] * len(angle_deg))
-    steady = _Motion.of(bearing, cycle, load_N, speed_rad_s, (surfaces_rad_s[0] + surfaces_rad_s[1]) / 2)
-    angle, at, least = np.radians(angle_deg), start, math.inf
+    motion = _Motion.of(journals, math.radians(angle_deg[1] - angle_deg[0]))
+    found: list[Orbit | None] = [None] * len(journals)
+    left, least = np.arange(len(journals)), np.full(len(journals), np.inf)
+    at = np.full(len(journals), start, dtype=complex)
     for number in range(1, _CYCLES + 1):
-        solved = solve_ivp(
-            steady.slope, (0.0, cycle), [at.real, at.imag], "LSODA", np.append(angle, cycle),
-            rtol=_RELATIVE, atol=_ABSOLUTE, max_step=cycle / 90,
-        )  # fmt: skip
-        path = solved.y[0] + 1j * solved.y[1]
-        at, before, least = complex(path[-1]), least, max(float(1 - np.abs(path).max()), LEAST_SHARE)
-        if number > 1 and abs(least - before) <= _SAME * least and abs(path[0] - path[-1]) < _CLOSED:
-            return _result(bearing, steady, angle_deg, path[:-1], surfaces_rad_s, number)
+        path = motions(partial(motion.slope, left), at[left], len(angle_deg), _TOLERANCE)
+        before, least[left] = least[left], np.maximum(1 - np.abs(path).max(axis=0), LEAST_SHARE)
+        at[left] = path[-1]
+        same = np.abs(least[left] - before) <= _SAME * least[left]
+        closed = np.abs(path[0] - path[-1]) < _CLOSED
+        steady = same & closed & (number > 1)
+        for place in np.flatnonzero(steady):
+            index = int(left[place])
+            found[index] = _result(journals[index], motion, index, angle_deg, path[:-1, place], number)
+        left = left[~steady]
+        if not left.size:
+            return [one for one in found if one is not None]
     raise solver_error(
         f"oil film: the orbit of the journal is not steady after {_CYCLES} cycles.",
         "Check load, clearance and viscosity.",
@@ -107,93 +120,83 @@ def orbit(
 
 @dataclass(frozen=True)
 class _Motion:
-    """Right-hand side of the journal's motion over the angle of the shaft, lists for speed."""
+    """Right-hand side of the motion of journals over the steps of their loads.
+
+    Attributes:
+        load, turning: by step and journal.
+        per_load: of each journal, change of the eccentricity over a step by a unit load and mobility.
+        step_rad: of the angle of the shaft.
+    """
 
     map: Mobility
-    cycle: float
-    load: list[complex]
-    turning: list[float]
-    per_load: float
-    speed_rad_s: float
+    load: Complex
+    turning: Array
+    per_load: Array
+    step_rad: float
 
     @classmethod
-    def of(
-        cls,
-        bearing: JournalBearing,
-        cycle: float,
-        load_N: NDArray[np.complex128],
-        speed_rad_s: float,
-        mean_rad_s: Array,
-    ) -> _Motion:
-        b = bearing
-        radius_m, width_m, clearance_m = b.diameter_mm / 2e3, b.width_mm / 1e3, b.clearance_mm / 1e3
-        per_load = clearance_m**2 / (6 * b.viscosity_Pas * radius_m**3 * width_m * speed_rad_s * b.films)
-        turning = np.broadcast_to(mean_rad_s / speed_rad_s, load_N.shape)
-        own = mobility(b.width_mm / b.diameter_mm)
-        return cls(own, cycle, load_N.tolist(), turning.tolist(), per_load, speed_rad_s)
+    def of(cls, journals: Sequence[LoadedJournal], step_rad: float) -> _Motion:
+        load = np.stack([journal.load_N for journal in journals], axis=1)
+        means = [(j.surfaces_rad_s[0] + j.surfaces_rad_s[1]) / 2 / j.speed_rad_s for j in journals]
+        turning = np.stack([np.broadcast_to(mean, len(load)) for mean in means], axis=1)
+        widths = [j.bearing.width_mm / j.bearing.diameter_mm for j in journals]
+        per_load = np.array([_per_load(j.bearing, j.speed_rad_s) for j in journals])
+        return cls(mobility(widths), load, turning, per_load, step_rad)
 
-    def slope(self, angle: float, at: Array) -> list[float]:
-        place = angle / self.cycle * len(self.load)
-        i = int(place)
-        part, i = place - i, i % len(self.load)
+    def slope(self, left: Index, place: Array, eccentricity: Complex, which: Index) -> Complex:
+        """Return the change over a step of some of the journals that are left."""
+        step, one = place.astype(np.intp), left[which]
+        part, i = place - step, step % len(self.load)
         j = (i + 1) % len(self.load)
-        load = self.load[i] + part * (self.load[j] - self.load[i])
-        turning = self.turning[i] + part * (self.turning[j] - self.turning[i])
-        eccentricity = complex(at[0], at[1])
-        change = self.squeeze(eccentricity, load) + 1j * turning * eccentricity
-        return [change.real, change.imag]
+        load = self.load[i, one] + part * (self.load[j, one] - self.load[i, one])
+        turning = self.turning[i, one] + part * (self.turning[j, one] - self.turning[i, one])
+        return self.step_rad * (self.squeeze(eccentricity, load, one) + 1j * turning * eccentricity)
 
-    def squeeze(self, eccentricity: complex, load: complex) -> complex:
+    def squeeze(self, eccentricity: Complex, load: Complex, one: Index | int) -> Complex:
         """Change of the eccentricity by the load alone, per radian of the shaft; none outward at last."""
-        if not load:
-            return 0j
-        change = abs(load) * self.per_load * self.map.velocity(eccentricity, load)
-        size = abs(eccentricity)
-        outward = (change * eccentricity.conjugate()).real / size if size else 0.0
-        if outward > 0 and size > 1 - _FLOOR * LEAST_SHARE:
-            left = max((1 - size) / (_FLOOR * LEAST_SHARE) - 1 / _FLOOR, 0.0)
-            change -= (1 - min(left, 1.0)) * outward * eccentricity / size
-        return change
+        change = np.abs(load) * self.per_load[one] * self.map.velocity(eccentricity, load, one)
+        size = np.abs(eccentricity)
+        near = size > 1 - _FLOOR * LEAST_SHARE
+        if not near.any():
+            return np.asarray(change)
+        outward = (change * eccentricity.conj()).real / np.maximum(size, LEAST_SHARE)
+        left = np.clip((1 - size) / (_FLOOR * LEAST_SHARE) - 1 / _FLOOR, 0.0, 1.0)
+        faded = np.where(near & (outward > 0), (1 - left) * outward, 0.0)
+        return np.asarray(change - faded * eccentricity / np.maximum(size, LEAST_SHARE))
+
+
+def _per_load(bearing: JournalBearing, speed_rad_s: float) -> float:
+    b = bearing
+    radius_m, width_m, clearance_m = b.diameter_mm / 2e3, b.width_mm / 1e3, b.clearance_mm / 1e3
+    return clearance_m**2 / (6 * b.viscosity_Pas * radius_m**3 * width_m * speed_rad_s * b.films)
 
 
 def _result(
-    bearing: JournalBearing,
-    motion: _Motion,
-    angle_deg: Array,
-    path: NDArray[np.complex128],
-    surfaces_rad_s: tuple[Array, Array],
-    cycles: int,
+    journal: LoadedJournal, motion: _Motion, one: int, angle_deg: Array, path: Complex, cycles: int
 ) -> Orbit:
-    size, load = np.abs(path), np.array(motion.load)
-    peak = np.array([motion.map.peak_pressure(complex(e), f) for e, f in zip(path, motion.load, strict=True)])
+    size, load, bearing = np.abs(path), journal.load_N, journal.bearing
     return Orbit(
         angle_deg=angle_deg,
         eccentricity=path,
         film_mm=bearing.clearance_mm * np.maximum(1 - size, LEAST_SHARE),
-        pressure_MPa=peak * np.abs(load) / bearing.projected_mm2,
-        friction_W=_friction_W(bearing, motion, path, load, surfaces_rad_s),
+        pressure_MPa=motion.map.peak_pressure(path, load, one) * np.abs(load) / bearing.projected_mm2,
+        friction_W=_friction_W(journal, motion.squeeze(path, load, one), path),
         cycles=cycles,
     )
 
 
-def _friction_W(
-    bearing: JournalBearing,
-    motion: _Motion,
-    path: NDArray[np.complex128],
-    load: NDArray[np.complex128],
-    surfaces_rad_s: tuple[Array, Array],
-) -> Array:
+def _friction_W(journal: LoadedJournal, squeeze: Complex, path: Complex) -> Array:
     """Power that the film takes: of the oil that is sheared, and of the load on the oil that is squeezed out.
 
     The shear of a film all around is 2 pi mu R^3 L w^2 / (c sqrt(1 - e^2)), w the difference of the surfaces'
     speeds; journal and bearing share the moment of the load about the centre (J. F. Booker, ASME J. Basic
     Eng. 87, 1965).
     """
-    journal, sleeve = surfaces_rad_s
+    bearing, load = journal.bearing, journal.load_N
+    own, sleeve = journal.surfaces_rad_s
     radius_m, clearance_m = bearing.diameter_mm / 2e3, bearing.clearance_mm / 1e3
     width_m = bearing.width_mm * bearing.films / 1e3
     root = np.sqrt(np.maximum(1 - np.abs(path) ** 2, LEAST_SHARE))
     shear = 2 * math.pi * bearing.viscosity_Pas * radius_m**3 * width_m / clearance_m / root
-    squeeze_m_s = np.array([motion.squeeze(complex(e), f) for e, f in zip(path, motion.load, strict=True)])
-    squeeze_m_s *= clearance_m * motion.speed_rad_s
-    return np.asarray(shear * (journal - sleeve) ** 2 + (np.conj(squeeze_m_s) * load).real)
+    squeeze_m_s = squeeze * clearance_m * journal.speed_rad_s
+    return np.asarray(shear * (own - sleeve) ** 2 + (np.conj(squeeze_m_s) * load).real)

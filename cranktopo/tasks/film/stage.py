@@ -22,7 +22,7 @@ from cranktopo.engine.balance.free_forces import Complex, turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.engine.gas import pressure_curve
-from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, Orbit, orbit
+from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
 BEARINGS = "bearings"
@@ -61,7 +61,8 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         raise CranktopoError(
             f"{scene.name}: a film carries only where the engine turns.", hint="Give a speed."
         )
-    found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films_at(at_speed(scene, rpm))) for rpm in speeds)
+    every = films_at([at_speed(scene, rpm) for rpm in speeds])
+    found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films) for rpm, films in zip(speeds, every, strict=True))
     return FilmResult(
         design=scene.name,
         oil=None if table.viscosity_mPas else table.oil,
@@ -91,7 +92,7 @@ def film_change(before: Scene, after: Scene) -> str:
     """Return one line with the least films of a design beside those before; empty without `[bearings]`."""
     if before.bearings is None or before.engine is None or not before.engine.speed_rpm:
         return ""
-    (main, big), (old_main, old_big) = (_least_um(films_at(scene)) for scene in (after, before))
+    (main, big), (old_main, old_big) = (_least_um(films) for films in films_at([after, before]))
     return (
         f"oil film at {before.engine.speed_rpm:g} rpm: main bearings {main:.2f} um at least "
         f"({old_main:.2f} before), big ends {big:.2f} um ({old_big:.2f})"
@@ -103,13 +104,41 @@ def _least_um(found: Sequence[BearingFilm]) -> tuple[float, float]:
     return min(one.film_um for one in found[:-1]), found[-1].film_um
 
 
-def films_at(scene: Scene) -> tuple[BearingFilm, ...]:
-    """Return the films at the scene's speed: main bearings from the free end, then a big end."""
-    return tuple(_film(loaded, steady) for loaded, steady in orbits_at(scene))
+def films_at(scenes: Sequence[Scene]) -> list[tuple[BearingFilm, ...]]:
+    """Return the films of each scene at its speed: main bearings from the free end, then a big end."""
+    return films_of([(scene, *_loaded_bearings(scene)) for scene in scenes])
+
+
+def films_of(cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]]) -> list[tuple[BearingFilm, ...]]:
+    """Return the films of the bearings of each scene, at its speed, with the angles of their loads."""
+    found = orbits_of(cases)
+    return [
+        tuple(_film(one, steady) for one, steady in zip(loaded, own, strict=True))
+        for (_, loaded, _), own in zip(cases, found, strict=True)
+    ]
+
+
+def orbits_of(cases: Sequence[tuple[Scene, Sequence[LoadedBearing], Array]]) -> list[list[Orbit]]:
+    """Return the orbits of the bearings of each scene; those over the same angles all at once."""
+    found: list[list[Orbit]] = [[] for _ in cases]
+    for count in dict.fromkeys(len(angle) for _, _, angle in cases):
+        alike = [index for index, (_, _, angle) in enumerate(cases) if len(angle) == count]
+        every = [_journal(one, *cases[index][::2]) for index in alike for one in cases[index][1]]
+        steady = iter(orbits(every, cases[alike[0]][2]))
+        for index in alike:
+            found[index] = [next(steady) for _ in cases[index][1]]
+    return found
 
 
 def orbits_at(scene: Scene) -> tuple[tuple[LoadedBearing, Orbit], ...]:
     """Return the bearings with their loads and the orbits of their journals, in the same order."""
+    loaded, angle = _loaded_bearings(scene)
+    (found,) = orbits_of([(scene, loaded, angle)])
+    return tuple(zip(loaded, found, strict=True))
+
+
+def _loaded_bearings(scene: Scene) -> tuple[list[LoadedBearing], Array]:
+    """Main bearings from the free end, then a big end; and the angles of their loads."""
     loads = main_bearings(scene, turning_masses(scene))
     step = round(_STEP_DEG / float(loads.angle_deg[1] - loads.angle_deg[0]))
     angle = loads.angle_deg[::step]
@@ -119,18 +148,13 @@ def orbits_at(scene: Scene) -> tuple[tuple[LoadedBearing, Orbit], ...]:
         for number, load in zip(carried(scene), loads.load_N, strict=True)
     ]
     every.append(_loaded_big_end(scene, step))
-    return tuple((one, _orbit(one, angle, scene)) for one in every)
+    return every, angle
 
 
-def film_of(loaded: LoadedBearing, angle_deg: Array, scene: Scene) -> BearingFilm:
-    """Return the film of a bearing at the speed of a scene."""
-    return _film(loaded, _orbit(loaded, angle_deg, scene))
-
-
-def _orbit(loaded: LoadedBearing, angle_deg: Array, scene: Scene) -> Orbit:
+def _journal(loaded: LoadedBearing, scene: Scene, angle_deg: Array) -> LoadedJournal:
     speed = angular_speed_rad_s(engine_of(scene).speed_rpm)
     surfaces = np.full_like(angle_deg, speed), loaded.sleeve * speed
-    return orbit(loaded.bearing, angle_deg, loaded.load_N, speed, surfaces)
+    return LoadedJournal(loaded.bearing, loaded.load_N, speed, surfaces)
 
 
 def _film(loaded: LoadedBearing, steady: Orbit) -> BearingFilm:

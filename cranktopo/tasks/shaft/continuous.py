@@ -27,7 +27,8 @@ from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
-from cranktopo.tasks.film.stage import LoadedBearing, film_of, main_bearing
+from cranktopo.tasks.film.result import BearingFilm
+from cranktopo.tasks.film.stage import LoadedBearing, films_of, main_bearing
 from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
 from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing, WebMoment
@@ -227,16 +228,36 @@ def continuous_shaft(
     spring_N_per_mm: float | None,
     enabled: frozenset[str] = INERTIA_EFFECTS,
 ) -> ContinuousShaft:
+    """Return what the webs and bearings of a shaft carry over a cycle; see `continuous_shafts`."""
+    return continuous_shafts(throws, [scene], spring_N_per_mm, enabled)[0]
+
+
+def continuous_shafts(
+    throws: Sequence[tuple[LoadedThrow, Scene]],
+    scenes: Sequence[Scene],
+    spring_N_per_mm: float | None,
+    enabled: frozenset[str] = INERTIA_EFFECTS,
+) -> tuple[ContinuousShaft, ...]:
     """Return what the webs and bearings of a shaft carry over a cycle, beside throws that stand alone.
 
     Args:
         throws: each with its own scene.
+        scenes: of the shaft, one for each speed; the oil films of all are found at once.
         spring_N_per_mm: of each main bearing; None: rigid.
         enabled: as of `cycle_forces`.
 
     Raises:
         CranktopoError: no engine, or no pressures.
     """
+    return _with_films([(*_at_speed(throws, at, spring_N_per_mm, enabled), at) for at in scenes])
+
+
+def _at_speed(
+    throws: Sequence[tuple[LoadedThrow, Scene]],
+    scene: Scene,
+    spring_N_per_mm: float | None,
+    enabled: frozenset[str],
+) -> tuple[ContinuousShaft, ShaftCycle]:
     forces, angles, scenes = cycle_forces(scene, enabled), scene.shaft_angles_deg, [own for _, own in throws]
     cycle = shaft_cycle([throw for throw, _ in throws], angles, forces, spring_N_per_mm, carried(scene))
     single = [
@@ -259,12 +280,13 @@ def continuous_shaft(
         for index in range(len(angles))
         for side in (0, 1)
     )
-    return ContinuousShaft(
+    shaft = ContinuousShaft(
         speed_rpm=engine_of(scene).speed_rpm,
         spring_N_per_mm=spring_N_per_mm,
         webs=webs,
-        main_bearings=_with_films(_main_bearings(cycle, single, angles, carried(scene)), cycle, scene),
+        main_bearings=_main_bearings(cycle, single, angles, carried(scene)),
     )
+    return shaft, cycle
 
 
 def _of_throw(forces: CycleForces, index: int) -> CycleForces:
@@ -304,18 +326,33 @@ def _main_bearings(
     )
 
 
-def _with_films(found: tuple[ShaftBearing, ...], cycle: ShaftCycle, scene: Scene) -> tuple[ShaftBearing, ...]:
-    """Return the bearings with their oil films under these forces, where the scene has bearings and turns."""
-    if scene.bearings is None or not engine_of(scene).speed_rpm:
-        return found
-    loads, still = loads_on_bearings_N(cycle), np.zeros_like(cycle.angle_deg)
-    films = []
-    for one in found:
-        x, y = loads[one.bearing - 1]  # the shaft turns from y to x
-        main = main_bearing(scene, one.bearing - 1)
-        loaded = LoadedBearing(f"main {one.bearing}", main, y + 1j * x, still)
-        films.append(film_of(loaded, cycle.angle_deg, scene))
-    return tuple(
-        one.model_copy(update={"film_um": film.film_um, "pressure_MPa": film.pressure_MPa})
-        for one, film in zip(found, films, strict=True)
+def _with_films(
+    found: Sequence[tuple[ContinuousShaft, ShaftCycle, Scene]],
+) -> tuple[ContinuousShaft, ...]:
+    """Return shafts with the oil films of their bearings, where the scene has bearings and turns."""
+    turning = [one for one in found if one[2].bearings is not None and engine_of(one[2]).speed_rpm]
+    films = films_of(
+        [(scene, _loaded(shaft, cycle, scene), cycle.angle_deg) for shaft, cycle, scene in turning]
     )
+    filled = iter(films)
+    return tuple(
+        shaft if scene.bearings is None or not engine_of(scene).speed_rpm else _filled(shaft, next(filled))
+        for shaft, _, scene in found
+    )
+
+
+def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[LoadedBearing]:
+    loads, still = loads_on_bearings_N(cycle), np.zeros_like(cycle.angle_deg)
+    numbers = [one.bearing for one in shaft.main_bearings]
+    return [  # the shaft turns from y to x
+        LoadedBearing(f"main {n}", main_bearing(scene, n - 1), loads[n - 1][1] + 1j * loads[n - 1][0], still)
+        for n in numbers
+    ]
+
+
+def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousShaft:
+    bearings = tuple(
+        one.model_copy(update={"film_um": film.film_um, "pressure_MPa": film.pressure_MPa})
+        for one, film in zip(shaft.main_bearings, films, strict=True)
+    )
+    return shaft.model_copy(update={"main_bearings": bearings})

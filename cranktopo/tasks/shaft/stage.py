@@ -48,7 +48,7 @@ from cranktopo.tasks.shaft.assembly import (
     throw_blocks,
     throw_matrix,
 )
-from cranktopo.tasks.shaft.continuous import continuous_shaft
+from cranktopo.tasks.shaft.continuous import continuous_shafts
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, loaded_throw, throw_body
 from cranktopo.tasks.shaft.result import ContinuousShaft
 
@@ -240,9 +240,7 @@ def _at_speeds(
         (loaded_throw(throw.loaded, target.scene), target.scene)
         for throw, target in zip(condensed, throws, strict=True)
     ]
-    return tuple(
-        continuous_shaft(parts, at, spring, shaft_effects(scene)) for at in speed_scenes(scene, speeds_rpm)
-    )
+    return continuous_shafts(parts, speed_scenes(scene, speeds_rpm), spring, shaft_effects(scene))
 
 
 def speed_scenes(scene: Scene, speeds_rpm: Sequence[float]) -> list[Scene]:

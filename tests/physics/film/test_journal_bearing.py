@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from cranktopo.numerics.bearing_film.mobility import MAP_FILE, THICKNESS, WIDTHS, entry, mobility
-from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, Orbit, orbit
+from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
 from cranktopo.numerics.bearing_film.reynolds import film
 
 # A. A. Raimondi, J. Boyd, A Solution for the Finite Journal Bearing and its Application to Analysis and
@@ -81,9 +81,9 @@ def test_the_map_between_its_entries(seed: int) -> None:
     load, turned = complex(found.radial, found.across), np.exp(0.7j)
     for side in (1, -1):  # and its mirror image
         own = load if side > 0 else load.conjugate()
-        velocity = mobility(width).velocity(eccentricity * turned, own * turned) * abs(load) / turned
+        velocity = mobility([width]).velocity(eccentricity * turned, own * turned) * abs(load) / turned
         assert abs(velocity - np.exp(1j * side * direction)) < 0.04
-        pressure = mobility(width).peak_pressure(eccentricity * turned, own * turned)
+        pressure = mobility([width]).peak_pressure(eccentricity * turned, own * turned)
         assert pressure == pytest.approx(4 * found.peak / abs(load), rel=0.03)
 
 
@@ -101,7 +101,8 @@ TURNING = np.full_like(ANGLE, SPEED), np.zeros_like(ANGLE)
 
 def steady(load_N: np.ndarray, bearing: JournalBearing = BEARING, speed: float = SPEED) -> Orbit:
     surfaces = np.full_like(ANGLE, speed), np.zeros_like(ANGLE)
-    return orbit(bearing, ANGLE, load_N, speed, surfaces)
+    (found,) = orbits([LoadedJournal(bearing, load_N, speed, surfaces)], ANGLE)
+    return found
 
 
 def test_a_steady_load_ends_in_its_equilibrium() -> None:
@@ -147,7 +148,8 @@ def test_scaled_units_give_the_same_orbit() -> None:
 
 def test_the_start_does_not_matter() -> None:
     found = [
-        orbit(BEARING, ANGLE, PULSE, SPEED, TURNING, start=start).film_mm for start in (0.5 + 0j, -0.3 + 0.8j)
+        orbits([LoadedJournal(BEARING, PULSE, SPEED, TURNING)], ANGLE, start=start)[0].film_mm
+        for start in (0.5 + 0j, -0.3 + 0.8j)
     ]
     assert found[0] == pytest.approx(found[1], rel=1e-3)
 
@@ -169,7 +171,7 @@ def test_a_film_narrower_than_the_map_has_the_law_of_narrow_ones() -> None:
     """Its force goes with the square of the width."""
     found = film(0.7, WIDTHS[0] / 3).force(1.0)
     load = complex(found.radial, found.across)
-    velocity = mobility(WIDTHS[0] / 3).velocity(0.7 + 0j, load) * abs(load)
+    velocity = mobility([WIDTHS[0] / 3]).velocity(0.7 + 0j, load) * abs(load)
     assert abs(velocity - np.exp(1j)) < 0.03
 
 

@@ -27,7 +27,7 @@ from cranktopo.tasks.shaft.continuous import (
     web_moments_Nmm,
 )
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, ThrowBody, loaded_throw, throw_body
-from cranktopo.tasks.shaft.result import ShaftBearing
+from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftBearing
 from tests.physics.shaft.test_evaluation_chain import CRANK_MM, SPRING_N_PER_MM, beam, polygon
 
 Array = NDArray[np.float64]
@@ -196,7 +196,9 @@ def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> Non
     first = loads.load_N[0][::stride]
     assert np.abs(y + 1j * x - first).max() < 5e-3 * np.abs(first).max()
     bearing = ShaftBearing(bearing=1, largest_N=0, at_deg=0, halves_N=0, tilt_mrad=0, offset_um=0)
-    found = _with_films((bearing,), cycle, scene)
+    shaft = ContinuousShaft(speed_rpm=1.0, spring_N_per_mm=None, webs=(), main_bearings=(bearing,))
+    (filled,) = _with_films([(shaft, cycle, scene)])
+    found = filled.main_bearings
     alone = oil_films(scene).speeds[0].bearings[0]
     assert found[0].film_um == pytest.approx(alone.film_um, rel=0.01)
     assert found[0].pressure_MPa == pytest.approx(alone.pressure_MPa, rel=0.01)
