@@ -1,4 +1,4 @@
-"""Many motions at once against closed forms: order, stiffness, kinks of the grid, independence of each other."""
+"""Many motions at once against closed forms: order, stiffness, kinks of the grid, independence."""
 
 from __future__ import annotations
 
