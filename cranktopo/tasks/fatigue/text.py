@@ -120,9 +120,9 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
 def hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each hardened fillet: the depth that decides, and what the treatment gains."""
     return [
-        f"{field.model.name}, {fillet} fillet ({one.process}): decided {decided_depth(one.depth_mm)}, safety "
-        f"{one.safety:.3f}; at the surface {one.safety_surface:.3f}, below {one.safety_below:.3f}; without the "
-        f"treatment {one.untreated_safety:.3f} there ({one.gain:.2f} times)."
+        f"{field.model.name}, {fillet} fillet, {one.process}: decided {decided_depth(one.depth_mm)}, safety "
+        f"{one.safety:.3f} ({one.safety_surface:.3f} at the surface, {one.safety_below:.3f} below it), "
+        f"{one.gain:.2f} times that of the untreated point."
         for field in fields
         for fillet, one in field.hardening.items()
     ]
@@ -135,7 +135,7 @@ def decided_depth(depth_mm: float) -> str:
 
 def _rule_hardening(check: RuleCheck) -> list[str]:
     return [
-        f"{check.name}, {place} ({one.process}, Appendix V): decided {decided_depth(one.depth_mm)}; Q "
+        f"{check.name}, {place} fillet, {one.process}: decided {decided_depth(one.depth_mm)}; Q "
         f"{one.surface_acceptability:.3f} at the surface, {one.below_acceptability:.3f} in the transition "
         f"{one.transition_mm:.2g} mm below it."
         for place, found in check.places.items()
