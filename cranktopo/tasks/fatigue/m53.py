@@ -101,6 +101,7 @@ class RuleHardening:
     """A surface-treated fillet by IACS UR M53, Appendix V.
 
     Attributes:
+        process: "nitrided" or "induction".
         surface_acceptability: strength of the treated surface over the equivalent stress there.
         below_acceptability: strength of the transition to the core over the equivalent stress there.
         transition_mm: depth of the transition: that of the layer, or 1.2 times the nitriding depth.

@@ -1,4 +1,4 @@
-"""Hardened fillets on the coarse mesh of a search: its safety is that of the assessment, with its gradient."""
+"""Hardened fillets on the coarse mesh of a search: its safety and gradient are those of the assessment."""
 
 from __future__ import annotations
 
