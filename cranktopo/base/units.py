@@ -79,6 +79,7 @@ UNITS = {
     "s": "s",
     "h": "h",
     "HRC": "HRC",
+    "HV": "HV",
     "m_per_s": "m/s",
     "m_per_s2": "m/s²",
     "MiB": "MiB",

@@ -28,7 +28,14 @@ _CONSEQUENCES = {
 }
 """What the default of a key means where the number alone does not say it."""
 _WIDTH = 110
-_QUIET = {"m53_factors", "indicator_csv", "source", "name", "surface_treatment_source"}
+_QUIET = {
+    "m53_factors",
+    "indicator_csv",
+    "source",
+    "name",
+    "surface_treatment_source",
+    "residual_scatter_MPa",
+}
 _WITH_INDICATOR = {"ambient_pressure_MPa"}
 """Keys of [engine.gas] that count where the pressure is measured."""
 _ROD_PARTS = {"rod_reciprocating_kg", "rod_rotating_kg"}

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from cranktopo.base.table import SHOWN, UNLESS_IN_LIBRARY, Length, SceneTable, Strength, filled_in
+from cranktopo.design.hardening import CaseHardening, Fillet, Hardening
 
 _FkmGroup = Literal[
     "Steel",
@@ -113,6 +114,11 @@ def _in_proportion(data: Any, filled: Any) -> Any:
 M53Factors = Literal["lower", "polynomials", "elements"]
 
 
+def _absent(value: object) -> bool:
+    """Tell whether a table is left out of a stored scene."""
+    return value is None
+
+
 class Fatigue(SceneTable):
     """Surface, size and rule factors of the fatigue methods.
 
@@ -141,6 +147,24 @@ class Fatigue(SceneTable):
     m53_factors: M53Factors = "lower"
     """Concentration factors that govern at the fillets by IACS UR M53: those of its polynomials, those of
     elements (Appendix III), or those with the lower acceptability where the polynomials are valid."""
+    hardening: Hardening | None = Field(default=None, exclude_if=_absent)
+    """Hardened, nitrided or rolled fillets by hardness and residual stress over depth."""
+    journal_hardening: CaseHardening | None = Field(default=None, exclude_if=_absent)
+    """The fillets of the main journals where their treatment differs from `[fatigue.hardening]`."""
+
+    def hardening_at(self, fillet: Fillet) -> CaseHardening | None:
+        """Return how a fillet is hardened over its depth; None where it is not."""
+        if fillet == "journal" and self.journal_hardening is not None:
+            return self.journal_hardening
+        given = self.hardening
+        return given if given is not None and given.fillets in ("both", fillet) else None
+
+    @property
+    def hardened(self) -> dict[Fillet, CaseHardening]:
+        """Treatments over depth by fillet."""
+        fillets: tuple[Fillet, ...] = ("pin", "journal")
+        found = {fillet: self.hardening_at(fillet) for fillet in fillets}
+        return {fillet: one for fillet, one in found.items() if one is not None}
 
     @property
     def factor_off_fillets(self) -> float:
@@ -149,7 +173,12 @@ class Fatigue(SceneTable):
 
     @property
     def treatment(self) -> str:
-        """The factor of the surface treatment with its source in words; empty where there is none."""
+        """The surface treatment with its source in words; empty where there is none."""
+        if self.hardened:
+            alike = len(self.hardened) == 2 and self.journal_hardening is None
+            told = {fillet: one.told for fillet, one in self.hardened.items()}
+            each = told["pin"] if alike else "; ".join(f"{key} fillets {one}" for key, one in told.items())
+            return f"strength of the fillets by hardness and residual stress over depth: {each}"
         factor = self.surface_treatment_factor
         if factor == 1.0:
             return ""

@@ -18,9 +18,9 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
-from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal
+from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal, dimensions
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
-from cranktopo.tasks.fatigue.rule_check import RuleCheck, dimensions
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE

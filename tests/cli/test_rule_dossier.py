@@ -11,9 +11,15 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import designs_folder
-from cranktopo.tasks.fatigue.m53 import FilletCheck, concentration_factors, nominal_stresses, outside_validity
+from cranktopo.tasks.fatigue.m53 import (
+    FilletCheck,
+    concentration_factors,
+    dimensions,
+    nominal_stresses,
+    outside_validity,
+)
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
-from cranktopo.tasks.fatigue.rule_check import RuleCheck, dimensions
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fea.targets import Target
 
 QUALITY = Quality(0.4, 0.24, 1000, 1.0, 4.0, 1.0, 2.0)

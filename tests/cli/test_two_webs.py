@@ -19,9 +19,8 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.accuracy.study import planned_studies, run_studies
 from cranktopo.tasks.compare import stage as compare
 from cranktopo.tasks.fatigue import rule_check
-from cranktopo.tasks.fatigue.m53 import concentration_factors
+from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
 from cranktopo.tasks.fatigue.result import Quality
-from cranktopo.tasks.fatigue.rule_check import dimensions
 from cranktopo.tasks.fea.studies import EVALUATION, FILLET_STRESS
 from cranktopo.tasks.fea.targets import Target, resolve_targets
 from cranktopo.tasks.sweep.fineness import Fineness

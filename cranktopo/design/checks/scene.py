@@ -10,6 +10,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.checks.engine import check_engine, check_shaft
+from cranktopo.design.checks.hardening import check_hardening
 from cranktopo.design.checks.plain_bearings import check_plain_bearings
 from cranktopo.design.clearance import check_clearance
 from cranktopo.design.free_dimensions import check_free_dimensions
@@ -234,6 +235,7 @@ def _check_half(scene: Scene) -> None:
     _check_supports(scene)
     check_shaft(scene)
     _check_drawing(scene)
+    check_hardening(scene)
     for key, feature in scene.throw.features():
         feature.check_alone(scene, key)
     check_solid(scene)

@@ -25,8 +25,8 @@ from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.report.shading import SHARP_DEGREES, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
 from cranktopo.tasks.bench.front_view import front_view
-from cranktopo.tasks.fatigue.m53 import concentration_factors, nominal_stresses, outside_validity
-from cranktopo.tasks.fatigue.rule_check import dimensions, fillet_checks
+from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, nominal_stresses, outside_validity
+from cranktopo.tasks.fatigue.rule_check import fillet_checks
 from cranktopo.tasks.fatigue.safety_field import load_kinds
 
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")

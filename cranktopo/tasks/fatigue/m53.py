@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from cranktopo.base.errors import invalid
+import numpy as np
+
+from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.free_dimensions import M53_FILLET
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import SafetyMethod
@@ -49,6 +51,25 @@ class Dimensions:
         return ((self.pin + self.journal) / 2 - self.throw) / self.pin
 
 
+def dimensions(scene: Scene) -> Dimensions:
+    """Return a scene in the symbols of the rule; the web is as wide as half-way between its axes."""
+    throw = scene.throw
+    main, pin, radius = throw.main_journal, throw.crankpin, throw.radius_mm
+    return Dimensions(
+        pin=pin.outer_diameter_mm,
+        journal=main.outer_diameter_mm,
+        throw=radius,
+        web_thickness=scene.web.thickness_mm,
+        web_width=2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0]),
+        pin_fillet=pin.fillet_mm,
+        journal_fillet=main.fillet_mm,
+        pin_bore=pin.bore_diameter_mm,
+        journal_bore=main.bore_diameter_mm,
+        pin_recess=pin.fillet.recess_mm,
+        journal_recess=main.fillet.recess_mm,
+    )
+
+
 @dataclass(frozen=True)
 class Factors:
     """Stress concentration factors: alpha in the pin fillet, beta in the journal fillet."""
@@ -76,11 +97,35 @@ class Nominal:
 
 
 @dataclass(frozen=True)
+class RuleHardening:
+    """A surface-treated fillet by IACS UR M53, Appendix V.
+
+    Attributes:
+        process: "nitrided" or "induction".
+        surface_acceptability: strength of the treated surface over the equivalent stress there.
+        below_acceptability: strength of the transition to the core over the equivalent stress there.
+        transition_mm: depth of the transition: that of the layer, or 1.2 times the nitriding depth.
+        depth_mm: depth of the one that decides; 0 at the surface.
+    """
+
+    process: str
+    surface_acceptability: float
+    below_acceptability: float
+    transition_mm: float
+    depth_mm: float
+
+
+@dataclass(frozen=True)
 class FilletCheck:
-    """One fillet against the rule."""
+    """One fillet against the rule.
+
+    Attributes:
+        hardening: of a surface-treated fillet, whose stress and strength are those of the place that decides.
+    """
 
     equivalent_MPa: float
     strength_MPa: float
+    hardening: RuleHardening | None = None
 
     @property
     def acceptability(self) -> float:
@@ -253,4 +298,31 @@ def _check_round_fillets(scene: Scene) -> None:
             )
 
 
-M53 = SafetyMethod("m53", ("ultimate_MPa",), check=_check_round_fillets)
+_LEAST_HV = {"nitrided": 600.0, "induction": 400.0}
+"""Hardness of the surface from which Appendix V has a strength for it."""
+
+
+def _check_treatment(scene: Scene) -> None:
+    for fillet, one in scene.fatigue.hardened.items():
+        if one.process == "rolled":
+            raise CranktopoError(
+                f"{scene.name}: fatigue.hardening: method 'm53' has no formula for rolled {fillet} fillets: "
+                "their strength follows from tests (Appendix V, 6).",
+                hint="Give fatigue.surface_treatment_factor with its source, or take --method lsa or fkm.",
+            )
+        least = _LEAST_HV[one.process]
+        if one.surface_hardness_HV < least:
+            raise invalid(
+                f"{scene.name}: fatigue.hardening.surface_hardness_HV",
+                one.surface_hardness_HV,
+                f"method 'm53' has a strength of {one.process} surfaces from {least:g} HV on (Appendix V)",
+                "Take --method lsa or fkm.",
+            )
+
+
+def _check(scene: Scene) -> None:
+    _check_round_fillets(scene)
+    _check_treatment(scene)
+
+
+M53 = SafetyMethod("m53", ("ultimate_MPa",), check=_check)

@@ -7,7 +7,7 @@ from typing import Literal
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
-from cranktopo.tasks.fatigue.m53 import Factors, Nominal
+from cranktopo.tasks.fatigue.m53 import Factors, Nominal, RuleHardening
 
 JudgedAs = Literal["throw_alone", "continuous_shaft"]
 NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
@@ -96,6 +96,9 @@ class CriticalPoint(Result):
     """Factors of the method, by their symbols."""
     states: tuple[str, str]
     """The two extreme load states."""
+    depth_mm: float | None = UNLESS_NONE
+    """Depth below the point that decides, 0 at the surface, on a fillet hardened by `[fatigue.hardening]`;
+    its strength is then that of a surface as safe."""
 
 
 class SurfaceTreatment(Result):
@@ -105,6 +108,37 @@ class SurfaceTreatment(Result):
     """Factor on the strength; 1 without a treatment."""
     source: str | None
     """Where the factor comes from."""
+
+
+class HardenedFillet(Result):
+    """A hardened, nitrided or rolled fillet at its point of least safety."""
+
+    process: str
+    """Treatment: "nitrided", "induction" or "rolled"."""
+    case_depth_mm: float
+    """Depth of the treatment."""
+    surface_hardness_HV: float
+    """Hardness at the surface."""
+    core_hardness_HV: float
+    """Hardness of the core, given or from the tensile strength."""
+    safety: float
+    """Least safety over all depths."""
+    safety_surface: float
+    """Safety at the surface."""
+    safety_below: float
+    """Least safety below the surface; where the surface decides, from the depth of the treatment on."""
+    depth_mm: float
+    """Depth that decides; 0 at the surface."""
+    hardness_HV: float
+    """Hardness at that depth."""
+    residual_stress_MPa: float
+    """Residual stress at that depth, compression negative."""
+    stress_share: float
+    """Working stress at that depth over that at the surface."""
+    untreated_safety: float
+    """Safety of the point without the treatment."""
+    gain: float
+    """Safety over that without the treatment: the factor of the surface treatment that this is."""
 
 
 class _TargetFatigue(Result):
@@ -139,6 +173,8 @@ class FieldFatigue(_TargetFatigue):
     """Keys that the target does not give and its safety depends on."""
     surface_treatment: SurfaceTreatment
     """Treatment of the fillets' surface."""
+    hardening: dict[str, HardenedFillet] | None = UNLESS_NONE
+    """Fillets hardened by `[fatigue.hardening]`, "pin" and "journal"."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +210,8 @@ class FilletAcceptance(Result):
     """Fatigue strength."""
     acceptability: float
     """Strength over equivalent stress."""
+    hardening: RuleHardening | None = UNLESS_NONE
+    """Surface and transition of a fillet treated by `[fatigue.hardening]`, of which the worse counts."""
 
 
 class RuleFillets(Result):

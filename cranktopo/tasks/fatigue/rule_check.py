@@ -17,6 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, load_history
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
+from cranktopo.tasks.fatigue.hardened_layer import layers
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     Dimensions,
@@ -24,12 +25,14 @@ from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     Nominal,
     concentration_factors,
+    dimensions,
     fatigue_strength_MPa,
     journal_equivalent_MPa,
     nominal_stresses,
     outside_validity,
     pin_equivalent_MPa,
 )
+from cranktopo.tasks.fatigue.m53_hardening import journal_stresses, pin_stresses, treated_check
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets, unchecked_journal_outlets
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
@@ -211,25 +214,6 @@ def _held_by_rule(target: Target) -> Target:
     return replace(target, scene=target.scene.model_copy(update={"supports": supports}))
 
 
-def dimensions(scene: Scene) -> Dimensions:
-    """Return a scene in the symbols of the rule; the web is as wide as half-way between its axes."""
-    throw = scene.throw
-    main, pin, radius = throw.main_journal, throw.crankpin, throw.radius_mm
-    return Dimensions(
-        pin=pin.outer_diameter_mm,
-        journal=main.outer_diameter_mm,
-        throw=radius,
-        web_thickness=scene.web.thickness_mm,
-        web_width=2 * float(scene.web.half_width_mm(radius, np.array([radius / 2]))[0]),
-        pin_fillet=pin.fillet_mm,
-        journal_fillet=main.fillet_mm,
-        pin_bore=pin.bore_diameter_mm,
-        journal_bore=main.bore_diameter_mm,
-        pin_recess=pin.fillet.recess_mm,
-        journal_recess=main.fillet.recess_mm,
-    )
-
-
 def element_factors(model: StressModel) -> Factors:
     """Concentration factors from unit stresses, as Appendix III of the rule defines them.
 
@@ -263,7 +247,7 @@ def fillet_checks(
     settings, ultimate = scene.fatigue, scene.material.ultimate_MPa or 0.0
     process = settings.process_factor * settings.surface_treatment_factor
     added = settings.additional_stress_MPa
-    return {
+    plain = {
         "pin": FilletCheck(
             pin_equivalent_MPa(factors, nominal, added),
             fatigue_strength_MPa(size.pin, size.pin_fillet, ultimate, process),
@@ -272,4 +256,10 @@ def fillet_checks(
             journal_equivalent_MPa(factors, nominal, added),
             fatigue_strength_MPa(size.journal, size.journal_fillet, ultimate, process),
         ),
+    }
+    treated = layers(scene)
+    loads = {"pin": pin_stresses, "journal": journal_stresses}
+    return plain | {
+        fillet: treated_check(plain[fillet], layer, loads[fillet](size, factors, nominal), added)
+        for fillet, layer in treated.items()
     }

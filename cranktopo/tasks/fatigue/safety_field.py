@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,16 @@ from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fillets import place
-from cranktopo.tasks.fatigue.result import CriticalPoint
+from cranktopo.tasks.fatigue.hardening import (
+    Judge,
+    TreatedFillet,
+    at_nodes,
+    harden,
+    of_nodes,
+    told_fillet,
+    treated_fillets,
+)
+from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.tasks.fatigue.superposition import Index, SignedVonMisesRange, signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
@@ -46,6 +55,7 @@ class FatigueField:
         at_sharp_edges: point of least safety at inner edges without a radius, where it follows from the mesh.
         fillet_safety: least safety of the journals' and of the pin's fillets.
         web_safety: least safety of the first and of the second web where the halves differ.
+        hardening: treated fillets by `[fatigue.hardening]`, each at its point of least safety.
         on_bearings: whether the states are those of the throw in its shaft on all main bearings.
     """
 
@@ -60,6 +70,7 @@ class FatigueField:
     fillet_safety: dict[str, float]
     web_safety: dict[str, float]
     on_bearings: bool = False
+    hardening: dict[str, HardenedFillet] = field(default_factory=dict)
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -173,16 +184,42 @@ def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple
         None if model.judged.all() else _critical(model, method, labels, found, safety, ~model.judged),
         fillet,
         webs,
+        hardening=_hardening(model, method, found, safety),
     )
 
 
 def point_safety(model: StressModel, method: str, local: LocalStress, nodes: Index | slice = _ALL) -> Array:
-    """Return the safety of surface nodes of a model, all by default."""
+    """Return the safety of surface nodes of a model, all by default; on hardened fillets over all depths."""
     judged, plain = criterion(method).point_safety, _off_the_fillets(model.scene)
     safety = judged(model.scene, local).safety
+    if model.scene.fatigue.hardened:
+        return harden(safety, judge(model.scene, method), of_nodes(treated_fillets(model), nodes), local)
     if plain is model.scene:
         return safety
     return np.where(model.on_fillet[nodes], safety, judged(plain, local).safety)
+
+
+def judge(scene: Scene, method: str) -> Judge:
+    """Return what tells the safety of points of a scene by a method, with the strength of the core."""
+    judged = criterion(method).point_safety
+    return lambda local: judged(scene, local).safety
+
+
+def _hardening(
+    model: StressModel, method: str, found: list[SignedVonMisesRange], safety: Array
+) -> dict[str, HardenedFillet]:
+    """Return the treated fillets of a model, each at its point of least safety."""
+    told: dict[str, HardenedFillet] = {}
+    for one in treated_fillets(model):
+        image, node = np.unravel_index(int(np.where(one.nodes, safety, np.inf).argmin()), safety.shape)
+        here = told_fillet(judge(model.scene, method), one, at_nodes(found[image].local, np.array([node])))
+        told[one.fillet] = min(told.get(one.fillet, here), here, key=lambda fillet: fillet.safety)
+    return told
+
+
+def _treated_at(model: StressModel, node: np.intp) -> TreatedFillet | None:
+    """Return the treated fillet that a surface node lies on."""
+    return next((one for one in treated_fillets(model) if one.nodes[node]), None)
 
 
 def _off_the_fillets(scene: Scene) -> Scene:
@@ -216,6 +253,8 @@ def _critical(
     made = criterion(method).point_safety(scene, one)
     point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
     at, share = place(model.scene, point), float(made.amplitude_share[0])
+    treated = _treated_at(model, node)
+    told = None if treated is None else told_fillet(judge(scene, method), treated, one)
     return CriticalPoint(
         place=str(at),
         fillet=at.fillet or None,
@@ -227,9 +266,10 @@ def _critical(
         amplitude_MPa=float(one.amplitude_MPa[0]),
         mean_MPa=float(one.mean_MPa[0]),
         gradient_per_mm=float(one.gradient_per_mm[0]),
-        strength_MPa=float(made.strength_MPa[0]),
+        strength_MPa=float(made.strength_MPa[0]) * (1.0 if told is None else told.gain),
         amplitude_share=share,
         decided_by="amplitude" if share >= 0.5 else "mean stress",
         factors={name: float(value[0]) for name, value in made.factors.items()},
         states=(labels[e.highest[node]], labels[e.lowest[node]]),
+        depth_mm=None if told is None else told.depth_mm,
     )

@@ -268,6 +268,7 @@ def _field_fatigue(
         quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),
         assumed=assumed,
         surface_treatment=treatment,
+        hardening=field.hardening or None,
     )
 
 

@@ -66,6 +66,7 @@ def compare_fatigue(
     """Return what a comparison shows of the fatigue of its targets."""
     safeties = tuple(_summary(result).safety for result in results)
     remarks = rule_remarks([result for result in results if isinstance(result, RuleCheck)])
+    remarks += hardening_remarks([result for result in results if isinstance(result, FatigueField)])
     return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
 
 
@@ -112,7 +113,34 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
         for check in checks
         for place, why in check.not_judged.items()
     ]
-    return lines + [f"{check.name}, {line}." for check in checks for line in check.departures]
+    lines += [f"{check.name}, {line}." for check in checks for line in check.departures]
+    return lines + [line for check in checks for line in _rule_hardening(check)]
+
+
+def hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each hardened fillet: the depth that decides, and what the treatment gains."""
+    return [
+        f"{field.model.name}, {fillet} fillet, {one.process}: decided {decided_depth(one.depth_mm)}, safety "
+        f"{one.safety:.3f} ({one.safety_surface:.3f} at the surface, {one.safety_below:.3f} below it), "
+        f"{one.gain:.2f} times that of the untreated point."
+        for field in fields
+        for fillet, one in field.hardening.items()
+    ]
+
+
+def decided_depth(depth_mm: float) -> str:
+    """Return the depth that decides in words."""
+    return "at the surface" if depth_mm == 0 else f"{depth_mm:.2g} mm below the surface"
+
+
+def _rule_hardening(check: RuleCheck) -> list[str]:
+    return [
+        f"{check.name}, {place} fillet, {one.process}: decided {decided_depth(one.depth_mm)}; Q "
+        f"{one.surface_acceptability:.3f} at the surface, {one.below_acceptability:.3f} in the transition "
+        f"{one.transition_mm:.2g} mm below it."
+        for place, found in check.places.items()
+        if (one := found.hardening) is not None
+    ]
 
 
 def factor_table(checks: Sequence[RuleCheck]) -> ResultTable:

@@ -44,7 +44,10 @@ from cranktopo.numerics.tetrahedra.stress import (
     surface_stress,
     triangle_gradients,
 )
+from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
+from cranktopo.tasks.fatigue.hardened_layer import layers
+from cranktopo.tasks.fatigue.hardening import Judge, TreatedFillet, harden, of_nodes, treated
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
 from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
@@ -238,8 +241,10 @@ class FilletFatigue:
         journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
         fillets = journal | pin
         on = np.flatnonzero(fillets | ~near_sharp_edges(surface))
-        here, strength = _at(stress, on), self._strength(fillets[on])
-        used = np.stack([_used(here, load, strength) for load in loads])
+        masks = {"pin": pin, "journal": journal}
+        hard = tuple(treated(scene, name, layer, masks[name]) for name, layer in layers(self.scene).items())
+        here, judge = _at(stress, on), self._judge(fillets[on], of_nodes(hard, on))
+        used = np.stack([_used(here, load, judge) for load in loads])
         worst = used.max()
         powers = (used / worst) ** _POWER
         norm = worst * powers.sum() ** (1 / _POWER)
@@ -247,10 +252,21 @@ class FilletFatigue:
         adjoint = np.zeros((2, *stress.stress_MPa.shape))
         for load, weight, power in zip(loads, weights, powers, strict=True):
             heavy = np.flatnonzero(power > _NEGLIGIBLE)
-            there = partial(_used, loads=load, strength=self._strength(fillets[on[heavy]]))
+            own = self._judge(fillets[on[heavy]], of_nodes(hard, on[heavy]))
+            there = partial(_used, loads=load, judge=own)
             gradients = _gradients_by_stress(there, _at(here, heavy))
             adjoint[:, :, on[heavy]] += gradients * weight[heavy, None]
         return float(1 / worst), float(1 / norm), (adjoint[0], adjoint[1])
+
+    def _judge(self, on_fillet: NDArray[np.bool_], hard: tuple[TreatedFillet, ...]) -> Judge:
+        """Return what tells the safety of nodes; on hardened fillets over all their depths."""
+        strength, core = self._strength(on_fillet), lsa_strength(self.scene)
+
+        def safety(local: LocalStress) -> Array:
+            found = lsa(local, strength).safety
+            return harden(found, lambda below: lsa(below, core).safety, hard, local) if hard else found
+
+        return safety
 
     def _strength(self, on_fillet: NDArray[np.bool_]) -> LsaStrength:
         """Return the strength at nodes; a treatment of the fillets raises it nowhere else."""
@@ -287,8 +303,8 @@ class FilletFatigue:
         return gradients
 
 
-def _used(stress: SurfaceStress, loads: Array, strength: LsaStrength) -> Array:
-    return 1 / lsa(signed_von_mises_range(stress, loads).local, strength).safety
+def _used(stress: SurfaceStress, loads: Array, judge: Judge) -> Array:
+    return 1 / judge(signed_von_mises_range(stress, loads).local)
 
 
 def _at(stress: SurfaceStress, nodes: NDArray[np.intp]) -> SurfaceStress:

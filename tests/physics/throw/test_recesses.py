@@ -18,8 +18,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.tasks.fatigue.fillets import fillet_nodes, place
-from cranktopo.tasks.fatigue.m53 import concentration_factors
-from cranktopo.tasks.fatigue.rule_check import dimensions
+from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
 from tests.physics.fea.evaluation_cases import mikron_with
 
 FILLET_MM, RECESSES_MM = 2.0, (0.5, 0.8)

@@ -24,11 +24,11 @@ from cranktopo.engine.vibration.vibrating_shaft import worst_speed_rpm
 from cranktopo.tasks.fatigue.m53 import (
     LEAST_FACTOR,
     concentration_factors,
+    dimensions,
     fatigue_strength_MPa,
     nominal_stresses,
     pin_equivalent_MPa,
 )
-from cranktopo.tasks.fatigue.rule_check import dimensions
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 

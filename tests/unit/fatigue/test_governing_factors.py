@@ -11,12 +11,13 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     concentration_factors,
+    dimensions,
     nominal_stresses,
     outside_validity,
 )
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, unchecked_journal_outlets
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
-from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule, dimensions
+from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table
 from cranktopo.tasks.fatigue.text import outlet_table, rule_remarks, rule_table
 from cranktopo.tasks.fea.targets import Target
