@@ -39,6 +39,10 @@ _LEAST_DEPTH_MM = 1.0
 LARGEST_DRAFT_DEG = 30.0
 _SAMPLES = 401
 """Places along the outline at which a bevel with draft is looked at."""
+_ROUNDED_MM = 0.0051
+"""By how much rounding may change a dimension."""
+_EVERY = 2
+"""Of how many points of the outline one keeps a wall over a bevel with draft."""
 _TURNS = 13
 """Places on a quarter of a journal's edge that keep a wall over a bevel with draft."""
 
@@ -183,6 +187,14 @@ def _off_edge_mm(arc: BevelArc, axis_mm: Any) -> Any:
     return (arc.start_mm - arc.outward * axis_mm) / np.hypot(1.0, arc.inward)
 
 
+def _rounded_off_mm(arc: BevelArc, axis_mm: Any) -> Any:
+    """Least such distance after rounding: where an arc begins flat, its edge moves by many times as much."""
+    off = _ROUNDED_MM
+    start, end, depth = arc.start_mm - off, arc.end_mm + off, arc.depth_mm - off
+    flatter = replace(arc, start_mm=start, end_mm=end, depth_mm=depth, crown_mm=arc.crown_mm + off)
+    return _off_edge_mm(flatter, axis_mm)
+
+
 def _least_off_mm(arc: BevelArc, depth_mm: Any, axis_mm: Any, radius_mm: Any) -> Any:
     """Least distance of a bevel from the edge of a journal at a depth, its axis at a reach."""
     if not arc.draft_deg:
@@ -228,6 +240,12 @@ class FittedBevel(FittedToSections):
 
     @property
     @override
+    def rough_on_cells(self) -> bool:
+        """With a draft its edge lies flat and thin over the flanks, where a groove leaves a lip."""
+        return self.draft_deg > 0
+
+    @property
+    @override
     def names(self) -> tuple[str, ...]:
         return ("y", "depth", "crown")
 
@@ -262,7 +280,7 @@ class FittedBevel(FittedToSections):
         least = around.limits.min_wall_mm
         reach = arc.outward * axis + journal.clear_radius_mm
         shoulder = reach + least_shoulder_mm(around.scene.throw) + CLEAR_MM
-        nearer = arc.start_mm - arc.outward * axis - _off_edge_mm(arc, axis) if self.draft_deg else 0.0
+        nearer = arc.start_mm - arc.outward * axis - _rounded_off_mm(arc, axis) if self.draft_deg else 0.0
         yield shoulder_rule(name.replace("_", " ")), shoulder + nearer - arc.start_mm
         yield f"least length of the {self.title}, {least:.3g} mm", least + arc.start_mm - arc.end_mm
         wall = around.scene.web.thickness_mm - least
@@ -304,16 +322,21 @@ class FittedBevel(FittedToSections):
 
 
 def _draft_rules(arc: BevelArc, title: str, around: Surroundings) -> Iterator[Rule]:
-    """Yield what a bevel with draft keeps beside the outline: a wall, the other bevel, the counterweight."""
-    (x, y), thickness = around.points_mm.T, around.scene.web.thickness_mm
+    """Yield what a bevel with draft keeps: a wall and the other bevel at the outline, the counterweight.
+
+    Place by place, each a smooth rule: the largest of all would be none.
+    """
+    (x, y), thickness = around.points_mm[::_EVERY].T, around.scene.web.thickness_mm
     deepest, least = around.limits.deepest_mm(thickness), around.limits.min_wall_mm
     depth = arc.depth_at_mm(arc.outward * y, x)
-    yield f"most depth of the {title} beside the outline, {deepest:.3g} mm", depth.max() - deepest
+    yield from (
+        (f"most depth of the {title} at the outline, {deepest:.3g} mm", one - deepest) for one in depth
+    )
     for other in around.arcs:
         if other.outward == arc.outward or (other.draft_deg and other.outward > arc.outward):
             continue  # itself, or the other one has the rule
-        both = depth + other.depth_at_mm(other.outward * y, x)
-        yield wall_rule("between the bevels", least), both.max() + around.wall_mm - thickness
+        both = depth + other.depth_at_mm(other.outward * y, x) + around.wall_mm - thickness
+        yield from ((wall_rule("between the bevels", least), one) for one in both)
     weight = around.scene.web.counterweight
     for part in weight.parts(around.scene, "web.counterweight") if weight is not None else ():
         nearest = arc.start_mm - arc.inward * max(part.x_range_mm)

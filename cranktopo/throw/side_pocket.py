@@ -149,8 +149,11 @@ def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
         )
 
 
-def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Any:
+def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Array:
     """Return how far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 for nowhere.
+
+    It is the largest of all places; of a bevel with draft, which may reach it along the whole web, each, so
+    that all are smooth.
 
     Args:
         bottom_mm: depth of the floor's far edge below the bevel's face.
@@ -160,7 +163,8 @@ def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> 
     depth = arc.depth_at_mm(arc.outward * points_mm[:, 1], floor_mm) + CLEAR_MM - bottom_mm
     width = points_mm[:, 0] + CLEAR_MM - floor_mm
     below, cut = (np.maximum(values[:-1], values[1:]) for values in (depth, width))
-    return np.minimum(below, cut).max()
+    sunk = np.minimum(below, cut)
+    return sunk if arc.draft_deg else sunk.max(keepdims=True)
 
 
 def _check_apart(scene: ThrowView, slots: SideSlots) -> None:
@@ -270,8 +274,8 @@ class FittedSlot(FittedToSections):
             yield wall_rule(f"{own} the {arc.title}", least), wall - away
         for arc in around.arcs if self.through else ():
             bottom = scene.web.thickness_mm / 2 + offset * arc.outward + named["height"] / 2
-            sunk = _sunk_mm(arc, bottom, named["floor"], around.points_mm)
-            yield f"the {arc.title} leaves a part of the groove's floor", sunk
+            for sunk in _sunk_mm(arc, bottom, named["floor"], around.points_mm):
+                yield f"the {arc.title} leaves a part of the groove's floor", sunk
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:

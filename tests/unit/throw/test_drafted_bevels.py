@@ -18,7 +18,7 @@ from cranktopo.bodies.volume import half_throw_volume_mm3, web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.extraction.release import shaped_undercuts
-from cranktopo.tasks.refit.family import Layout
+from cranktopo.tasks.refit.family import Layout, exact_web_of
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.process import process_limits
@@ -246,11 +246,11 @@ def test_rules_and_their_slopes(mikron: Scene) -> None:
     assert all(part.draft_deg == DRAFT_DEG for part in web.layout.parts[:2] if isinstance(part, FittedBevel))
     names, slopes, step = web.rule_names(values), web.gradients(values), 1e-4
     assert {
-        "most depth of the journal bevel beside the outline, 16 mm",
+        "most depth of the journal bevel at the outline, 16 mm",
         "least wall between the bevels, 3 mm",
     }
     assert set(names) >= {
-        "most depth of the journal bevel beside the outline, 16 mm",
+        "most depth of the journal bevel at the outline, 16 mm",
         "least wall between the bevels, 3 mm",
     }
     for k in range(len(values)):
@@ -260,17 +260,44 @@ def test_rules_and_their_slopes(mikron: Scene) -> None:
 
 
 def test_the_shoulder_knows_the_edge(mikron: Scene) -> None:
-    """A plane with draft has a straight edge at both sides of x = 0: the rule by its distance."""
+    """An arc with draft has a straight edge at both sides of x = 0: the rule by its distance from the axis.
+
+    It is that of the worst rounding of all dimensions, by which the edge of a flat beginning moves far.
+    """
     web, values = family(mikron.with_optimise(**DIE))
-    values[web.layout.names.index("bevel-journal.crown")] = 0.0
-    end = values[1]
-    aside = math.tan(math.radians(DRAFT_DEG)) / math.sin(math.atan2(9.0, end - 50.0))
-    x = np.linspace(0, 60, 600001)
-    nearest = np.hypot(x, 50.0 - aside * x).min()
-    rules = dict(zip(web.rule_names(values), web.constraints(values), strict=True))
-    needed = mikron.throw.main_journal.clear_radius_mm
-    found = rules["shoulder beside the fillet of the main journal"]
-    assert found == pytest.approx(needed + 0.12 - nearest, abs=1e-6)
+    off, found = 0.0051, dict(zip(web.rule_names(values), web.constraints(values), strict=True))
+    start, rise, run, crown = 50.0 - off, values[1] - 50.0 + 2 * off, 9.0 - off, 0.6 + off
+    flat = math.atan2(run, rise) - 2 * math.atan(2 * crown / math.hypot(rise, run))
+    aside = math.tan(math.radians(DRAFT_DEG)) / math.sin(flat)
+    nearest = np.hypot(x := np.linspace(0, 60, 600001), start - aside * x).min()
+    needed = mikron.throw.main_journal.clear_radius_mm + 0.12
+    rule = found["shoulder beside the fillet of the main journal"]
+    assert rule == pytest.approx(needed - nearest, abs=1e-6)
+
+
+@pytest.mark.parametrize("signs", np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T.tolist())
+def test_what_the_shoulder_allows_is_accepted_rounded(mikron: Scene, signs: list[int]) -> None:
+    """A bevel that begins flat, as near to the journal as the rule lets it."""
+    web, values = family(mikron.with_optimise(**DIE))
+    first = web.layout.names.index("bevel-journal.y")
+    values[first : first + 3] = 46.0, 14.0, 2.5
+
+    def rule(y: float) -> float:
+        moved = np.concatenate([values[:first], [y], values[first + 1 :]])
+        rules = dict(zip(web.rule_names(moved), web.constraints(moved), strict=True))
+        return float(rules["shoulder beside the fillet of the main journal"])
+
+    low, high = 30.0, 60.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if rule(middle) > 0 else (low, middle)
+    nearest = np.array([high, 14.0, 2.5]) + 0.005 * np.array(signs)
+    bevel = {"face": "journal", "draft_deg": DRAFT_DEG, "y_mm": nearest[0], "depth_mm": nearest[1]}
+    plain = exact_web_of(web.layout, values, mikron) | {
+        "pocket": [],
+        "bevel": [{**bevel, "crown_mm": nearest[2]}],
+    }
+    assert scene_with_web(mikron, plain).web.bevel[0].y_mm == nearest[0]
 
 
 def test_slopes_of_a_field(mikron: Scene) -> None:
