@@ -163,11 +163,18 @@ def _check_draft(scene: ThrowView, key: str, arc: BevelArc) -> None:
     if deepest >= scene.web.thickness_mm - ROUNDING_MM:
         allowed = f"takes the bevel {deepest:.4g} mm below its face at the outline, through the web"
         raise scene.invalid(f"{key}.draft_deg", allowed, "Reduce it or depth_mm.")
+    if any(over > -ROUNDING_MM for over in _over_weight_mm(scene, arc)):
+        allowed = "takes the edge of the bevel over web.counterweight"
+        raise scene.invalid(f"{key}.draft_deg", allowed, "Reduce it or move the bevel outward.")
+
+
+def _over_weight_mm(scene: ThrowView, arc: BevelArc) -> Iterator[Any]:
+    """Yield how far each part of a counterweight reaches over the edge of a bevel with draft."""
     weight = scene.web.counterweight
-    for part in weight.parts(scene, "web.counterweight") if weight is not None else ():
-        if part.y_range_mm[1] > arc.start_mm - arc.inward * max(part.x_range_mm) - ROUNDING_MM:
-            allowed = "takes the bevel to the height of web.counterweight"
-            raise scene.invalid(f"{key}.draft_deg", allowed, "Reduce it or move the bevel outward.")
+    for part in weight.parts(scene) if weight is not None else ():
+        low, high = part.y_range_mm
+        y = np.linspace(low, high, _SAMPLES)
+        yield (arc.outward * y + arc.inward * part.half_width_mm(y)).max() - arc.start_mm
 
 
 def _first_mm(scene: ThrowView, arc: BevelArc) -> float:
@@ -337,10 +344,8 @@ def _draft_rules(arc: BevelArc, title: str, around: Surroundings) -> Iterator[Ru
             continue  # itself, or the other one has the rule
         both = depth + other.depth_at_mm(other.outward * y, x) + around.wall_mm - thickness
         yield from ((wall_rule("between the bevels", least), one) for one in both)
-    weight = around.scene.web.counterweight
-    for part in weight.parts(around.scene, "web.counterweight") if weight is not None else ():
-        nearest = arc.start_mm - arc.inward * max(part.x_range_mm)
-        yield f"the {title} stays clear of the counterweight", part.y_range_mm[1] + CLEAR_MM - nearest
+    for over in _over_weight_mm(around.scene, arc):
+        yield f"the {title} stays clear of the counterweight", over + CLEAR_MM
 
 
 def _draft_rule(arc: BevelArc, title: str, draft_deg: float) -> Rule:

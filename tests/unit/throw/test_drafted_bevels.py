@@ -190,12 +190,12 @@ def test_refused(name: str, mikron: Scene) -> None:
 
 
 def test_a_counterweight_is_out_of_its_way(mikron: Scene) -> None:
-    weight = {"outer_radius_mm": 70.0, "half_angle_deg": 60.0, "thickness_mm": 19.0}
+    weight = {"outer_radius_mm": 70.0, "half_angle_deg": 85.0, "thickness_mm": 19.0}
     data = {"thickness_mm": 19.0, "outline": "obround", "width_mm": 60.0, "counterweight": weight}
     plain = {"face": "journal", "y_mm": 52.0, "depth_mm": 6.0}
     small = mikron.model_copy(update={"throw": sharp(mikron), "envelope": None})
     scene_with_web(small, {**data, "bevel": [{**plain, "draft_deg": 3.0}]})
-    with pytest.raises(CranktopoError, match=r"draft_deg.*web\.counterweight"):
+    with pytest.raises(CranktopoError, match=r"draft_deg.*over web\.counterweight"):
         scene_with_web(small, {**data, "bevel": [{**plain, "depth_mm": 2.0, "draft_deg": 6.0}]})
 
 
