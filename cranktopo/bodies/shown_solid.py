@@ -79,12 +79,13 @@ def _turned_to(axis: Array) -> Array:
 
 
 def _swept(contour: Array, path: Array) -> Manifold:
-    """Return the prism of a plane contour (n, 3) along a vector across its plane."""
-    height = float(np.linalg.norm(path))
-    frame = _turned_to(path / height)
+    """Return the prism of a contour (n, 3) in a plane across x, y or z, along a vector out of that plane."""
+    across = int(np.argmin(np.ptp(contour, axis=0)))
+    height = abs(float(path[across]))
+    frame = _turned_to(np.sign(path[across]) * np.eye(3)[across])
     flat = (contour - contour[0]) @ frame[:, :2]
     prism = CrossSection([flat], FillRule.NonZero if _area(flat) > 0 else FillRule.Negative).extrude(height)
-    return prism.transform(np.column_stack([frame, contour[0]]))
+    return prism.transform(np.column_stack([frame[:, :2], path / height, contour[0]]))
 
 
 def _area(points: Array) -> float:

@@ -12,6 +12,8 @@ from cranktopo.base.arrays import Array
 
 _FLAT_MM = 1e-6
 _LEAST_ROOT = 1e-6
+_LEAST_SINE, _LEAST_COSINE = 1e-4, 0.5
+"""Of angles that only an arc that turns back goes beyond."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +21,9 @@ class BevelArc:
     """Arc of a bevel from its face to the end of the outline; circle through both ends with a given crown.
 
     Depth counts from the bevel's face into the web, reach from the crank axis outward along the throw:
-    `outward` is +1 for the crankpin's end (reach = y) and -1 for the main journal's (reach = -y).
+    `outward` is +1 for the crankpin's end (reach = y) and -1 for the main journal's (reach = -y). With a
+    draft it is the section x = 0: aside of it the same arc, continued along its tangents, lies deeper in the
+    web, moved at right angles to its chord.
 
     Attributes:
         start_mm: reach where it meets its face.
@@ -27,6 +31,7 @@ class BevelArc:
         depth_mm: depth there.
         crown_mm: rise over the chord, away from the web; negative where the arc is hollow.
         outward: sign of the throw direction.
+        draft_deg: least angle of its surface to the direction across the web.
     """
 
     start_mm: Any
@@ -34,9 +39,22 @@ class BevelArc:
     depth_mm: Any
     crown_mm: Any
     outward: float
+    draft_deg: float = 0.0
 
-    def depth_at_mm(self, reach_mm: Array) -> Array:
-        """Depth that is taken off at a reach; 0 before the start, the full depth beyond the end."""
+    def depth_at_mm(self, reach_mm: Array, aside_mm: Any = 0.0) -> Array:
+        """Depth that is taken off at a reach, so far from x = 0; 0 before the start.
+
+        Beyond the end it is the full depth, with a draft that of the tangent.
+        """
+        if not self.draft_deg:
+            return self._section_depth_mm(reach_mm)
+        fallen, (first, last) = self.fall * aside_mm / self.chord_mm, self._end_slopes
+        reach = reach_mm + fallen * self.depth_mm
+        beyond = np.minimum(reach - self.start_mm, 0.0) * first + np.maximum(reach - self.end_mm, 0.0) * last
+        deeper = fallen * (self.end_mm - self.start_mm)
+        return np.asarray(np.maximum(self._section_depth_mm(reach) + beyond + deeper, 0.0))
+
+    def _section_depth_mm(self, reach_mm: Array) -> Array:
         reach = np.clip(reach_mm, self.start_mm, self.end_mm)
         if abs(self.crown_mm) < _FLAT_MM:
             return np.asarray((reach - self.start_mm) / (self.end_mm - self.start_mm) * self.depth_mm)
@@ -75,16 +93,64 @@ class BevelArc:
         return self.chord_mm / 2 * math.tan(min(slope, math.pi / 2 - slope) / 2)
 
     @property
+    def fall(self) -> Any:
+        """How far the arc lies deeper at right angles to its chord, per mm from x = 0.
+
+        At both ends, where the arc leaves its chord's direction most, the surface has the draft, else more.
+        """
+        chord, bow = (self.end_mm - self.start_mm) ** 2 + self.depth_mm**2, 4 * self.crown_mm**2
+        turn = np.maximum((chord - bow) / (chord + bow), _LEAST_COSINE)
+        return math.tan(math.radians(self.draft_deg)) / turn
+
+    @property
+    def inward(self) -> Any:
+        """How far its edge on the face lies inward of the start, per mm from x = 0."""
+        start, _ = self.end_angles
+        return math.tan(math.radians(self.draft_deg)) / np.maximum(np.sin(start), _LEAST_SINE)
+
+    @property
+    def _end_slopes(self) -> tuple[Any, Any]:
+        """Depth per mm of reach at both ends."""
+        start, end = self.end_angles
+        return np.tan(start), np.tan(end)
+
+    @property
+    def end_angles(self) -> tuple[Any, Any]:
+        """Angles between the arc and its face at both ends, rad."""
+        rise, run = self.end_mm - self.start_mm, self.depth_mm
+        chord, turn = np.arctan2(run, rise), 2 * np.arctan(2 * self.crown_mm / np.hypot(rise, run))
+        return chord - turn, chord + turn
+
+    @property
     def _normal(self) -> tuple[float, float]:
         return -(self.end_mm - self.start_mm) / self.chord_mm, self.depth_mm / self.chord_mm
 
-    def distance_mm(self, depth_mm: Any, reach_mm: Any) -> Any:
-        """Signed distance of points, broadcastable, positive in the web; beyond its ends the chord's."""
+    def distance_mm(self, depth_mm: Any, reach_mm: Any, aside_mm: Any = 0.0) -> Any:
+        """Signed distance of points, broadcastable, positive in the web; beyond its ends the chord's.
+
+        With a draft it is the distance so far from x = 0, beyond its ends the tangents'.
+        """
+        above, root = self._above_mm(depth_mm, reach_mm)
+        if not self.draft_deg:
+            return -above * root
+        fall = self.fall
+        return -(above + fall * aside_mm) * root / np.sqrt(1 + (fall * root) ** 2)
+
+    def from_mm(self, depth_mm: Any, reach_mm: Any) -> Any:
+        """Distance from x = 0 at which its surface is at a depth and reach; 0 where it takes off all."""
+        return np.maximum(-self._above_mm(depth_mm, reach_mm)[0] / self.fall, 0.0)
+
+    def _above_mm(self, depth_mm: Any, reach_mm: Any) -> tuple[Any, Any]:
+        """Height of points over the arc, away from the web along its chord's normal; cosine of its turn."""
         rise, run = self.end_mm - self.start_mm, self.depth_mm
         length = np.sqrt(rise**2 + run**2)
         bend = 2 * self.crown_mm / (length**2 / 4 + self.crown_mm**2)
         d, v = depth_mm - run / 2, reach_mm - (self.start_mm + self.end_mm) / 2
-        along = np.clip((d * run + v * rise) / length, -length / 2, length / 2)
+        on_chord = (d * run + v * rise) / length
+        along = np.clip(on_chord, -length / 2, length / 2)
         above = (v * run - d * rise) / length - self.crown_mm
         root = np.sqrt(np.maximum(1 - (bend * along) ** 2, _LEAST_ROOT))
-        return -(above + bend * along**2 / (1 + root)) * root
+        above = above + bend * along**2 / (1 + root)
+        if self.draft_deg:
+            above = above + np.abs(on_chord - along) * bend * np.abs(along) / root
+        return above, root

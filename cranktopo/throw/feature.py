@@ -103,6 +103,8 @@ class Body(ABC):
     kept: ClassVar[bool] = False
     drilled: ClassVar[bool] = False
     """True of a hole that lies wholly in material and across the crank axis: cells are drilled with it."""
+    oblique: ClassVar[bool] = False
+    """True of a cut whose edge moves across the web with the height, and so over the edges of other cuts."""
 
     @abstractmethod
     def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:

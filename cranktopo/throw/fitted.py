@@ -123,6 +123,11 @@ class FittedFeature(ABC):
         """Its name in a sentence, such as `journal bevel`."""
 
     @property
+    def rough_on_cells(self) -> bool:
+        """Tell whether cells overrate webs with it so far that only elements can say what pays beside it."""
+        return False
+
+    @property
     @abstractmethod
     def names(self) -> tuple[str, ...]:
         """Names of its parameters: mm, draft in degrees."""

@@ -18,6 +18,7 @@ class Workshop:
         radius_mm: least radius of the corners of a pocket.
         floor_radius_mm: radius of the edge of a floor of what opens at a web face.
         depth_share: most depth of what is cut from a face, over the web's thickness.
+        bevel_draft_deg: draft of bevels to both sides, where a die opens that way.
     """
 
     opens: Literal["faces", "sides", "both"] = "both"
@@ -25,6 +26,7 @@ class Workshop:
     radius_mm: float = 0.0
     floor_radius_mm: float = 0.0
     depth_share: float = 1.0
+    bevel_draft_deg: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ class ProcessLimits(ManufacturingLimits):
         pocket_radius_mm: least radius of the corners of a pocket.
         floor_radius_mm: radius of the edge of a floor of what opens at a web face.
         depth_share: most depth of what is cut from a face, over the web's thickness.
+        bevel_draft_deg: draft of bevels to both sides, where a die opens that way.
     """
 
     opens: Literal["faces", "sides", "both"] = "both"
@@ -85,9 +88,10 @@ class ProcessLimits(ManufacturingLimits):
     pocket_radius_mm: float = 0.0
     floor_radius_mm: float = 0.0
     depth_share: float = 1.0
+    bevel_draft_deg: float = 0.0
 
     @property
     @override
     def workshop(self) -> Workshop:
         radii = self.pocket_radius_mm, self.floor_radius_mm
-        return Workshop(self.opens, self.pocket_draft_deg, *radii, self.depth_share)
+        return Workshop(self.opens, self.pocket_draft_deg, *radii, self.depth_share, self.bevel_draft_deg)

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.throw.crossings import crossings
 from cranktopo.throw.feature import Body
 from cranktopo.throw.web import web_spans
 
@@ -93,6 +94,8 @@ def _heights(bodies: Sequence[Body], y: Array) -> tuple[Array, Array]:
     half = np.max([right for body in material for _, right in body.spans(y, middle)], axis=0)
     breaks = np.stack([z for body in bodies for z in body.z_breaks_mm(y, half)], axis=1)
     breaks = np.sort(np.clip(breaks, low, high), axis=1)
+    if any(body.oblique for body in bodies):
+        breaks = np.sort(np.concatenate([breaks, crossings(bodies, y, breaks)], axis=1), axis=1)
     share, weights = gauss_rule(_HEIGHTS)
     size = np.diff(breaks, axis=1)[..., None]
     heights = breaks[:, :-1, None] + size * share

@@ -134,10 +134,10 @@ def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
     y = np.linspace(*slots.y_range_mm, 401)
     half = scene.web.half_width_mm(scene.throw.radius_mm, y)
     height = slots.half_height_mm + slots.slope * (half - slots.floor_mm)
-    low, high = height_range_mm(scene, y)
     middle = slots.z_centre_mm - start
     cut = half > slots.open_from_mm(y, slots.z_centre_mm)
     through = abs(slots.y_mm - sum(ends) / 2) + (ends[1] - ends[0]) / 2 <= slots.half_length_mm
+    low, high = height_range_mm(scene, y, slots.floor_mm if through else half)
     sunk = cut & ((middle + slots.half_height_mm < low) | (middle - slots.half_height_mm > high))
     if through and sunk.any():
         raise CranktopoError(
@@ -149,18 +149,22 @@ def _check_bevels(scene: ThrowView, slots: SideSlots) -> None:
         )
 
 
-def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Any:
+def _sunk_mm(arc: BevelArc, bottom_mm: Any, floor_mm: Any, points_mm: Array) -> Array:
     """Return how far a bevel reaches below a groove's floor where the groove cuts, mm; <= 0 for nowhere.
+
+    It is the largest of all places; of a bevel with draft, which may reach it along the whole web, each, so
+    that all are smooth.
 
     Args:
         bottom_mm: depth of the floor's far edge below the bevel's face.
         floor_mm: half-width at the floor.
         points_mm: (n, 2) points of the outline's right half; between two of them the worse counts.
     """
-    depth = arc.depth_at_mm(arc.outward * points_mm[:, 1]) + CLEAR_MM - bottom_mm
+    depth = arc.depth_at_mm(arc.outward * points_mm[:, 1], floor_mm) + CLEAR_MM - bottom_mm
     width = points_mm[:, 0] + CLEAR_MM - floor_mm
     below, cut = (np.maximum(values[:-1], values[1:]) for values in (depth, width))
-    return np.minimum(below, cut).max()
+    sunk = np.minimum(below, cut)
+    return sunk if arc.draft_deg else sunk.max(keepdims=True)
 
 
 def _check_apart(scene: ThrowView, slots: SideSlots) -> None:
@@ -266,11 +270,12 @@ class FittedSlot(FittedToSections):
         for arc in () if self.through else around.arcs:
             reach = arc.outward * named["y"] + named["length"] / 2 + slope * deep
             depth = scene.web.thickness_mm / 2 + offset * arc.outward
-            yield wall_rule(f"{own} the {arc.title}", least), wall - arc.distance_mm(depth - tall, reach)
+            away = arc.distance_mm(depth - tall, reach, around.widest_mm)
+            yield wall_rule(f"{own} the {arc.title}", least), wall - away
         for arc in around.arcs if self.through else ():
             bottom = scene.web.thickness_mm / 2 + offset * arc.outward + named["height"] / 2
-            sunk = _sunk_mm(arc, bottom, named["floor"], around.points_mm)
-            yield f"the {arc.title} leaves a part of the groove's floor", sunk
+            for sunk in _sunk_mm(arc, bottom, named["floor"], around.points_mm):
+                yield f"the {arc.title} leaves a part of the groove's floor", sunk
 
     @override
     def box_mm(self, named: Named, around: Surroundings) -> Array:

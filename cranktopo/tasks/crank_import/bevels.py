@@ -1,4 +1,4 @@
-"""Bevels of a half throw, read from slanted planes and from cylinders across its web."""
+"""Bevels of a half throw, read from slanted planes, those of a draft, and from cylinders across its web."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from typing import Any
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.crank_import.faces import DIGITS, FLAT, CylinderFace
 from cranktopo.tasks.crank_import.half_body import HalfBody
+from cranktopo.throw.bevel import LARGEST_DRAFT_DEG
 
 _SLANTED = 1e-3
+_MOST_ASIDE = math.sin(math.radians(LARGEST_DRAFT_DEG)) + FLAT
+"""Largest part across the throw of the normal of a plane bevel: that of the largest draft."""
 
 
 def read_bevels(body: HalfBody, scene: Scene) -> Iterator[dict[str, Any]]:
@@ -19,15 +22,16 @@ def read_bevels(body: HalfBody, scene: Scene) -> Iterator[dict[str, Any]]:
     journal_face, pin_face = scene.web_z_mm
     for plane in body.faces.planes:
         nx, ny, nz = plane.normal
-        if abs(nx) > FLAT or min(abs(ny), abs(nz)) < _SLANTED:
+        if abs(nx) > _MOST_ASIDE or min(abs(ny), abs(nz)) < _SLANTED:
             continue
+        draft = {"draft_deg": round(math.degrees(math.asin(abs(nx))), DIGITS)} if abs(nx) > FLAT else {}
         at = float(plane.normal @ plane.point_mm)
         if nz < 0 < ny:
             y, depth = (at - nz * journal_face) / ny, (at - ny * high) / nz - journal_face
-            yield _bevel("journal", y, depth)
+            yield {**_bevel("journal", y, depth), **draft}
         elif ny < 0 < nz:
             y, depth = (at - nz * pin_face) / ny, pin_face - (at - ny * low) / nz
-            yield _bevel("pin", y, depth)
+            yield {**_bevel("pin", y, depth), **draft}
     for face in body.faces.cylinders:
         if abs(abs(face.axis[0]) - 1) < FLAT:
             yield from _crowned(face, (low, high), (journal_face, pin_face))

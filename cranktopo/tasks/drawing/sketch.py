@@ -57,6 +57,10 @@ def _across(axes: Any, scene: Scene) -> None:
     cross_body(axes, _sheet(scene), _MIDDLE)
 
 
+def _across_bevel(axes: Any, scene: Scene) -> None:
+    cross_body(axes, _sheet(scene), _ON_BEVEL)
+
+
 def _sheet(scene: Scene) -> Sheet:
     return Sheet(scene, solid_of(surface_of(scene, "half"), "half throw"))
 
@@ -110,6 +114,11 @@ def _bevel_names(axes: Any) -> None:
     mark_size(axes, (_START, top), (_START + 10, top), (0, _GAP), "depth_mm")
     mark_leader(axes, (_START + 6.4, 83), (-20, 88), "crown_mm off the chord")
     mark_word(axes, (_START - 12, -24), 'face = "journal"')
+
+
+def _bevel_across_names(axes: Any) -> None:
+    mark_size(axes, (0, _START), (0, _STOP), (46, 0), "web.thickness_mm")
+    mark_leader(axes, (14, _START + 5.4), (20, _START - 10), "draft_deg to both sides of x = 0")
 
 
 def _cylinder_names(axes: Any) -> None:
@@ -170,6 +179,8 @@ def _drilling_front_names(axes: Any) -> None:
 
 _MIDDLE = 31.0
 """Place along the throw of the pockets that are drawn."""
+_ON_BEVEL = 80.0
+"""Place along the throw of the section through a bevel with draft."""
 _STATIONS = (-34.0, -20.0, 5.0, 31.0, 60.0, 82.0, 92.0)
 _HALF_WIDTHS = (0.0, 24.0, 36.0, 40.0, 32.0, 18.0, 0.0)
 _SOLID = {"bore_diameter_mm": 0.0}
@@ -232,6 +243,12 @@ PARTS: Mapping[str, Sequence[Panel]] = {
             {"web": {"bevel": [{"face": "journal", "y_mm": 72.0, "depth_mm": 10.0, "crown_mm": 1.5}]}},
             _lengthwise,
             _bevel_names,
+        ),
+        Panel(
+            f"its draft, section y = {_ON_BEVEL:g}",
+            {"web": {"bevel": [{"face": "journal", "y_mm": 72.0, "depth_mm": 7.0, "draft_deg": 12.0}]}},
+            _across_bevel,
+            _bevel_across_names,
         ),
     ),
     "pocket": (

@@ -11,6 +11,9 @@ from cranktopo.tasks.extraction.result import ShapedUndercuts, UndercutMeasures
 from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.primitives import Point
 
+_ROUNDED_DEG = 0.0051
+"""How much less draft rounding may leave."""
+
 
 def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
     """Return what the scene's process would leave of a web, and the feature that holds it."""
@@ -23,13 +26,15 @@ def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:
 
 
 def _without_draft(scene: Scene) -> tuple[str, ...]:
-    """Return what has no draft by its kind: bevels across the web and a web's outline are straight."""
+    """Return what has less draft than asked: bevels across the web with less, a web's outline has none."""
     settings = scene.optimise
     if settings.process not in ("forged", "cast") or not settings.draft_deg:
         return ()
     if settings.parting == "web_faces":
         return ("web.outline",)
-    return tuple(key for key, feature in scene.web.features() if isinstance(feature, EndBevel))
+    least = settings.draft_deg - _ROUNDED_DEG
+    bevels = ((key, one) for key, one in scene.web.features() if isinstance(one, EndBevel))
+    return tuple(key for key, bevel in bevels if bevel.draft_deg < least)
 
 
 def _feature_at(scene: Scene, at_mm: Point) -> str | None:

@@ -54,7 +54,7 @@ class ShapedUndercuts(UndercutMeasures):
     held_by: str | None
     """Feature of the web at the deepest of them; None where none is held, or where no feature is."""
     without_draft: tuple[str, ...] = ()
-    """Keys of what a die or mould with a draft releases along walls that have none."""
+    """Keys of what a die or mould with a draft releases along walls that have less of it, or none."""
 
     @property
     def makeable(self) -> bool:

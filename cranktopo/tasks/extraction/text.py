@@ -81,7 +81,7 @@ def release_text(undercuts: ShapedUndercuts | None) -> str:
     obstacles = "; ".join(manufacturing_obstacles(0, undercuts))
     if not obstacles:
         straight = ", ".join(undercuts.without_draft)
-        return f"{released_text(undercuts.by)} it" + f"; no draft: {straight}" * bool(straight)
+        return f"{released_text(undercuts.by)} it" + f"; too little draft: {straight}" * bool(straight)
     held = f", held by {undercuts.held_by}" if undercuts.held_by else ""
     asked = " (the process is free)" if undercuts.process == "free" else ""
     return f"{obstacles}{held}, {undercuts.deepest_mm:.1f} mm deep at most{asked}"

@@ -21,7 +21,7 @@ def fit_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
 
 
 def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
-    """Return limits with what the scene's process asks of pockets: way, draft, corners, and depth.
+    """Return limits with what the scene's process asks of pockets: way, draft, corners, and depth; of bevels.
 
     A die with a flat parting plane in mid-web cuts no deeper than that. The edges of floors have the radius
     of the mill or the die, but no more than half of the depth that a pocket may have.
@@ -38,6 +38,7 @@ def process_limits(scene: Scene, limits: ManufacturingLimits) -> ProcessLimits:
         "opens": "sides" if lateral else "faces",
         "pocket_draft_deg": 0.0 if lateral else draft,
         "pocket_radius_mm": limits.min_radius_mm,
+        "bevel_draft_deg": draft if lateral else 0.0,
         "depth_share": 1.0 if lateral or settings.process == "cast" else 0.5,
     }
     made = ProcessLimits(**{**own, **asked})

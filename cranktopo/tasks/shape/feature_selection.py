@@ -164,7 +164,8 @@ class FeatureSelection:
         found, solved = self._on_cells(layout, start, EVALUATIONS, best.errors)
         if found is not None and best.violation == 0 < found.violation:
             found = None
-        if found is None or not MINIMUM_GAIN <= found.gain_over(best) < _CLEAR_GAIN:
+        clear = np.inf if any(part.rough_on_cells for part in layout.parts) else _CLEAR_GAIN
+        if found is None or not MINIMUM_GAIN <= found.gain_over(best) < clear:
             return found, solved, best
         best = self._refined(best, self._name("before"))
         found = self._refined(found, self._name("refined"), best.required_merit)

@@ -24,6 +24,8 @@ _GROOVE_FLOOR, _GROOVE_DRAFT_DEG = 0.85, 7.0
 """Of a first groove: its floor over the half-width, and its draft."""
 _BEVEL_SHARE = 1 / 3
 """Depth of a first bevel over the web's thickness."""
+_PASSES = 5
+"""Steps until the edge of a first bevel, which its draft brings nearer to the journal, is clear of it."""
 _SIZES = (0.4, 0.25), (0.6, 0.5)
 """Edge and depth of first pockets over the web's thickness: a search from the smaller one may close it where
 one from the larger one finds a pocket that pays."""
@@ -39,7 +41,7 @@ _KINDS = tuple(FittedBox(face, pair) for face in ("pin", "journal") for pair in 
 def end_starts(scene: Scene, limits: ManufacturingLimits) -> Iterator[tuple[FittedFeature, Array]]:
     """Yield the bevels and the groove that scene and workshop have room for, with their first values."""
     groove = FittedSlot(through=True), _groove_start(scene, limits)
-    bevels = (FittedBevel(face, hollow=True) for face in ("journal", "pin"))
+    bevels = (FittedBevel(face, hollow=True).made(limits) for face in ("journal", "pin"))
     for part, values in (*((bevel, bevel_start(scene, bevel)) for bevel in bevels), groove):
         made = part.made(limits)
         if made is not None and part.possible(scene):
@@ -52,7 +54,12 @@ def bevel_start(scene: Scene, bevel: FittedBevel) -> Array:
     journal, axis = scene.throw.journals[0 if on_journal_face else 1]
     outward = 1.0 if on_journal_face else -1.0
     clear = journal.radius_mm + journal.fillet_mm + 1.0
-    return np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
+    values = np.array([axis + outward * clear, _BEVEL_SHARE * scene.web.thickness_mm, 0.0])
+    ends = np.array(scene.web.y_range_mm(scene.throw.radius_mm))
+    for _ in range(_PASSES if bevel.draft_deg else 0):
+        arc = bevel.arc(dict(zip(bevel.names, values, strict=True)), ends)
+        values[0] = axis + outward * clear * np.hypot(1.0, arc.inward)
+    return values
 
 
 def _groove_start(scene: Scene, limits: ManufacturingLimits) -> Array:

@@ -199,7 +199,7 @@ def drilling_rules(around: Surroundings, boxes: Sequence[_NamedBox]) -> Iterator
         yield wall_rule(f"between {own} outline", least), needed - _in_outline_mm(axis, around.points_mm)
         for arc in around.arcs:
             depth = axis[:, 2] if arc.outward > 0 else end - start - axis[:, 2]
-            away = arc.distance_mm(depth, arc.outward * axis[:, 1]).min()
+            away = arc.distance_mm(depth, arc.outward * axis[:, 1], np.abs(axis[:, 0])).min()
             yield wall_rule(f"between {own} {arc.title}", least), needed - away
         both = np.concatenate([axis, axis * [-1.0, 1.0, 1.0]])  # a feature has its mirror image
         for title, (low, high) in boxes:

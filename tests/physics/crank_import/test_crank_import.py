@@ -87,6 +87,15 @@ def test_a_whole_crank_with_bevels(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_bevels_with_draft_come_back(tmp_path: Path) -> None:
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    for bevel, draft_deg in zip(data["web"]["bevel"], (5.0, 4.0), strict=True):
+        bevel |= {"crown_mm": 0.0, "draft_deg": draft_deg}
+    scene = scene_from_dict(data)
+    check_same(scene, imported(scene, tmp_path, "throw"))
+
+
+@pytest.mark.slow
 def test_a_half_throw_with_a_counterweight(tmp_path: Path) -> None:
     scene = load_scene("car-diesel")
     export_solid(scene, "half", tmp_path / "body.step")

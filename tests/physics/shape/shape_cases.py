@@ -30,6 +30,14 @@ def full_web() -> tuple[Scene, Layout, Array]:
     return load_scene("mikron-iiic-plain"), Layout(7, (*bevels, *pockets)), values
 
 
+def die_web() -> tuple[Scene, Layout, Array]:
+    """What a die gives that parts in x = 0: a crowned and a hollow bevel with draft, and a groove."""
+    bevels = FittedBevel("journal", True, 5.0), FittedBevel("pin", True, 4.0)
+    own = [52.0, 10.0, 0.4, -1.0, 8.0, -0.8]
+    values = np.array([*_OUTLINE, *own, 5.0, 27.5, 0.3, 10.0])
+    return load_scene("mikron-iiic-plain"), Layout(7, (*bevels, FittedSlot(through=True))), values
+
+
 def drafted_web() -> tuple[Scene, Layout, Array]:
     """Pockets with draft and round corners from both faces, one of them a pair of cones, beside a bevel."""
     box, cones = FittedBox("pin", False, 5.0, 2.5), FittedCylinder("journal", pair=True, draft_deg=7.0)

@@ -26,6 +26,7 @@ from tests.physics.shape.shape_cases import (
     COARSE_FILLET,
     COARSE_MM,
     Array,
+    die_web,
     drafted_web,
     full_web,
     milled_web,
@@ -36,6 +37,7 @@ from tests.physics.shape.shape_cases import (
 WEBS = {
     "every-feature": full_web,
     "drafted-pockets": drafted_web,
+    "drafted-bevels": die_web,
     "round-floors": milled_web,
     "solid-journals": solid_web,
 }

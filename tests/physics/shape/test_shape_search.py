@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted_pocket import FittedBox
 from cranktopo.throw.side_pocket import FittedSlot
-from tests.physics.shape.shape_cases import rounded_web
+from tests.physics.shape.shape_cases import die_web, rounded_web
 
 QUANTITIES = ("mass", "inertia", "unbalance", "torsion", "bending", "torsion_per_mass", "bending_per_mass")
 PARTS = (
@@ -55,11 +55,13 @@ def values_of(scene: Scene) -> np.ndarray:
     return np.array([*outline_start(scene, usual_limits(scene)), *bevels, *groove, *boxes])
 
 
-@pytest.mark.parametrize("drafted", [False, True], ids=["every feature", "drafted pockets"])
+@pytest.mark.parametrize(
+    "case", [None, rounded_web, die_web], ids=["every feature", "drafted pockets", "drafted bevels"]
+)
 def test_gradients_of_every_quantity_are_those_of_differences(
-    model: WebModel, mikron: Scene, drafted: bool
+    model: WebModel, mikron: Scene, case: Callable[[], tuple[Scene, Layout, np.ndarray]] | None
 ) -> None:
-    layout, values = rounded_web()[1:] if drafted else (Layout(7, PARTS), values_of(mikron))
+    layout, values = case()[1:] if case else (Layout(7, PARTS), values_of(mikron))
     values = values + np.random.default_rng(4).normal(0, 0.3, len(values))
     web = model.web(layout)
     found, step = model.responses(web, values, QUANTITIES), 1e-4

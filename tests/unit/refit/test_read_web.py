@@ -18,7 +18,7 @@ from cranktopo.throw.bevel import FittedBevel
 from cranktopo.throw.fitted import FittedFeature
 from cranktopo.throw.fitted_pocket import FittedBox, FittedCylinder
 from cranktopo.throw.side_pocket import FittedSlot
-from tests.physics.shape.shape_cases import full_web, solid_web
+from tests.physics.shape.shape_cases import die_web, full_web, solid_web
 
 PARTS: tuple[FittedFeature, ...] = (
     FittedBevel("journal", hollow=True),
@@ -70,7 +70,7 @@ def test_what_was_written_is_read_back(name: str, seed: int) -> None:
         )
 
 
-@pytest.mark.parametrize("case", [full_web, solid_web])
+@pytest.mark.parametrize("case", [full_web, solid_web, die_web])
 def test_a_file_is_read_back(case: Any) -> None:
     scene, layout, values = case()
     text = toml_text(with_web(scene, web_of(layout, values, scene)), "a web of the family")

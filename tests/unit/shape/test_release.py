@@ -70,7 +70,7 @@ def test_what_a_die_releases_without_draft_is_named(
     bevel = {"face": "journal", "y_mm": 54.0, "depth_mm": 9.0}
     found = looked_at(scene_with_web(mikron, table(bevel=[bevel])).with_optimise(**asked))
     assert found.without_draft == straight
-    ends = f" it; no draft: {', '.join(straight)}" if straight else " it"
+    ends = f" it; too little draft: {', '.join(straight)}" if straight else " it"
     assert release_text(found.model_copy(update={"released": True})).endswith(ends)
 
 

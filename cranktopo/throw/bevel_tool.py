@@ -1,0 +1,132 @@
+"""What bevels take from a web: an arc swept across it, with a draft obliquely to both sides of x = 0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+from typing_extensions import override
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.spans import Span
+from cranktopo.throw.bevel_arc import BevelArc
+from cranktopo.throw.feature import Body
+from cranktopo.throw.primitives import Arc, Curve, Extrusion, LineSegment, Point, Solid
+
+_FLATTEST = 1e-4
+
+
+@dataclass(frozen=True)
+class BevelTool(Body):
+    """Cut of a bevel at its face, over the whole width; `into` is +1 if the web lies toward +z."""
+
+    arc: BevelArc
+    face_mm: float
+    into: float
+    wide_mm: float
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        cut = self.into * (z_mm - self.face_mm) < self.arc.depth_at_mm(self.arc.outward * y_mm)
+        half = np.where(cut, self.wide_mm, 0.0)
+        return [(-half, half)]
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        low, high = sorted(self.arc.outward * reach for reach in (self.arc.start_mm, self.arc.end_mm))
+        return low, high
+
+    @override
+    def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
+        return [self.face_mm + self.into * self.arc.depth_at_mm(self.arc.outward * y_mm)]
+
+    @property
+    @override
+    def changing_z_mm(self) -> tuple[tuple[float, float], ...]:
+        return (self.z_mm,)
+
+    def solids(self) -> tuple[Solid, ...]:
+        """Return the arc, continued along its tangent beyond the web, swept across."""
+        arc, far = self.arc, self.arc.chord_mm
+        slope = math.atan2(arc.end_mm - arc.start_mm, arc.depth_mm)
+        slope -= 2 * math.atan(2 * arc.crown_mm / arc.chord_mm)
+        deepest, top = arc.depth_mm + far * math.cos(slope), arc.end_mm + 2 * far
+        corners = [(deepest, arc.end_mm + far * math.sin(slope)), (deepest, top)]
+        corners += [(-far, top), (-far, arc.start_mm)]
+        return (Extrusion(self._contour(corners, -self.wide_mm), (2 * self.wide_mm, 0.0, 0.0)),)
+
+    def _contour(self, corners: Sequence[tuple[float, float]], x_mm: float) -> tuple[Curve, ...]:
+        """Return the arc at a lateral place, closed by corners of so much depth and reach from its end on."""
+
+        def point(depth_mm: float, reach_mm: float) -> Point:
+            return x_mm, self.arc.outward * reach_mm, self.face_mm + self.into * depth_mm
+
+        arc = self.arc
+        start, end = point(0.0, arc.start_mm), point(arc.depth_mm, arc.end_mm)
+        straight = math.isinf(arc.radius_mm)
+        curved: Curve = LineSegment(start, end) if straight else Arc(start, point(*arc.centre_mm), end)
+        points = [end, *(point(*corner) for corner in corners), start]
+        return (curved, *(LineSegment(a, b) for a, b in pairwise(points)))
+
+
+@dataclass(frozen=True)
+class DraftedBevelTool(BevelTool):
+    """The same of a bevel with a draft.
+
+    Attributes:
+        inner_mm: reach of its innermost point in the web.
+        thickness_mm: that of the web.
+    """
+
+    inner_mm: float
+    thickness_mm: float
+    oblique: ClassVar[bool] = True
+
+    @override
+    def spans(self, y_mm: Array, z_mm: Array) -> Sequence[Span]:
+        depth = self.into * (z_mm - self.face_mm)
+        free = np.minimum(self.arc.from_mm(depth, self.arc.outward * y_mm), self.wide_mm)
+        wide = np.full_like(free, self.wide_mm)
+        return [(-wide, -free), (free, wide)]
+
+    @property
+    @override
+    def y_range_mm(self) -> tuple[float, float]:
+        low, high = sorted(self.arc.outward * reach for reach in (self.inner_mm, self.arc.end_mm))
+        return low, high
+
+    @property
+    @override
+    def y_breaks_mm(self) -> tuple[float, ...]:
+        return (*self.y_range_mm, self.arc.outward * self.arc.start_mm)
+
+    @override
+    def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
+        """Where its surface meets x = 0 and the outline, and where its arc ends in the tangents."""
+        arc, reach = self.arc, self.arc.outward * y_mm
+        depths = [arc.depth_at_mm(reach), arc.depth_at_mm(reach, half_width_mm)]
+        if not math.isinf(arc.radius_mm):
+            steep = (arc.end_mm - arc.start_mm) / arc.depth_mm
+            ends = (arc.start_mm, 0.0), (arc.end_mm, arc.depth_mm)
+            depths += [depth + steep * np.maximum(end - reach, 0.0) for end, depth in ends]
+        return [self.face_mm + self.into * depth for depth in depths]
+
+    @override
+    def solids(self) -> tuple[Solid, ...]:
+        """Return the arc, continued along its tangents beyond the web, swept obliquely to either side."""
+        arc, far = self.arc, self.arc.fall * self.wide_mm
+        long = 2 * (far + self.thickness_mm)
+        above = far + arc.chord_mm
+        (first, last), top = arc.end_angles, arc.end_mm + 2 * long
+        deepest = arc.depth_mm + long * math.sin(last)
+        corners = [(deepest, arc.end_mm + long * math.cos(last)), (deepest, top)]
+        corners += [(-above, top), (-above, arc.start_mm - above / max(math.tan(first), _FLATTEST))]
+        contour = self._contour(corners, 0.0)
+        rise, run = arc.end_mm - arc.start_mm, arc.depth_mm
+        path = -arc.outward * far * run / arc.chord_mm, self.into * far * rise / arc.chord_mm
+        return tuple(Extrusion(contour, (side * self.wide_mm, *path)) for side in (1, -1))
