@@ -15,6 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.load_case import LOAD_TYPES
+from cranktopo.engine.motored import all_firing
 from cranktopo.engine.states import extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]
@@ -45,8 +46,10 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
     not tell, or a computed one above zero, counts as zero. "cycle" follows every throw of the shaft over its
     working cycle. With `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed
-    too. A load whose effect is not enabled stays zero.
+    too. A load whose effect is not enabled stays zero. All cylinders fire, also where `engine.misfire` names
+    some that do not.
     """
+    scene = all_firing(scene)
     if scene.engine is None:
         raise CranktopoError(
             "engine: is missing, so the loads are unit loads without a stress level.",

@@ -83,11 +83,16 @@ def run_up_steps(harmonics: TorqueHarmonics, range_rpm: tuple[float, float], sec
 def _torques(shaft: ShaftChain, harmonics: TorqueHarmonics, speed: Array, angle: Array) -> Array:
     """Alternating torques on the disks, shape (times, disks)."""
     torque = np.zeros((len(angle), len(shaft.names)))
-    gas = harmonics.gas_at_Nm(speed / angular_speed_rad_s(1.0))
+    gas, lost = (
+        at(speed / angular_speed_rad_s(1.0)) for at in (harmonics.gas_at_Nm, harmonics.lost_at_Nm)
+    )
     for order in range(1, ORDERS + 1):
         single = gas[:, order] + speed**2 * harmonics.inertia_Nm_s2[order]
-        turning = single * np.exp(1j * harmonics.orders[order] * angle)
-        torque[:, shaft.driven] += (turning[:, None] * harmonics.shifts[order]).real
+        clock = np.exp(1j * harmonics.orders[order] * angle)
+        acting = (single * clock)[:, None] * harmonics.shifts[order]
+        if harmonics.misfire:
+            acting -= (lost[:, order] * clock)[:, None] * harmonics.misfire_shifts[order]
+        torque[:, shaft.driven] += acting.real
     return torque
 
 
