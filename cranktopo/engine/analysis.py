@@ -49,8 +49,8 @@ class Cycle:
     """Curves over one working cycle at one speed.
 
     Pressure and forces on the pins are those of cylinders that fire, the torque is that of all cylinders as
-    they are. Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The forces on the
-    pins are all the same object where all are alike.
+    they are. Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The
+    forces on the pins are all the same object where all are alike.
 
     Attributes:
         indicated_work_J: work of the gas per cycle in one cylinder that fires.

@@ -11,11 +11,11 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.engine import Engine
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.load_case import LOAD_TYPES
-from cranktopo.engine.motored import all_firing
 from cranktopo.engine.states import extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]

@@ -14,6 +14,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.engine import Engine, Gas
+from cranktopo.design.misfire import MIRRORED
 from cranktopo.design.schema import Scene
 from cranktopo.engine.gas import (
     PressureCurve,
@@ -24,16 +25,6 @@ from cranktopo.engine.gas import (
     mapped_curves,
     pressure_curve,
 )
-
-MIRRORED = "measured compression mirrored about top dead centre (assumed)"
-
-
-def all_firing(scene: Scene) -> Scene:
-    """Return the scene with an engine whose cylinders all fire: that of the load cases of one throw."""
-    engine = scene.engine
-    if engine is None or not engine.misfire:
-        return scene
-    return scene.model_copy(update={"engine": engine.model_copy(update={"misfire": ()})})
 
 
 def motored_curve(scene: Scene) -> PressureCurve | None:
@@ -56,18 +47,7 @@ def motored_map(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:
     if engine is None or engine.gas is None:
         return ()
     pairs = zip(engine.gas.map, mapped_curves(scene), strict=True)
-    return tuple(
-        (rpm, _motored(scene, engine, gas_at(engine.gas, at), fired)) for at, (rpm, fired) in pairs
-    )
-
-
-def motored_words(gas: Gas) -> str:
-    """Return in words where the pressure of a cylinder that does not fire comes from."""
-    measured = gas.indicator_csv is not None or any(at.file is not None for at in gas.map)
-    modelled = gas.peak_pressure_MPa is not None or any(at.file is None for at in gas.map)
-    mirrored = f"{MIRRORED} up to {gas.exhaust_opening_deg:g} deg"
-    polytrope = f"compression and expansion by one polytrope, exponent {gas.polytropic_compression:g}"
-    return " or ".join([mirrored] * measured + [polytrope] * modelled)
+    return tuple((rpm, _motored(scene, engine, gas_at(engine.gas, at), fired)) for at, (rpm, fired) in pairs)
 
 
 def _motored(scene: Scene, engine: Engine, gas: Gas, fired: PressureCurve) -> PressureCurve:

@@ -13,9 +13,9 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.crank import Crank
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves
+from cranktopo.design.misfire import all_firing, misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
-from cranktopo.engine.motored import all_firing
 from cranktopo.engine.throw_compliance import (
     journal_torsion_modulus_mm3,
     web_lever_mm,
@@ -33,7 +33,7 @@ def one_throw(scene: Scene, number: int | None = None, *, all_fire: bool = True)
     Raises:
         CranktopoError: a number that no throw has, or one of throws that are all alike.
     """
-    if all_fire and scene.engine is not None and scene.engine.misfire:
+    if all_fire and misfire(scene):
         note(f"{scene.name}: engine.misfire is left out: one throw is judged with all cylinders firing")
         scene = all_firing(scene)
     crank = scene.crank

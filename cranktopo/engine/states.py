@@ -13,6 +13,7 @@ import numpy as np
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_worst_speed, extremes_of
@@ -20,7 +21,6 @@ from cranktopo.engine.forces import INERTIA_EFFECTS, near_share, rods_on_pins, r
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS, LoadCase, LoadKind
-from cranktopo.engine.motored import all_firing
 
 
 @dataclass(frozen=True)

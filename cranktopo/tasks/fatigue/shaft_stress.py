@@ -11,10 +11,10 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
 from cranktopo.design.crank_throws import carried
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_worst_speed, engine_of
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.motored import all_firing
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, mesh_for_stress, stress_model
 from cranktopo.tasks.fea.targets import Target
@@ -100,8 +100,8 @@ def solved_cycle(
 def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:
     """Return the safety by each method of the throw that the shaft on all its bearings loads worst.
 
-    All throws are that of the target, and all cylinders fire. Every angle of the cycle counts, at the engine's speed and where the
-    shaft vibrates at its worst one.
+    All throws are that of the target, and all cylinders fire. Every angle of the cycle counts, at the
+    engine's speed and where the shaft vibrates at its worst one.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
