@@ -101,6 +101,22 @@ class Speeds(click.ParamType[list[float]]):
         self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
 
 
+class Cylinder(click.ParamType[int | str]):
+    """Number of a cylinder, from 1; or a word in its place."""
+
+    def __init__(self, word: str = "") -> None:
+        self.word = word
+        self.name = f"N|{word}" if word else "N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int | str:
+        """Return the number, or the word; fails with the allowed form."""
+        text = str(value)
+        if text == self.word or (text.isascii() and text.isdigit() and int(text[:9]) >= 1 and len(text) < 9):
+            return text if text == self.word else int(text)
+        word = f", or {self.word}" if self.word else ""
+        self.fail(f"{quoted(text)}: must be the number of a cylinder, 1 at the free end{word}.", param, ctx)
+
+
 def goal_options(function: Any) -> Any:
     """Add --minimise, --maximise and --limit to a command; `with_goal_options` takes what they give."""
     function = click.option(

@@ -173,6 +173,10 @@ class Masses(SceneTable):
     """Distance of the whole rod's centre of mass from the crankpin's axis, along `engine.rod_length_mm`."""
 
 
+def _none(values: Sequence[object]) -> bool:
+    return not values
+
+
 class Engine(SceneTable):
     """The engine that loads the throw.
 
@@ -194,6 +198,8 @@ class Engine(SceneTable):
     """Number of cylinders, one throw each; in a `V` one for two."""
     firing_order: tuple[int, ...] = ()
     """Cylinder numbers in the order of firing; needed for more than one cylinder."""
+    misfire: tuple[Annotated[int, WholeNumber], ...] = Field(default=(), examples=[(3,)], exclude_if=_none)
+    """Cylinders that do not fire: they compress and expand their charge, and their inertia acts as ever."""
     gas: Gas | None = None
     masses: Masses = Masses()
     arrangement: Arrangement | None = None

@@ -14,6 +14,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import ThrowBalance, product_of_inertia_kg_mm2, throw_balance
+from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import (
     INERTIA_EFFECTS,
     RodsOnPin,
@@ -23,11 +24,11 @@ from cranktopo.engine.forces import (
     rods_on_pins,
     rotating_forces,
     shaft_torque,
-    throw_forces,
     uneven_journal_force_N,
 )
 from cranktopo.engine.gas import PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import exact_motion, series_motion
+from cranktopo.engine.motored import motored_curve
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque, worst_speed_rpm
 
 
@@ -47,11 +48,13 @@ class Extreme:
 class Cycle:
     """Curves over one working cycle at one speed.
 
-    Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The forces on the
-    pins are all the same object where all are alike.
+    Pressure and forces on the pins are those of cylinders that fire, the torque is that of all cylinders as
+    they are. Angles of a throw count from firing of its cylinder, in a V of that in the first bank. The
+    forces on the pins are all the same object where all are alike.
 
     Attributes:
-        indicated_work_J: work of the gas in one cylinder per cycle.
+        indicated_work_J: work of the gas per cycle in one cylinder that fires.
+        mean_work_J: the same of all cylinders, those that do not fire among them, over their number.
         series_difference_percent: largest difference of the textbook series from the exact motion, in
             percent of the largest exact value: displacement, velocity, acceleration.
     """
@@ -60,6 +63,7 @@ class Cycle:
     pins: tuple[tuple[RodsOnPin, ThrowForces], ...]
     torque: ShaftTorque
     indicated_work_J: float
+    mean_work_J: float
     series_difference_percent: dict[str, float]
 
     @property
@@ -145,15 +149,26 @@ def _cycle(
     scene: Scene, engine: Engine, curve: PressureCurve, balance: ThrowBalance, enabled: frozenset[str]
 ) -> Cycle:
     radius = scene.throw.radius_mm
-    rod = throw_forces(engine, radius, curve, balance, engine.speed_rpm, enabled)
+    rods = cylinders(scene, enabled)
+    assert rods is not None
+    rod = rods.firing
     if difference(scene):
         rod = replace(rod, main_journal_force_N=_uneven_N(scene, rod, balance, engine.speed_rpm))
     throw_N = rotating_forces(engine, balance, radius, engine.speed_rpm).throw_N
-    pins = tuple((rods, rods.forces(rod, throw_N, engine.cycle_deg)) for rods in rods_on_pins(scene, engine))
-    fires = engine.firing_angles_deg
-    torque = shaft_torque(curve.angle_deg, rod.torque_Nm, fires, engine.throws, engine.cycle_deg)
+    pins = tuple((pin, pin.forces(rod, throw_N, engine.cycle_deg)) for pin in rods_on_pins(scene, engine))
+    torque = shaft_torque(curve.angle_deg, rods.each(lambda one: one.torque_Nm), engine.throws)
     work = indicated_work_J(curve, engine, radius)
-    return Cycle(curve, pins, torque, work, series_difference_percent(radius, engine.rod_length_mm))
+    mean = _mean_work_J(scene, engine, work)
+    return Cycle(curve, pins, torque, work, mean, series_difference_percent(radius, engine.rod_length_mm))
+
+
+def _mean_work_J(scene: Scene, engine: Engine, work_J: float) -> float:
+    """Return the work of a cycle over all cylinders, from that of one that fires."""
+    motored = motored_curve(scene) if engine.misfire else None
+    if motored is None:
+        return work_J
+    lost = work_J - indicated_work_J(motored, engine, scene.throw.radius_mm)
+    return work_J - lost * len(engine.misfire) / engine.cylinders
 
 
 def _uneven_N(scene: Scene, rod: ThrowForces, balance: ThrowBalance, speed_rpm: float) -> Array:

@@ -16,10 +16,9 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.forces import by_cylinder, by_throw, throw_forces
-from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.cylinders import cylinders
+from cranktopo.engine.forces import ThrowForces, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.throw_compliance import throw_compliance
 from cranktopo.numerics.stepped_beam import Beam, Complex, bend
@@ -55,12 +54,14 @@ def span_bending(scene: Scene) -> SpanBending:
 
 def _pin_forces_N(scene: Scene) -> Complex:
     """Forces on the pins in the axes of each throw, (throws, states)."""
-    engine, curve = engine_of(scene), pressure_curve(scene)
-    assert curve is not None
-    rod = throw_forces(engine, scene.throw.radius_mm, curve, throw_balance(scene), engine.speed_rpm)
-    one: Complex = rod.tangential_force_N - 1j * rod.web_force_N
-    every = by_cylinder(one, curve.angle_deg, engine.firing_angles_deg, engine.cycle_deg)
-    return by_throw(every[:, :: every_degree(curve.angle_deg)], engine.throws)
+    found = cylinders(scene)
+    assert found is not None
+
+    def on_pin_N(rod: ThrowForces) -> Complex:
+        return rod.tangential_force_N - 1j * rod.web_force_N
+
+    every = found.each(on_pin_N)
+    return by_throw(every[:, :: every_degree(found.angle_deg)], engine_of(scene).throws)
 
 
 def _web_moments(

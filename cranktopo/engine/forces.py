@@ -36,17 +36,13 @@ class ShaftTorque:
         return np.asarray(self.passed_on_Nm[-1])
 
 
-def shaft_torque(
-    angle_deg: Array, rod_torque_Nm: Array, firing_deg: tuple[float, ...], throws: int, cycle_deg: float
-) -> ShaftTorque:
+def shaft_torque(angle_deg: Array, rods_Nm: Array, throws: int) -> ShaftTorque:
     """Return the torque behind each throw of a shaft; where a pin has two rods, they are a bank apart.
 
     Args:
-        rod_torque_Nm: torque of one rod at even angles after its own firing dead centre.
-        firing_deg: crank angle at which each cylinder fires; cylinder 1, at the free end, first.
+        rods_Nm: torque of every cylinder's rod, cylinder 1, at the free end, first, (cylinders, angles).
     """
-    single = by_cylinder(rod_torque_Nm, angle_deg, firing_deg, cycle_deg)
-    return ShaftTorque(angle_deg, np.cumsum(by_throw(single, throws), axis=0))
+    return ShaftTorque(angle_deg, np.cumsum(by_throw(rods_Nm, throws), axis=0))
 
 
 def by_cylinder(curve: Curve, angle_deg: Array, firing_deg: Sequence[float], cycle_deg: float) -> Curve:

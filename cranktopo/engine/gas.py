@@ -251,11 +251,16 @@ def pressure_curve(scene: Scene) -> PressureCurve | None:
         return None
     if not engine.gas.map:
         return _curve_of(scene, engine, engine.gas)
-    (low, below), (high, above) = _around(mapped_curves(scene), engine.speed_rpm)
-    part = (engine.speed_rpm - low) / (high - low) if high > low else 0.0
+    return between(mapped_curves(scene), engine.speed_rpm)
+
+
+def between(curves: tuple[tuple[float, PressureCurve], ...], speed_rpm: float) -> PressureCurve:
+    """Return the pressure at a speed from curves at others, the slowest first; beyond them the nearest."""
+    (low, below), (high, above) = _around(curves, speed_rpm)
+    part = (speed_rpm - low) / (high - low) if high > low else 0.0
     part = min(max(part, 0.0), 1.0)
     pressure = below.pressure_MPa + part * (above.pressure_MPa - below.pressure_MPa)
-    source = f"map over speed at {engine.speed_rpm:g} rpm, between {low:g} and {high:g} rpm"
+    source = f"map over speed at {speed_rpm:g} rpm, between {low:g} and {high:g} rpm"
     return PressureCurve(below.angle_deg, pressure, below.cycle_deg, source)
 
 
@@ -264,7 +269,7 @@ def mapped_curves(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:
     engine = scene.engine
     if engine is None or engine.gas is None:
         return ()
-    return tuple((at.rpm, _curve_of(scene, engine, _gas_of(engine.gas, at))) for at in engine.gas.map)
+    return tuple((at.rpm, _curve_of(scene, engine, gas_at(engine.gas, at))) for at in engine.gas.map)
 
 
 def higher_elsewhere(scene: Scene) -> str:
@@ -280,7 +285,8 @@ def higher_elsewhere(scene: Scene) -> str:
     return f"{at}; the map over speed has {peak:.4g} MPa at {rpm:g} rpm"
 
 
-def _gas_of(gas: Gas, at: GasAtSpeed) -> Gas:
+def gas_at(gas: Gas, at: GasAtSpeed) -> Gas:
+    """Return the gas of one entry of a map over speed."""
     own = {"indicator_csv": at.file, "peak_pressure_MPa": at.peak_pressure_MPa}
     return gas.model_copy(update={**own, "peak_angle_deg": at.peak_angle_deg, "map": ()})
 

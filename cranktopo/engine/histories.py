@@ -11,6 +11,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
@@ -45,8 +46,10 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
     not tell, or a computed one above zero, counts as zero. "cycle" follows every throw of the shaft over its
     working cycle. With `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed
-    too. A load whose effect is not enabled stays zero.
+    too. A load whose effect is not enabled stays zero. All cylinders fire, also where `engine.misfire` names
+    some that do not.
     """
+    scene = all_firing(scene)
     if scene.engine is None:
         raise CranktopoError(
             "engine: is missing, so the loads are unit loads without a stress level.",

@@ -13,6 +13,7 @@ from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.crank import Crank
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves
+from cranktopo.design.misfire import all_firing, misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.throw_compliance import (
@@ -22,15 +23,19 @@ from cranktopo.engine.throw_compliance import (
 )
 
 
-def one_throw(scene: Scene, number: int | None = None) -> Scene:
+def one_throw(scene: Scene, number: int | None = None, *, all_fire: bool = True) -> Scene:
     """Return the scene of one throw, with the ends of the crank; the scene itself where all are alike.
 
     Args:
         number: from the free end, 1 first; without one the worst loaded throw is taken, and named in a line.
+        all_fire: leave `engine.misfire` out, with a line: a throw is judged in an engine that fires.
 
     Raises:
         CranktopoError: a number that no throw has, or one of throws that are all alike.
     """
+    if all_fire and misfire(scene):
+        note(f"{scene.name}: engine.misfire is left out: one throw is judged with all cylinders firing")
+        scene = all_firing(scene)
     crank = scene.crank
     if crank is not None and crank.bearings:
         note(
@@ -82,7 +87,7 @@ def nominal_stresses_MPa(scene: Scene) -> Array:
 def _amplitudes(scene: Scene) -> tuple[float, Array]:
     """Half the range of the radial force, N, and of the torque behind each throw, N m."""
     throws = len(throw_scenes(scene))
-    cycle = analyse(scene).cycle if scene.engine else None
+    cycle = analyse(all_firing(scene)).cycle if scene.engine else None
     if cycle is None:
         return 1.0, np.zeros(throws)
     force = float(np.ptp(cycle.forces.radial_force_N)) / 2

@@ -49,7 +49,7 @@ def mean_pressure_MPa(work_J: float, engine: Engine, radius_mm: float) -> float:
 
 
 def power_kW(work_J: float, engine: Engine) -> float:
-    """Return the power of all cylinders at the engine's speed from the work of a cycle of one."""
+    """Return the power of all cylinders at the engine's speed from their mean work in a cycle."""
     turns = angular_speed_rad_s(engine.speed_rpm) / (2 * math.pi)
     return work_J * engine.cylinders * turns * 360.0 / engine.cycle_deg / W_PER_KW
 

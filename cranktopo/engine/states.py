@@ -13,6 +13,7 @@ import numpy as np
 
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.engine import Engine
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_worst_speed, extremes_of
@@ -44,6 +45,8 @@ class ExtremeState:
 def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState, ...]:
     """Return the extreme states of a scene, those that become load cases in the order of their kinds.
 
+    All cylinders fire, also where `engine.misfire` names some that do not.
+
     Args:
         enabled: names of the effects that are on; the inertia effects change the forces, without
             `centrifugal` the overspeed state acts on the pin alone, and with `torsional_vibration` the
@@ -52,6 +55,7 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     if scene.engine is None:
         why = "unit load: the scene has no engine"
         return tuple(_unit_state(kind.name, why) for kind in LOAD_TYPES.values() if kind.unit_load)
+    scene = all_firing(scene)
     analysis = analyse(scene, enabled)
     vibrates = "torsional_vibration" in enabled
     twisting = analyse(at_worst_speed(scene, enabled), enabled) if vibrates else analysis

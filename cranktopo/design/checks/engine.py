@@ -226,10 +226,27 @@ def check_engine(scene: Scene) -> None:
     if low is not None and high is not None and low > high:
         raise scene.invalid("engine.min_torque_Nm", f"must be at most engine.max_torque_Nm = {high:g} N m")
     _check_firing_order(scene, engine)
+    check_misfire(engine)
     _check_arrangement(scene)
     _check_rod(scene, engine)
     if engine.gas is not None:
         _check_gas(scene, engine.strokes, engine.gas)
+
+
+def check_misfire(engine: Engine, key: str = "engine.misfire") -> None:
+    """Check the cylinders that do not fire; `key` is where they were given."""
+    given, count = engine.misfire, engine.cylinders
+    if not given:
+        return
+    if engine.gas is None:
+        hint = "Add [engine.gas], or leave it out."
+        raise invalid(key, list(given), "needs [engine.gas]: without pressures nothing is known of it", hint)
+    if not all(1 <= cylinder <= count for cylinder in given):
+        raise invalid(key, list(given), f"must be numbers of cylinders, 1 to {count}")
+    if len(set(given)) < len(given):
+        raise invalid(key, list(given), "names a cylinder twice", "Name each once.")
+    if len(given) == count:
+        raise invalid(key, list(given), "leaves no cylinder that fires", "Leave out at least one.")
 
 
 def _check_firing_order(scene: Scene, engine: Engine) -> None:

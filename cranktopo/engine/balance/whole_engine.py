@@ -33,6 +33,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import throw_forces
 from cranktopo.engine.gas import STEP_DEG, PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import phase_shift
+from cranktopo.engine.motored import motored_curve
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,13 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     """
     layout, engine = masses.layout, engine_of(scene)
     angle, rod, gas = rod_force(scene, engine)
+    unfired = rod_force(scene, engine, fires=False)[1] if engine.misfire else rod
     load = np.zeros((len(layout.bearing_z_mm), len(angle)), dtype=np.complex128)
     directions = unit_vectors(layout.throw_deg)
-    for throw, z, fires in zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True):
-        fired = phase_shift(rod, angle, fires, engine.cycle_deg)
-        _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, directions[throw] * fired)
+    places = zip(layout.throw_of, layout.cylinder_z_mm, layout.firing_deg, strict=True)
+    for cylinder, (throw, z, fires) in enumerate(places, start=1):
+        own = phase_shift(unfired if cylinder in engine.misfire else rod, angle, fires, engine.cycle_deg)
+        _share(load, layout.bearing_z_mm, layout.bay_of[throw], z, directions[throw] * own)
     shape = layout.throw_z_mm.shape
     spinning = masses.throw_kg_mm - (masses.counterweight_kg_mm if counterweighted else 0.0)
     spinning = np.broadcast_to(spinning, shape)
@@ -93,12 +96,12 @@ def main_bearings(scene: Scene, masses: TurningMasses, counterweighted: bool = F
     return _MainBearings(angle, load * unit_vectors(angle), gas)
 
 
-def rod_force(scene: Scene, engine: Engine) -> tuple[Array, Complex, bool]:
+def rod_force(scene: Scene, engine: Engine, *, fires: bool = True) -> tuple[Array, Complex, bool]:
     """Crank angles after a cylinder's firing, the force of its rod on the pin, and whether gas is in it.
 
     Gas, and the inertia of all that oscillates; real along the throw, imaginary ahead of it.
     """
-    curve = pressure_curve(scene)
+    curve = pressure_curve(scene) if fires else motored_curve(scene)
     if curve is None:
         still = Gas()
         angle = np.arange(0.0, engine.cycle_deg, STEP_DEG)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,8 @@ from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import ORDERS
-from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
+from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, torque_harmonics
+from cranktopo.numerics.disk_chain import ComplexArray
 
 _NEAR = np.linspace(0.5, 1.3, 81)
 """Frequencies looked at, over the natural one; a damper's ring lowers the peak's."""
@@ -114,10 +116,8 @@ def _resonance(scene: Scene) -> _Resonance | None:
     orders = harmonics.orders[1 : ORDERS + 1, None]
     speeds = frequency / (angular_speed_rad_s(1.0) * orders)
     # Torque of the worst section without magnification, every order at the speeds of these frequencies.
-    together = (harmonics.shifts[1 : ORDERS + 1] * mode.shape[mode.driven]).sum(axis=1)
-    gas = np.stack([harmonics.gas_at_Nm(at)[:, order] for order, at in enumerate(speeds, start=1)])
-    one = gas + (frequency / orders) ** 2 * (harmonics.inertia_Nm_s2[1 : ORDERS + 1, None])
-    static = np.abs(together)[:, None] * np.abs(one) * mode.torque_per_Nm
+    acting = _on_mode_Nm(harmonics, mode.shape[mode.driven], speeds, frequency / orders)
+    static = acting * mode.torque_per_Nm
     low, high = speed_range_rpm(scene)
     added = np.where((speeds >= low) & (speeds <= high), static * (magnifier - 1), 0.0)
     order, place = (int(i) for i in np.unravel_index(int(added.argmax()), added.shape))
@@ -132,6 +132,24 @@ def _resonance(scene: Scene) -> _Resonance | None:
         float(magnifier[place]),
         100 * float(added[order, place]) / quasi_static,
     )
+
+
+def _on_mode_Nm(harmonics: TorqueHarmonics, swing: Array, speeds_rpm: Array, rad_s: Array) -> Array:
+    """Amplitude of all cylinders' torque on a motion of the throws, each order at its own speeds.
+
+    Args:
+        rad_s: the same speeds.
+    """
+
+    def each(at: Callable[[Array], ComplexArray]) -> ComplexArray:
+        return np.stack([at(speeds)[:, order] for order, speeds in enumerate(speeds_rpm, start=1)])
+
+    one = each(harmonics.gas_at_Nm) + rad_s**2 * harmonics.inertia_Nm_s2[1 : ORDERS + 1, None]
+    together = (harmonics.shifts[1 : ORDERS + 1] * swing).sum(axis=1)[:, None]
+    if not harmonics.misfire:
+        return np.asarray(np.abs(together) * np.abs(one))
+    missing = (harmonics.misfire_shifts[1 : ORDERS + 1] * swing).sum(axis=1)[:, None]
+    return np.asarray(np.abs(together * one - missing * each(harmonics.lost_at_Nm)))
 
 
 def _first_mode_of(shaft: ShaftChain) -> _FirstMode:

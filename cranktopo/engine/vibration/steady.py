@@ -32,7 +32,7 @@ class CriticalSpeed:
     Attributes:
         mode: number of the natural frequency, 1 is the lowest.
         share: how far the cylinders' torques of this order add up in this mode: 1 where all of them help.
-        major: whether all cylinders have the same phase.
+        major: whether all cylinders, if all fire, have the same phase.
     """
 
     speed_rpm: float
@@ -116,7 +116,11 @@ def critical_speeds(
     found = []
     for number, mode in enumerate(modes, start=1):
         swing = mode.shape[shaft.driven]
-        shares = np.abs((shifts * swing).sum(axis=1)) / (rods * np.abs(swing).sum())
+        if harmonics.misfire:
+            met = 60.0 * mode.frequency_Hz / harmonics.orders[1 : orders + 1]
+            shares = harmonics.adding_up(swing, met)
+        else:
+            shares = np.abs((shifts * swing).sum(axis=1)) / (rods * np.abs(swing).sum())
         for order, share, major in zip(harmonics.orders[1:], shares, majors, strict=False):
             speed = 60.0 * mode.frequency_Hz / float(order)
             if range_rpm[0] <= speed <= range_rpm[1]:

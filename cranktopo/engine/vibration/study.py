@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.checks.engine import shaft_warnings, speed_range_rpm
+from cranktopo.design.misfire import with_misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, varying_inertia_percent
-from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration
+from cranktopo.engine.vibration.steady import ORDERS, CriticalSpeed, Vibration, vibration
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, VaryingPart, torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_shaft
 from cranktopo.numerics.disk_chain import DampedMode, Mode
@@ -83,11 +84,14 @@ def run_up_steps(harmonics: TorqueHarmonics, range_rpm: tuple[float, float], sec
 def _torques(shaft: ShaftChain, harmonics: TorqueHarmonics, speed: Array, angle: Array) -> Array:
     """Alternating torques on the disks, shape (times, disks)."""
     torque = np.zeros((len(angle), len(shaft.names)))
-    gas = harmonics.gas_at_Nm(speed / angular_speed_rad_s(1.0))
+    gas, lost = (at(speed / angular_speed_rad_s(1.0)) for at in (harmonics.gas_at_Nm, harmonics.lost_at_Nm))
     for order in range(1, ORDERS + 1):
         single = gas[:, order] + speed**2 * harmonics.inertia_Nm_s2[order]
-        turning = single * np.exp(1j * harmonics.orders[order] * angle)
-        torque[:, shaft.driven] += (turning[:, None] * harmonics.shifts[order]).real
+        clock = np.exp(1j * harmonics.orders[order] * angle)
+        acting = (single * clock)[:, None] * harmonics.shifts[order]
+        if harmonics.misfire:
+            acting -= (lost[:, order] * clock)[:, None] * harmonics.misfire_shifts[order]
+        torque[:, shaft.driven] += acting.real
     return torque
 
 
@@ -125,6 +129,22 @@ def _held_by(modes: tuple[Mode, ...], stiffness: Array, sections: Array) -> floa
 
 
 @dataclass(frozen=True)
+class Misfire:
+    """The largest torque of the crankshaft where one cylinder alone does not fire.
+
+    Attributes:
+        section: of the shaft, by its number.
+        order: with the largest share in it.
+    """
+
+    cylinder: int
+    speed_rpm: float
+    section: int
+    torque_amplitude_Nm: float
+    order: float
+
+
+@dataclass(frozen=True)
 class VibrationStudy:
     """Torsional vibration of a shaft over its range of speeds.
 
@@ -135,6 +155,7 @@ class VibrationStudy:
         barred_rpm: ranges above the permitted stress; None where no stress is given.
         warnings: what the shaft leaves out, one line each.
         run_up: passage through the range in a given time, if one was asked for; with the mean inertia.
+        misfires: of every cylinder, if asked for.
     """
 
     scene: Scene
@@ -148,6 +169,18 @@ class VibrationStudy:
     barred_rpm: tuple[tuple[float, float], ...] | None
     warnings: tuple[str, ...]
     run_up: RunUp | None = None
+    misfires: tuple[Misfire, ...] = ()
+
+    @property
+    def cylinders(self) -> int:
+        """How many cylinders the engine has."""
+        return len(self.response.harmonics.firing_deg)
+
+    @property
+    def worst_misfire(self) -> Misfire | None:
+        """That with the largest torque, of equal ones the first; None where it was not asked for."""
+        found = self.misfires
+        return max(found, key=lambda one: round(one.torque_amplitude_Nm, 6)) if found else None
 
     @property
     def shaft(self) -> ShaftChain:
@@ -226,3 +259,22 @@ def study_vibration(
         shaft_warnings(scene),
         None if run_up_s is None else run_up(shaft, harmonics, model.range_rpm, run_up_s),
     )
+
+
+def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:
+    """Return the largest torque of the crankshaft where one cylinder does not fire, for every cylinder.
+
+    At the speeds of the study: they have every crossing of an order with a natural frequency.
+    """
+    if study.cylinders == 1:
+        raise invalid("--misfire", "worst", "needs an engine with more than one cylinder")
+    return tuple(_misfire(study, cylinder) for cylinder in range(1, study.cylinders + 1))
+
+
+def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
+    harmonics = torque_harmonics(with_misfire(study.scene, [cylinder]))
+    assert harmonics is not None
+    varying = study.varying.harmonics_kg_m2 if study.varying.included else None
+    found = vibration(study.shaft, harmonics, study.response.speeds_rpm, varying_kg_m2=varying)
+    speed = float(found.speeds_rpm[found.worst.speed_index])
+    return Misfire(cylinder, speed, found.worst.section, found.worst_Nm, found.worst.order)

@@ -9,7 +9,7 @@ of a throw count from its own mean twist: there is no order 0.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.engine.gas import PressureCurve, mapped_curves, pressure_curve
+from cranktopo.engine.motored import motored_curve, motored_map
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
 
@@ -38,6 +39,9 @@ class TorqueHarmonics:
         inertia_Nm_s2: the same of its reciprocating mass, over the square of the angular speed in rad/s.
         firing_deg: crank angle at which each cylinder fires, cylinder 1 first.
         gas_map: speed in rpm and `gas_Nm` of each entry of a map over speed.
+        misfire: numbers of the cylinders that do not fire.
+        lost_Nm: what one of them lacks of `gas_Nm`; None where all fire.
+        lost_map: as `gas_map`.
     """
 
     orders: Array
@@ -46,31 +50,68 @@ class TorqueHarmonics:
     firing_deg: tuple[float, ...]
     throw_of: tuple[int, ...]
     gas_map: tuple[tuple[float, ComplexArray], ...] = ()
+    misfire: tuple[int, ...] = ()
+    lost_Nm: ComplexArray | None = None
+    lost_map: tuple[tuple[float, ComplexArray], ...] = ()
 
     def gas_at_Nm(self, speed_rpm: float | Array) -> ComplexArray:
         """Return `gas_Nm` at speeds, between the entries of a map, shape (*speeds, orders)."""
-        if not self.gas_map:
-            return np.broadcast_to(self.gas_Nm, (*np.shape(speed_rpm), self.gas_Nm.size))
-        speeds = np.array([speed for speed, _ in self.gas_map])
-        shares = np.stack([np.interp(speed_rpm, speeds, one) for one in np.eye(len(speeds))], axis=-1)
-        return np.asarray(shares @ np.stack([gas for _, gas in self.gas_map]))
+        return _over_speed(self.gas_Nm, self.gas_map, speed_rpm)
+
+    def lost_at_Nm(self, speed_rpm: float | Array) -> ComplexArray:
+        """Return what a cylinder that does not fire lacks at speeds, shape (*speeds, orders); 0 if all do."""
+        lost = np.zeros_like(self.gas_Nm) if self.lost_Nm is None else self.lost_Nm
+        return _over_speed(lost, self.lost_map, speed_rpm)
 
     def of_throws_Nm(self, speed_rpm: float) -> ComplexArray:
         """Complex amplitudes of the torque on every throw at a speed, one clock for all, (orders, throws)."""
         single = self.gas_at_Nm(speed_rpm) + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
-        return np.asarray(single[:, None] * self.shifts)
+        every = single[:, None] * self.shifts
+        if self.lost_Nm is None:
+            return np.asarray(every)
+        return np.asarray(every - self.lost_at_Nm(speed_rpm)[:, None] * self.misfire_shifts)
 
     def in_phase(self) -> NDArray[np.bool_]:
-        """Of which orders the torques of all cylinders have the same phase: the major ones."""
+        """Of which orders the torques of all cylinders, if all fire, have the same phase: the major ones."""
         count = len(self.firing_deg)
         return np.asarray(np.abs(self.shifts.sum(axis=1)) > (1 - 1e-9) * count)
 
     @cached_property
     def shifts(self) -> ComplexArray:
         """Factor of each order for the times at which the cylinders of a throw fire, (orders, throws)."""
-        single = np.exp(-1j * self.orders[:, None] * np.radians(self.firing_deg))
+        return self._by_throw(self._each)
+
+    @cached_property
+    def misfire_shifts(self) -> ComplexArray:
+        """The same of the cylinders that do not fire, for the times at which they should."""
+        return self._by_throw(self._each * self._silent)
+
+    def adding_up(self, swing: ComplexArray, speeds_rpm: Array) -> Array:
+        """How far the cylinders' torques add up in a motion of the throws: 1 where all of them help.
+
+        Args:
+            speeds_rpm: one for each order from the first, shape (orders,).
+        """
+        order = np.arange(1, len(speeds_rpm) + 1)
+        speed, mine = speeds_rpm * angular_speed_rad_s(1.0), np.arange(len(order))
+        fired = self.gas_at_Nm(speeds_rpm)[mine, order] + speed**2 * self.inertia_Nm_s2[order]
+        torque = fired[:, None] - self.lost_at_Nm(speeds_rpm)[mine, order][:, None] * self._silent
+        moved = swing[list(self.throw_of)]
+        together = np.abs((torque * self._each[order] * moved).sum(axis=1))
+        return np.asarray(together / (np.abs(torque) * np.abs(moved)).sum(axis=1))
+
+    @property
+    def _silent(self) -> NDArray[np.bool_]:
+        return np.isin(np.arange(1, len(self.firing_deg) + 1), self.misfire)
+
+    @cached_property
+    def _each(self) -> ComplexArray:
+        """Factor of each order for the time at which a cylinder fires, (orders, cylinders)."""
+        return np.asarray(np.exp(-1j * self.orders[:, None] * np.radians(self.firing_deg)))
+
+    def _by_throw(self, cylinders: ComplexArray) -> ComplexArray:
         throws = np.array(self.throw_of)
-        return np.stack([single[:, throws == t].sum(axis=1) for t in range(max(throws) + 1)], axis=1)
+        return np.stack([cylinders[:, throws == t].sum(axis=1) for t in range(max(throws) + 1)], axis=1)
 
 
 def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> TorqueHarmonics | None:
@@ -93,7 +134,27 @@ def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) ->
     orders = np.arange(len(of_gas), dtype=float) * 360.0 / engine.cycle_deg
     throws = tuple(engine.throw_of(cylinder) for cylinder in range(1, engine.cylinders + 1))
     over_speed = tuple((rpm, _amplitudes(torque(at, frozenset()))) for rpm, at in mapped_curves(scene))
-    return TorqueHarmonics(orders, of_gas, of_inertia, engine.firing_angles_deg, throws, over_speed)
+    found = TorqueHarmonics(orders, of_gas, of_inertia, engine.firing_angles_deg, throws, over_speed)
+    motored = motored_curve(scene) if engine.misfire else None
+    if motored is None:
+        return found
+    lost_map = tuple(
+        (rpm, amplitudes - _amplitudes(torque(at, frozenset())))
+        for (rpm, amplitudes), (_, at) in zip(over_speed, motored_map(scene), strict=True)
+    )
+    lost = of_gas - _amplitudes(torque(motored, frozenset()))
+    return replace(found, misfire=engine.misfire, lost_Nm=lost, lost_map=lost_map)
+
+
+def _over_speed(
+    gas_Nm: ComplexArray, gas_map: tuple[tuple[float, ComplexArray], ...], speed_rpm: float | Array
+) -> ComplexArray:
+    """Amplitudes at speeds, between the entries of a map if there is one, shape (*speeds, orders)."""
+    if not gas_map:
+        return np.broadcast_to(gas_Nm, (*np.shape(speed_rpm), gas_Nm.size))
+    speeds = np.array([speed for speed, _ in gas_map])
+    shares = np.stack([np.interp(speed_rpm, speeds, one) for one in np.eye(len(speeds))], axis=-1)
+    return np.asarray(shares @ np.stack([gas for _, gas in gas_map]))
 
 
 def curve_of(amplitudes: ComplexArray, points: int) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import LOADS, THROW, Assumption, assumptions
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.misfire import misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
@@ -111,6 +112,8 @@ class Balance(Result):
     inner_moment: tuple[StateMoment, ...]
     balancer_shafts: tuple[SizedShaft, ...]
     gas_in_bearing_loads: bool
+    misfire: tuple[int, ...] | None = UNLESS_NONE
+    """Cylinders that do not fire in the loads of the main bearings, where there are any."""
     main_bearings: tuple[MainBearing, ...]
     assumed: tuple[Assumption, ...]
 
@@ -150,6 +153,7 @@ def balance_result(balance: EngineBalance, proposal: ProposedCounterweight | Non
         ),
         balancer_shafts=balance.shafts,
         gas_in_bearing_loads=balance.bearings[AS_IT_IS].gas,
+        misfire=misfire(scene) or None,
         main_bearings=tuple(
             _bearing(balance, index) for index in range(len(balance.masses.layout.bearing_z_mm))
         ),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cranktopo.base.units import number_text
+from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
@@ -181,6 +182,9 @@ def shafts_caption(data: Balance) -> str:
 
 def bearings_caption(data: Balance) -> str:
     """Return what the loads of the main bearings hold."""
+    if data.misfire:
+        silent = silent_words(data.misfire)
+        return f"Main bearings; {silent[0].lower()}{silent[1:]}"
     return "Main bearings" if data.gas_in_bearing_loads else "Main bearings, without gas: none is given"
 
 

@@ -104,7 +104,7 @@ def _power(scene: Scene, key: str, pressure_MPa: float) -> float:
         found = analyse(scene.model_copy(update={"engine": engine}))
     except CranktopoError:
         return 0.0  # compression alone reaches the peak: nothing burns
-    return power_kW(found.cycle.indicated_work_J, engine) if found.cycle else 0.0
+    return power_kW(found.cycle.mean_work_J, engine) if found.cycle else 0.0
 
 
 def read_upload(path: Path) -> tuple[str | None, str]:

@@ -145,7 +145,7 @@ def _loads(scene: Scene) -> Iterator[tuple[str, float]]:
     yield "pin_force", found.cycle.extreme("rod_force_N")[0].value
     yield "mean_torque", found.cycle.engine_torque()[0]
     yield "mean_pressure", 10 * mean_pressure_MPa(work, found.engine, radius)
-    yield "power", power_kW(work, found.engine)
+    yield "power", power_kW(found.cycle.mean_work_J, found.engine)
 
 
 def _rule(scene: Scene) -> Iterator[tuple[str, float]]:

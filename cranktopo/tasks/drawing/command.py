@@ -47,7 +47,7 @@ def command(
     if part == "crankshaft" and throw is not None:
         raise click.UsageError("--throw: --part crankshaft is all throws: leave it out")
     with redirected(partial(click.echo, err=True)):
-        scene = crank if part == "crankshaft" else one_throw(crank, throw)
+        scene = crank if part == "crankshaft" else one_throw(crank, throw, all_fire=False)
     assumed = assumptions(scene, (THROW,))
     if assumed:
         click.echo(assumed_text(assumed), err=True)

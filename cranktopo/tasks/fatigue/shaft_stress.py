@@ -11,6 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
 from cranktopo.design.crank_throws import carried
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_worst_speed, engine_of
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
@@ -99,13 +100,13 @@ def solved_cycle(
 def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:
     """Return the safety by each method of the throw that the shaft on all its bearings loads worst.
 
-    All throws are that of the target. Every angle of the cycle counts, at the engine's speed and where the
-    shaft vibrates at its worst one.
+    All throws are that of the target, and all cylinders fire. Every angle of the cycle counts, at the
+    engine's speed and where the shaft vibrates at its worst one.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
-    scene = target.scene
+    scene = all_firing(target.scene)
     stress = solve_shaft_stress(target, fillet_fraction)
     throws = [stress] * len(scene.shaft_angles_deg)
     effects, spring = shaft_effects(scene), bearing_spring_N_per_mm(scene)

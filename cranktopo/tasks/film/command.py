@@ -45,7 +45,7 @@ def command(
     from cranktopo.tasks.film.text import film_text
 
     with redirected(partial(click.echo, err=True)):
-        scene = one_throw(load_scene(design, whole=True), throw)
+        scene = one_throw(load_scene(design, whole=True), throw, all_fire=False)
     result = oil_films(scene, speeds)
     if plot_path is not None:
         plot_films(scene, plot_path, None if speeds is None else speeds[-1])

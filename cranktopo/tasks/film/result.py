@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 
 
@@ -59,6 +59,7 @@ class FilmResult(Result):
         viscosity_mPas: dynamic, of the oil in the film.
         loads: what the bearings carry.
         gas: whether the pressure of the gas is among the loads.
+        misfire: cylinders that do not fire, where there are any; the big end is of one that fires.
         permitted_film_um, permitted_pressure_MPa: null where the scene gives none.
         holds: whether all films are within what is permitted; null where nothing is.
     """
@@ -69,6 +70,7 @@ class FilmResult(Result):
     viscosity_mPas: float
     loads: str
     gas: bool
+    misfire: tuple[int, ...] | None = UNLESS_NONE
     speeds: tuple[FilmsAtSpeed, ...]
     permitted_film_um: float | None
     permitted_pressure_MPa: float | None

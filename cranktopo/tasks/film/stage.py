@@ -14,6 +14,7 @@ from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.assumed import Assumption, assumptions
 from cranktopo.design.bearing_room import big_end_room_mm, main_journals, main_room_mm
 from cranktopo.design.crank_throws import carried
+from cranktopo.design.misfire import misfire
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
@@ -70,6 +71,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         viscosity_mPas=1e3 * table.dynamic_viscosity_Pas,
         loads=ALONE,
         gas=pressure_curve(scene) is not None,
+        misfire=misfire(scene) or None,
         speeds=found,
         permitted_film_um=table.permitted_film_um,
         permitted_pressure_MPa=table.permitted_pressure_MPa,

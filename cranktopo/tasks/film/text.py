@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.design.misfire import silent_words
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
@@ -11,7 +12,8 @@ def film_text(result: FilmResult) -> str:
     oil = f"{result.oil} at {result.temperature_C:g} degC, " if result.oil else ""
     heading = f"{result.design}: oil film, {oil}{result.viscosity_mPas:.2f} mPa s\nloads: {result.loads}"
     gas = "" if result.gas else "\nthe scene tells no gas pressure: inertia alone loads the bearings"
-    parts = [_verdict(result), heading + gas]
+    silent = f"\n{silent_words(result.misfire)}; the big end is of one that does" if result.misfire else ""
+    parts = [_verdict(result), heading + gas + silent]
     parts += [_one_speed(result.speeds[0]) if len(result.speeds) == 1 else _by_speed(result.speeds)]
     return "\n\n".join(part for part in parts if part)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from pydantic import Field
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.result import UNLESS_NONE, Result
@@ -133,6 +134,10 @@ class LoadsAtSpeed(Result):
     """Work of a cycle over the swept volume; friction is not known."""
     indicated_power_kW: float | None
     """Power of all cylinders without friction."""
+    misfire: tuple[int, ...] | None = UNLESS_NONE
+    """Cylinders that do not fire, where there are any; the work is that of one that fires."""
+    silent: str = Field(default="", exclude=True)
+    """Sentence on them."""
     piston: PistonExtremes | None
     series_difference_percent: SeriesDifference | None
     balance: ThrowMassProperties

@@ -11,6 +11,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.files import replacing
 from cranktopo.design.assumed import LOADS, THROW, VIBRATION, Assumption, assumptions
 from cranktopo.design.clearance import clearance_text, clearances_mm
+from cranktopo.design.misfire import all_firing, misfire, misfire_words
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse, at_speed
@@ -38,14 +39,16 @@ from cranktopo.tasks.loads.result import (
 def loads_at_speeds(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> tuple[Loads, ...]:
     """Return the loads of a scene at each speed, by default at its own alone.
 
-    Curves and extremes carry every mass; the load cases carry the effects that the plan has on.
+    Curves and extremes carry every mass; the load cases carry the effects that the plan has on. Where
+    cylinders do not fire, the engine's torque and power are without them; forces of one throw and load cases
+    are those of one that fires.
 
     Raises:
         CranktopoError: gas data that cannot be used.
     """
     scene = as_scene(scene)
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
-    return tuple(_loads(at, plan(at), assumed) for at in _at_speeds(scene, speeds_rpm))
+    return tuple(_loads(at, plan(all_firing(at)), assumed) for at in _at_speeds(scene, speeds_rpm))
 
 
 def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:
@@ -63,7 +66,9 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         engine_torque_Nm=engine_torque_of(cycle),
         indicated_work_per_cylinder_J=work if cycle else None,
         indicated_mean_pressure_MPa=mean_pressure_MPa(work, engine, radius) if cycle and engine else None,
-        indicated_power_kW=power_kW(work, engine) if cycle and engine else None,
+        indicated_power_kW=power_kW(cycle.mean_work_J, engine) if cycle and engine else None,
+        misfire=misfire(scene) or None,
+        silent=misfire_words(scene),
         piston=piston_of(analysis) if analysis else None,
         series_difference_percent=SeriesDifference(**cycle.series_difference_percent) if cycle else None,
         balance=balance_of(throw_balance(scene)),

@@ -14,7 +14,7 @@ def loads_text(loads: Loads) -> str:
     """Return the tables of one speed: extremes, engine torque, balance, load cases."""
     parts = [_heading(loads)]
     if loads.points:
-        parts += [_extremes(loads.extremes), _two_rods(loads.rods_per_pin), _torque(loads)]
+        parts += [_extremes(loads.extremes), _two_rods(loads.rods_per_pin), _silent(loads), _torque(loads)]
     parts += [_piston(loads.piston)]
     clearance = loads.clearance.told
     parts += [_balance(loads.balance), crank_words(loads.crank)]
@@ -67,6 +67,15 @@ def _two_rods(rods: int | None) -> str:
         "Two rods on each pin: the torque is that of both; radial, tangential, web and main journal force\n"
         "are those of both on the web that carries most, by the lever rule; the rest is of one cylinder.\n"
         "Degrees count from firing of the cylinder in the first bank."
+    )
+
+
+def _silent(loads: Loads) -> str:
+    if not loads.silent:
+        return ""
+    return (
+        f"{loads.silent}\nTorque and power of the engine are without them; forces of one throw, its work and "
+        "its\nload cases are those of a cylinder that fires."
     )
 
 

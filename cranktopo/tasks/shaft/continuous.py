@@ -21,9 +21,8 @@ from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.layout import engine_layout
-from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_cylinder, by_throw, throw_forces
-from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.cylinders import cylinders
+from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY, UZ
@@ -83,21 +82,17 @@ def cycle_forces(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> Cyc
     Raises:
         CranktopoError: no engine, or no pressures.
     """
-    engine = engine_of(scene)
-    curve = pressure_curve(scene)
-    if curve is None:
+    engine, rods = engine_of(scene), cylinders(scene)
+    if rods is None:
         raise invalid(
             "engine.gas", None, "must be given for forces over the cycle", "Add an [engine.gas] table."
         )
-    rod = throw_forces(engine, scene.throw.radius_mm, curve, throw_balance(scene), engine.speed_rpm)
-    stride, layout = every_degree(curve.angle_deg), engine_layout(scene)
-    radial, tangential = (
-        by_cylinder(force, curve.angle_deg, engine.firing_angles_deg, engine.cycle_deg)[:, ::stride]
-        for force in (rod.web_force_N, rod.tangential_force_N)
-    )
+    stride, layout = every_degree(rods.angle_deg), engine_layout(scene)
+    radial = rods.each(lambda rod: rod.web_force_N)[:, ::stride]
+    tangential = rods.each(lambda rod: rod.tangential_force_N)[:, ::stride]
     aside = (layout.throw_z_mm[list(layout.throw_of)] - layout.cylinder_z_mm)[:, None]
     forces = CycleForces(
-        curve.angle_deg[::stride],
+        rods.angle_deg[::stride],
         by_throw(radial, engine.throws),
         by_throw(tangential, engine.throws),
         by_throw(aside * radial, engine.throws),

@@ -12,7 +12,7 @@ from pydantic import Field
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import Span, about_z_deg
 from cranktopo.base.notes import note
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.bodies.memory import check_element_size
@@ -20,6 +20,7 @@ from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
 from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
 from cranktopo.design.crank_throws import carried, throw_scenes
 from cranktopo.design.halves import default_element_size_mm
+from cranktopo.design.misfire import misfire, misfire_words
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed
 from cranktopo.engine.balance.crank import end_mass
@@ -96,6 +97,8 @@ class ShaftEvaluation(Result):
     opentorsion: OpenTorsion
     on_bearings: tuple[ContinuousShaft, ...] = ()
     """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
+    misfire: tuple[int, ...] | None = UNLESS_NONE
+    """Cylinders that do not fire in them, where there are any."""
     assumed: tuple[Assumption, ...]
     """Keys that the design does not give and the shaft depends on."""
     throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)
@@ -103,6 +106,8 @@ class ShaftEvaluation(Result):
 
     weighed: str = Field(exclude=True)
     """What the mass is of."""
+    silent: str = Field(default="", exclude=True)
+    """Sentence on the cylinders that do not fire."""
 
     @property
     def error_percent(self) -> float:
@@ -176,6 +181,8 @@ def evaluate_shaft(
         )
         if loaded
         else (),
+        misfire=(misfire(scene) or None) if loaded else None,
+        silent=misfire_words(scene) if loaded else "",
         assumed=assumed,
         throw_inertias_kg_mm2=inertias,
     )

@@ -18,6 +18,7 @@ from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
     Choice,
+    Cylinder,
     Number,
     bearings_option,
     body_options,
@@ -75,6 +76,13 @@ class SpeedRange(click.ParamType[list[float]]):
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write a page with the safety of the webs, by lsa if no method is given; HTML or Markdown.",
 )
+@click.option(
+    "--misfire",
+    "misfires",
+    type=Cylinder(),
+    multiple=True,
+    help="A cylinder that does not fire over the cycle, in place of the design's; repeatable.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object, openTorsion's arguments in it.")
 @verbosity_options
 def command(
@@ -87,6 +95,7 @@ def command(
     method: str | None,
     fillet_fraction: float | None,
     report: Path | None,
+    misfires: tuple[int, ...],
     as_json: bool,
 ) -> None:
     """The whole shaft of TARGET: torsional stiffness, frequencies, and what webs and main bearings carry.
@@ -114,7 +123,7 @@ def command(
     resolved = resolve_target(target, design, fillets=method is not None, align=align, whole=True, crank=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
     loaded = stands_on_bearings(resolved.scene, support)
-    _check_options(loaded, speeds_rpm, method, element_size_mm, fillet_fraction)
+    _check_options(loaded, speeds_rpm, method, misfires, element_size_mm, fillet_fraction)
     tables = shaft_tables(resolved.scene, support, loaded=loaded)
     print_assumed([resolved], (*tables, FATIGUE) if method else tables)
     note(f"{resolved.name}: condensing one throw")
@@ -125,6 +134,7 @@ def command(
         speeds_rpm=speeds_rpm or (),
         method=method,
         fillet_fraction=fillet_fraction or RULE_FRACTION,
+        misfire=misfires,
         report=report,
     )
     click.echo(json.dumps(shaft.as_json(), indent=2) if as_json else shaft_text(shaft))
@@ -134,11 +144,13 @@ def _check_options(
     loaded: bool,
     speeds_rpm: list[float] | None,
     method: str | None,
+    misfires: tuple[int, ...],
     element_size_mm: float | None,
     fillet_fraction: float | None,
 ) -> None:
     """Refuse options that say nothing here."""
-    needing = "--speeds" if speeds_rpm else "--method" if method else ""
+    asked = {"--speeds": speeds_rpm, "--method": method, "--misfire": misfires}
+    needing = next((option for option, given in asked.items() if given), "")
     if needing and not loaded:
         raise CranktopoError(
             f"{needing}: the forces on all bearings need [engine.gas], and bearings that are not free.",

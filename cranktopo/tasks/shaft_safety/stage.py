@@ -14,6 +14,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import filter_by_table
 from cranktopo.design.crank_throws import carried
+from cranktopo.design.misfire import with_misfire
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.report.report_file import check_report_path, write_report
@@ -54,6 +55,7 @@ def assess_shaft(
     speeds_rpm: Sequence[float] = (),
     method: str | None = None,
     fillet_fraction: float = RULE_FRACTION,
+    misfire: Sequence[int] = (),
     report: Path | None = None,
 ) -> ShaftAssessment:
     """Assemble the throws of a target and tell what webs and bearings carry over the cycle.
@@ -63,12 +65,15 @@ def assess_shaft(
         speeds_rpm: speeds of the cycle; the engine's own by default.
         method: of local stresses, by which every part of every web is judged; None: no safety.
         fillet_fraction: element size in a fillet over its radius.
+        misfire: cylinders that do not fire, in place of those of the design.
         report: page to write, HTML or Markdown; it needs a method.
 
     Raises:
-        CranktopoError: no engine, no loads or no bearings to judge by, missing strength, or a failed solve.
+        CranktopoError: a cylinder that the engine does not have, no engine, no loads or no bearings to judge
+            by, missing strength, or a failed solve.
     """
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
+    resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
     if method is None:
         found = evaluate_shaft(resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm)
         return ShaftAssessment.model_construct(**dict(found))

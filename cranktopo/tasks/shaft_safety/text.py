@@ -27,7 +27,7 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    parts = [*_torsion(shaft), *_on_bearings(shaft.on_bearings)]
+    parts = [*_torsion(shaft), *([shaft.silent] if shaft.silent else []), *_on_bearings(shaft.on_bearings)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
     return "\n\n".join((*parts, errors))

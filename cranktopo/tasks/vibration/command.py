@@ -14,6 +14,7 @@ import click
 from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
+    Cylinder,
     bearings_option,
     body_options,
     designs,
@@ -46,6 +47,14 @@ from cranktopo.cli.verbosity import verbosity_options
     callback=seconds,
     help="Pass through the range of speeds in this time, such as 10s; by default steady vibration alone.",
 )
+@click.option(
+    "--misfire",
+    "misfires",
+    type=Cylinder("worst"),
+    multiple=True,
+    help="A cylinder that does not fire, in place of the design's; repeatable. Or worst: what each one alone "
+    "would do.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
 def command(
@@ -57,6 +66,7 @@ def command(
     report: Path | None,
     csv_path: Path | None,
     run_up_s: float | None,
+    misfires: tuple[int | str, ...],
     as_json: bool,
 ) -> None:
     """Torsional vibration of TARGET's shaft: natural frequencies, critical speeds, torque and stress.
@@ -70,13 +80,21 @@ def command(
     from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.shaft.assembly import Bearings
     from cranktopo.tasks.vibration.result import vibration_result
-    from cranktopo.tasks.vibration.stage import shaft_vibration
+    from cranktopo.tasks.vibration.stage import misfire_asked, shaft_vibration
     from cranktopo.tasks.vibration.text import vibration_text
 
     resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     chosen = bearings if "--bearings" in typed() else None
     support: Bearings | None = next((name for name in get_args(Bearings) if name == chosen), None)
-    study = shaft_vibration(resolved, support, element_size_mm, report, csv_path, run_up_s=run_up_s)
+    study = shaft_vibration(
+        resolved,
+        support,
+        element_size_mm,
+        report,
+        csv_path,
+        run_up_s=run_up_s,
+        misfire=misfire_asked(misfires),
+    )
     assumed = filter_by_table(resolved.assumed, (*SHAFT, LOADS, VIBRATION))
     if as_json:
         click.echo(json.dumps(vibration_result(study, assumed).as_json(), indent=2))

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     DISKS,
     barred_sentence,
     cancelled_sentence,
     critical_table,
+    misfire_sentence,
+    misfire_table,
     modes_table,
     run_up_sentence,
     sections_table,
@@ -21,11 +25,10 @@ from cranktopo.tasks.vibration.text import (
 def vibration_page(study: VibrationStudy, written: str) -> Page:
     """Return the vibration of a shaft as content; `written` is a date."""
     campbell, torque, modes = vibration_pictures(study)
-    critical = critical_table(study)
     return Page(
         title=f"Torsional vibration: {study.scene.name}",
         subtitle=f"stiffness of the throws: {study.stiffness_source}; {written}",
-        headline=worst_sentence(study),
+        headline=f"{worst_sentence(study)} {misfire_words(study.scene)}".rstrip(),
         facts=_facts(study),
         sections=(
             Section(
@@ -33,10 +36,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "Critical speeds",
                 "Lines are orders of the rotation, blue where all cylinders have the same phase; where one "
                 f"meets a natural frequency the shaft resonates. {cancelled_sentence(study)} "
-                f"{barred_sentence(study)} {run_up_sentence(study)}".rstrip(),
-                (("Critical speeds at which the cylinders help each other", critical),)
-                if critical.rows
-                else (),
+                f"{barred_sentence(study)} {run_up_sentence(study)} {misfire_sentence(study)}".rstrip(),
+                (*_critical(study), *_misfires(study)),
                 (campbell, torque),
             ),
             Section(
@@ -55,6 +56,15 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
             ),
         ),
     )
+
+
+def _critical(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
+    table = critical_table(study)
+    return (("Critical speeds at which the cylinders help each other", table),) if table.rows else ()
+
+
+def _misfires(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
+    return (("One cylinder that does not fire", misfire_table(study)),) if study.misfires else ()
 
 
 def _facts(study: VibrationStudy) -> tuple[Fact, ...]:

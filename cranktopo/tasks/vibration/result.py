@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.vibration.steady import CriticalSpeed
@@ -99,6 +99,17 @@ class RunUpResult(Result):
     speeds: tuple[RunUpSpeed, ...]
 
 
+class MisfireWorst(Result):
+    """The largest torque amplitude of the crankshaft where one cylinder alone does not fire."""
+
+    cylinder: int
+    speed_rpm: float
+    section: str
+    torque_amplitude_Nm: float
+    order: float
+    shear_MPa: float
+
+
 class ShaftVibration(Result):
     """Torsional vibration of a shaft over its range of speeds."""
 
@@ -118,6 +129,10 @@ class ShaftVibration(Result):
     worst: WorstTorque
     speeds: tuple[AtSpeed, ...]
     run_up: RunUpResult | None
+    misfire: tuple[int, ...] | None = UNLESS_NONE
+    """Cylinders that do not fire, where there are any."""
+    misfires: tuple[MisfireWorst, ...] | None = UNLESS_NONE
+    """What the misfire of each cylinder would do, with `--misfire worst`."""
     warnings: tuple[str, ...]
     assumed: tuple[Assumption, ...]
 
@@ -159,6 +174,8 @@ def vibration_result(study: VibrationStudy, assumed: tuple[Assumption, ...]) -> 
         worst=_worst(study),
         speeds=tuple(_at_speed(study, index) for index in range(len(study.response.speeds_rpm))),
         run_up=_run_up(study),
+        misfire=study.response.harmonics.misfire or None,
+        misfires=_misfires(study) or None,
         warnings=study.warnings,
         assumed=assumed,
     )
@@ -193,6 +210,20 @@ def _at_speed(study: VibrationStudy, index: int) -> AtSpeed:
             for torque, inside in zip(amplitudes, shaft.in_crankshaft, strict=True)
         ),
         free_end_deg=float(response.free_end_deg[index]),
+    )
+
+
+def _misfires(study: VibrationStudy) -> tuple[MisfireWorst, ...]:
+    return tuple(
+        MisfireWorst(
+            cylinder=one.cylinder,
+            speed_rpm=one.speed_rpm,
+            section=study.shaft.sections[one.section],
+            torque_amplitude_Nm=one.torque_amplitude_Nm,
+            order=one.order,
+            shear_MPa=study.shaft.shear_MPa(one.torque_amplitude_Nm),
+        )
+        for one in study.misfires
     )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -12,10 +14,16 @@ from cranktopo.base.files import replacing
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.misfire import all_firing, with_misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
-from cranktopo.engine.vibration.study import VibrationStudy, check_vibration, study_vibration
+from cranktopo.engine.vibration.study import (
+    VibrationStudy,
+    check_vibration,
+    misfires_of_each,
+    study_vibration,
+)
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import timestamp
@@ -35,6 +43,7 @@ def shaft_vibration(
     design: str | None = None,
     align: bool = False,
     run_up_s: float | None = None,
+    misfire: Sequence[int] | Literal["worst"] = (),
 ) -> VibrationStudy:
     """Steady torsional vibration of a shaft over its range of speeds, by finite elements of its throw.
 
@@ -46,22 +55,28 @@ def shaft_vibration(
         report: page to write, HTML or Markdown.
         csv: file for the torque of every section by speed and order.
         run_up_s: time in which the speed rises through its range; None for the steady vibration alone.
+        misfire: cylinders that do not fire, in place of those of the design; "worst": also what each one
+            would do that alone does not fire.
 
     Raises:
-        CranktopoError: no engine or gas, bearings or elements beside a given stiffness, a failed solve, or a
-            file that cannot be written.
+        CranktopoError: no engine or gas, bearings or elements beside a given stiffness, a cylinder that the
+            engine does not have, a failed solve, or a file that cannot be written.
     """
     if report is not None:
         check_report_path(report)
     if csv is not None:
         check_file(csv, "--csv")
     resolved = resolve_target(target, design, align=align, whole=True, crank=True)
+    resolved = replace(resolved, scene=_asked(resolved.scene, misfire))
     _ = resolved.scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     _check_solved(resolved, bearings, element_size_mm)
     check_vibration(resolved.scene, run_up_s)
     support = bearings or "rigid"
     print_assumed([resolved], (*shaft_tables(resolved.scene, support), LOADS, VIBRATION))
     study = _studied(resolved, support, element_size_mm, run_up_s)
+    if misfire == "worst":
+        note(f"{resolved.name}: misfire of each of {study.cylinders} cylinders")
+        study = replace(study, misfires=misfires_of_each(study))
     for line in study.warnings:
         note(f"warning: {resolved.name}: {line}")
     if report is not None:
@@ -71,6 +86,26 @@ def shaft_vibration(
         _write_orders(study, csv)
         note(str(csv))
     return study
+
+
+def _asked(scene: Scene, misfire: Sequence[int] | Literal["worst"]) -> Scene:
+    if isinstance(misfire, str):
+        return all_firing(scene)
+    return with_misfire(scene, misfire)
+
+
+def misfire_asked(given: Sequence[int | str]) -> tuple[int, ...] | Literal["worst"]:
+    """Return what repeated `--misfire` asks for; raises CranktopoError for a word beside numbers."""
+    numbers = tuple(one for one in given if isinstance(one, int))
+    if len(numbers) == len(given):
+        return numbers
+    if len(given) > 1:
+        raise CranktopoError(
+            "--misfire worst: looks at every cylinder alone.",
+            hint="Give worst once, or numbers of cylinders.",
+            code=ExitCode.USAGE,
+        )
+    return "worst"
 
 
 def _given(target: Target) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.units import number_text, plain_number
+from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
@@ -50,9 +51,41 @@ def cancelled_sentence(study: VibrationStudy) -> str:
     if not weak:
         return ""
     places = ", ".join(f"{found.speed_rpm:.0f} rpm (order {found.order:g})" for found in weak)
+    silent = study.response.harmonics.misfire
     return (
-        f"Mode 1 is also met at {places}, where the cylinders cancel one another to below {_WEAK:.0%}: "
-        "a cylinder that misfires excites it there."
+        f"Mode 1 is also met at {places}, where the cylinders cancel one another to below {_WEAK:.0%}"
+        f"{'' if silent else ': a cylinder that misfires excites it there'}."
+    )
+
+
+def misfire_table(study: VibrationStudy) -> ResultTable:
+    """Return the largest torque of the crankshaft with one cylinder that does not fire, for each cylinder."""
+    rows: tuple[Row, ...] = tuple(
+        {
+            "cylinder": str(one.cylinder),
+            "section": study.shaft.sections[one.section],
+            "speed_rpm": one.speed_rpm,
+            "order": one.order,
+            "torque_amplitude_Nm": one.torque_amplitude_Nm,
+            "shear_MPa": study.shaft.shear_MPa(one.torque_amplitude_Nm),
+        }
+        for one in study.misfires
+    )
+    columns = {"cylinder": 0, "section": 0, "speed_rpm": 0, "order": 1, "torque_amplitude_Nm": 1}
+    return ResultTable({**columns, "shear_MPa": 1}, rows)
+
+
+def misfire_sentence(study: VibrationStudy) -> str:
+    """Return what misfire of the worst cylinder would do; empty where it was not asked for."""
+    worst = study.worst_misfire
+    if worst is None:
+        return ""
+    amplitude = worst.torque_amplitude_Nm
+    return (
+        f"Misfire of cylinder {worst.cylinder} is the worst: +-{number_text(amplitude)} N m between "
+        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')} at {worst.speed_rpm:.0f} rpm, mostly "
+        f"of order {worst.order:g}: {amplitude / study.response.worst_Nm:.2f} times that of an engine that "
+        "fires in all cylinders."
     )
 
 
@@ -150,7 +183,8 @@ def vibration_text(study: VibrationStudy) -> str:
     low, high = study.response.speeds_rpm[[0, -1]]
     parts = [
         f"{study.scene.name}: steady torsional vibration, {low:.0f} to {high:.0f} rpm, "
-        f"{len(study.response.orders)} orders\nstiffness of the throws: {study.stiffness_source}",
+        f"{len(study.response.orders)} orders\nstiffness of the throws: {study.stiffness_source}"
+        f"\n{misfire_words(study.scene)}".rstrip(),
         terminal(modes_table(study)),
     ]
     critical = critical_table(study)
@@ -158,6 +192,9 @@ def vibration_text(study: VibrationStudy) -> str:
     cancelled = cancelled_sentence(study)
     parts += [cancelled] if cancelled else []
     parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
+    if study.misfires:
+        parts[-1:-1] = ["One cylinder that does not fire:", terminal(misfire_table(study))]
+        parts[-1] += f"\n{misfire_sentence(study)}"
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
     parts[-1] += f"\n{_stiffness_sentence(study)}".rstrip()
     parts[-1] += f"\n{DISKS}"
