@@ -96,7 +96,7 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
         raise CranktopoError(
             f"target '{target.name}': method 'm53' needs the width and the outline of the web, which a file "
             "does not name.",
-            hint="Take --method lsa or fkm, or give a design.",
+            hint="Take another --method, or give a design.",
             code=ExitCode.USAGE,
         )
     check_method(target.scene, method)
