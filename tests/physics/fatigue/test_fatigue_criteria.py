@@ -1,4 +1,4 @@
-"""The registry of fatigue criteria: its names, and assessments by criteria that the package lacks, and has."""
+"""The registry of fatigue criteria: its names, and assessments by criteria of its own and of others."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def all_tensors(scene: Scene, history: Array) -> Severity:
 
 
 def axial_at_most(scene: Scene, bounds: HistoryBounds) -> Array:
-    return 2 * bounds.shear_MPa
+    return 3 * bounds.shear_MPa
 
 
 def axial_path(scene: Scene, history: Array, strength_MPa: float) -> PlaneDiagram:
