@@ -16,7 +16,7 @@ from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterion, PlaneDiagram, Severity
 from cranktopo.tasks.fatigue.plane_field import histories
-from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads
+from cranktopo.tasks.fatigue.safety_field import FatigueField, load_kinds, safety_field, unit_loads
 from cranktopo.tasks.fatigue.stage import assess_by_methods, assess_fatigue
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fea.targets import resolve_targets
@@ -83,7 +83,8 @@ def test_criteria_of_planes_find_the_least_safety_of_all_points(
     targets = resolve_targets(["mikron-iiic-plain"], fillets=True, whole=True)
     found = assess_by_methods(targets, ["lsa", "findley", "dang_van"], fillet_fraction=0.8)
     lsa, findley, dang_van = (one.fields[0] for one in found)
-    model, history = lsa.model, load_history(targets[0].scene, "extremes", frozenset(lsa.model.kinds))
+    model, scene = lsa.model, lsa.model.scene
+    history = load_history(scene, "extremes", load_kinds(scene, "extremes")[0])
     own = safety_field(model, "axial", history)
     assert own.critical.factors["share"] == 0.4
     for field in (findley, dang_van):
