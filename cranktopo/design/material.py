@@ -72,6 +72,11 @@ class Material(SceneTable):
     """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
     fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
     """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
+    fatigue_torsion_MPa: Strength | None = Field(
+        default=None, examples=[303.0], exclude_if=lambda strength: strength is None
+    )
+    """Fatigue strength (amplitude) of a polished round specimen in alternating torsion, for `fatigue --method
+    findley` and `dang_van`; without it that in bending over the square root of 3."""
     fkm_group: _FkmGroup = "Steel"
     """Material group of the FKM guideline, for `fatigue --method fkm`."""
     heat_treatment: str = Field(

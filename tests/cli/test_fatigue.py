@@ -80,6 +80,23 @@ def test_each_method_names_what_it_needs(
     assert f"'{method}'" in captured.err
 
 
+@pytest.mark.parametrize("method", ["findley", "dang_van"])
+def test_methods_of_planes_name_what_they_need(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, method: str
+) -> None:
+    assert main(["fatigue", design(tmp_path, (NO_DATA, PLAIN)), "--method", method]) == 3
+    assert f"fatigue_tension_MPa: is missing, method '{method}' needs it" in capsys.readouterr().err
+    weak = f"{NO_DATA}\nfatigue_torsion_MPa = 200.0"
+    assert main(["fatigue", design(tmp_path, (NO_DATA, weak)), "--method", method]) == 3
+    error = " ".join(capsys.readouterr().err.split())
+    assert "material.fatigue_torsion_MPa = 200.0: must be at least half of fatigue_bending_MPa" in error
+
+
+def test_a_shaft_is_judged_by_local_stresses_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["shaft", "mikron-iiic-plain", "--method", "findley"]) == 2
+    assert "'findley' is none of lsa, fkm." in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("effects", ["", 'fatigue = "on"'], ids=["auto", "on"])
 @pytest.mark.parametrize(
     "command",

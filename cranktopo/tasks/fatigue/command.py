@@ -1,6 +1,6 @@
 """`cranktopo fatigue`
 
-Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53.
+Fatigue safety of designs with true fillets: local stress analysis, FKM, IACS UR M53, critical planes.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     type=Choice(tuple(METHODS)),
     default="lsa",
     show_default=True,
-    help="Local stress analysis, FKM guideline, or the rule IACS UR M53.",
+    help="Local stress analysis, FKM guideline, the rule IACS UR M53, or the critical planes of Findley or "
+    "Dang Van.",
 )
 @click.option(
     "--loads",

@@ -5,14 +5,22 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cranktopo.base.errors import CranktopoError, ExitCode
+
 if TYPE_CHECKING:
     from cranktopo.tasks.fatigue.criterion import FatigueCriterion, SafetyMethod
 
-METHODS = {
+LOCAL_METHODS = {
     "lsa": "cranktopo.tasks.fatigue.lsa:LSA",
     "fkm": "cranktopo.tasks.fatigue.fkm:FKM",
-    "m53": "cranktopo.tasks.fatigue.m53:M53",
 }
+"""Methods that judge amplitude, mean and gradient of a local stress; `shaft --method` takes these alone."""
+PLANE_METHODS = {
+    "findley": "cranktopo.tasks.fatigue.findley:FINDLEY",
+    "dang_van": "cranktopo.tasks.fatigue.dang_van:DANG_VAN",
+}
+"""Methods that judge the stress tensors of all load states."""
+METHODS = {**LOCAL_METHODS, "m53": "cranktopo.tasks.fatigue.m53:M53", **PLANE_METHODS}
 """Name on the command line: the method as "module:constant", loaded when it is taken."""
 
 
@@ -24,9 +32,18 @@ def safety_method(name: str) -> SafetyMethod:
 
 
 def criterion(name: str) -> FatigueCriterion:
-    """Load a method of the registry that is a criterion of local stresses."""
+    """Load a method of the registry that is a criterion of local stresses.
+
+    Raises:
+        CranktopoError: it is of another kind.
+    """
     from cranktopo.tasks.fatigue.criterion import FatigueCriterion
 
     found = safety_method(name)
-    assert isinstance(found, FatigueCriterion)
+    if not isinstance(found, FatigueCriterion):
+        raise CranktopoError(
+            f"method '{name}' does not judge amplitude and mean of a local stress, which is needed here.",
+            hint=f"Take {' or '.join(LOCAL_METHODS)}.",
+            code=ExitCode.USAGE,
+        )
     return found

@@ -16,6 +16,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
 
+NEEDS = ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa")
+"""Keys of the material that the fully reversed strength of a point follows from."""
+
 
 @dataclass(frozen=True)
 class LsaStrength:
@@ -58,19 +61,24 @@ class LsaResult:
 
 def lsa(stress: LocalStress, strength: LsaStrength) -> LsaResult:
     """Safety by local stress analysis; a compressive mean stress adds no safety."""
-    s, gradient = strength, stress.gradient_per_mm
+    point, support, notch = point_strength_MPa(stress.gradient_per_mm, strength)
+    amplitude = stress.amplitude_MPa / point
+    mean = np.maximum(stress.mean_MPa, 0.0) / strength.ultimate_MPa
+    return LsaResult(1 / np.maximum(amplitude + mean, 1e-12), amplitude, mean, support, notch, point)
+
+
+def point_strength_MPa(gradient_per_mm: Array, strength: LsaStrength) -> tuple[Array, Array, Array]:
+    """Return the fully reversed strength of points, their support factor and their notch ratio, (n,) each."""
+    s, gradient = strength, gradient_per_mm
     ratio = s.fatigue_bending_MPa / s.fatigue_tension_MPa
     support = 1 + (ratio - 1) / (2 / s.specimen_diameter_mm) * gradient
     notch = 1 + np.sqrt(gradient) * 10 ** -(0.35 + s.yield_MPa / 810)
     reduced = s.fatigue_tension_MPa * s.size_factor * s.survival_factor * s.treatment_factor
-    point = reduced * support / notch
-    amplitude = stress.amplitude_MPa / point
-    mean = np.maximum(stress.mean_MPa, 0.0) / s.ultimate_MPa
-    return LsaResult(1 / np.maximum(amplitude + mean, 1e-12), amplitude, mean, support, notch, point)
+    return reduced * support / notch, support, notch
 
 
 def lsa_strength(scene: Scene) -> LsaStrength:
-    """Return the strength for method "lsa" of a scene whose material is checked."""
+    """Return the strength for local stress analysis of a scene whose material is checked."""
     material, settings = scene.material, scene.fatigue
     return LsaStrength(
         material.fatigue_tension_MPa or 0.0,
@@ -97,7 +105,7 @@ def _haigh_limit_MPa(scene: Scene, strength_MPa: float, gradient_per_mm: float, 
 
 LSA = FatigueCriterion(
     "lsa",
-    ("fatigue_tension_MPa", "fatigue_bending_MPa", "yield_MPa", "ultimate_MPa"),
+    (*NEEDS, "ultimate_MPa"),
     _point_safety,
     _haigh_limit_MPa,
 )

@@ -294,7 +294,7 @@ def _check_round_fillets(scene: Scene) -> None:
                 f"{scene.name}: throw.{key}.fillet_axial_mm",
                 fillet.axial_mm,
                 "method 'm53' takes factors and strength from the radius of a round fillet",
-                "Take --method lsa or fkm, or leave the key out.",
+                "Take another --method, or leave the key out.",
             )
 
 

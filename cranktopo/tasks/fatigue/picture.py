@@ -1,4 +1,4 @@
-"""Picture of a fatigue assessment: safety over the throw beside the Haigh diagram of the critical point."""
+"""Picture of a fatigue assessment: safety over the throw beside a diagram of the critical point."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from cranktopo.base.files import write_bytes
 from cranktopo.design.halves import halves
 from cranktopo.report.plot import png
 from cranktopo.tasks.fatigue.criteria import criterion
+from cranktopo.tasks.fatigue.plane_criterion import PlaneDiagram
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.vtu import throw_surface
 
@@ -30,7 +31,7 @@ _TOP = 4.0
 
 
 def save_fatigue_picture(path: Path, field: FatigueField) -> None:
-    """Write the safety over the throw from two sides and the critical point's Haigh diagram as PNG.
+    """Write the safety over the throw from two sides and a diagram of the critical point's stresses as PNG.
 
     Raises:
         CranktopoError: the file cannot be written.
@@ -46,7 +47,10 @@ def save_fatigue_picture(path: Path, field: FatigueField) -> None:
     )
     left, middle, right = figure.subplots(1, 3)
     _draw_sides(figure, (left, middle), field)
-    _draw_haigh(right, field)
+    if field.diagram is None:
+        _draw_haigh(right, field)
+    else:
+        _draw_history(right, field.diagram, c.safety)
     write_bytes(path, png(figure))
 
 
@@ -96,6 +100,22 @@ def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> Sh
     )
     safety = field.safety.ravel()[triangles].mean(axis=1)
     return ShadedMesh(points, normals, triangles, paint(safety))
+
+
+def _draw_history(axes: Any, diagram: PlaneDiagram, safety: float) -> None:
+    """Shear over normal stress: the critical point in every state, and the line of safety 1."""
+    normal, shear = diagram.normal_MPa, diagram.shear_MPa
+    axes.plot(normal, shear, ".", ms=3, color="#d1632a", label=f"critical point in every state, {safety:.3f}")
+    ends = np.array([min(0.0, float(normal.min())), max(diagram.limit_MPa, 1.1 * float(normal.max()))])
+    axes.plot(ends, diagram.limit_MPa - diagram.slope * ends, color="#1f6fb4", label="safety 1")
+    axes.set(
+        xlabel=f"{diagram.abscissa}, MPa",
+        ylabel="shear stress about the middle of its path, MPa",
+        ylim=(0, 1.15 * max(diagram.limit_MPa, float(shear.max()))),
+        title="shear and normal stress through the load states",
+    )
+    axes.grid(color="0.9")
+    axes.legend(loc="lower left")
 
 
 def _draw_haigh(axes: Any, field: FatigueField) -> None:

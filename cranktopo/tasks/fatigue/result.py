@@ -89,9 +89,9 @@ class CriticalPoint(Result):
     strength_MPa: float
     """Fully reversed strength of the point."""
     amplitude_share: float
-    """Fraction of the used strength that the amplitude uses, 0 to 1."""
+    """Fraction of the used strength that the amplitude uses, 0 to 1; by critical planes that of the shear."""
     decided_by: str
-    """The stress that uses up more of the strength."""
+    """The stress that uses up more of the strength: amplitude, or mean, normal or hydrostatic stress."""
     factors: dict[str, float]
     """Factors of the method, by their symbols."""
     states: tuple[str, str]
@@ -151,7 +151,7 @@ class _TargetFatigue(Result):
 
 
 class FieldFatigue(_TargetFatigue):
-    """Safety of a target by a criterion of local stresses."""
+    """Safety of a target by a criterion of local stresses or of critical planes."""
 
     fillet_safety: dict[str, float]
     """Least safety of the journals' and of the pin's fillets."""

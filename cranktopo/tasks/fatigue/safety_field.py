@@ -17,7 +17,7 @@ from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
-from cranktopo.tasks.fatigue.criterion import LocalStress
+from cranktopo.tasks.fatigue.criterion import LocalStress, PointSafety
 from cranktopo.tasks.fatigue.fillets import place
 from cranktopo.tasks.fatigue.hardening import (
     Judge,
@@ -28,6 +28,9 @@ from cranktopo.tasks.fatigue.hardening import (
     told_fillet,
     treated_fillets,
 )
+from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
+from cranktopo.tasks.fatigue.plane_criterion import PlaneCriterion, PlaneDiagram
+from cranktopo.tasks.fatigue.plane_field import histories, least_safety
 from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.tasks.fatigue.superposition import Index, SignedVonMisesRange, signed_von_mises_ranges
@@ -57,6 +60,7 @@ class FatigueField:
         web_safety: least safety of the first and of the second web where the halves differ.
         hardening: treated fillets by `[fatigue.hardening]`, each at its point of least safety.
         on_bearings: whether the states are those of the throw in its shaft on all main bearings.
+        diagram: stresses of the critical point in every state, where the method judges these.
     """
 
     model: StressModel
@@ -71,6 +75,7 @@ class FatigueField:
     web_safety: dict[str, float]
     on_bearings: bool = False
     hardening: dict[str, HardenedFillet] = field(default_factory=dict)
+    diagram: PlaneDiagram | None = None
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -102,7 +107,7 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
         raise CranktopoError(
             f"target '{target.name}': method 'm53' needs the width and the outline of the web, which a file "
             "does not name.",
-            hint="Take --method lsa or fkm, or give a design.",
+            hint="Take another --method, or give a design.",
             code=ExitCode.USAGE,
         )
     check_method(target.scene, method)
@@ -165,14 +170,16 @@ def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple
         loads: factor of each field in each state, shape (states, fields).
         labels: of the states.
     """
-    found = signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
-    safety = np.stack([point_safety(model, method, extremes.local) for extremes in found])
+    cycles = [loads * image.signs for image in model.images]
+    found = signed_von_mises_ranges(model.stress, cycles)
+    sides = {"first": ~model.on_second, "second": model.on_second} if model.whole else {}
+    webs = {web: model.judged & side for web, side in sides.items()}
+    safety = _safety(model, method, cycles, found, list(webs.values()))
     fillet = {
         "journal": float(safety[:, model.on_journal].min()),
         "pin": float(safety[:, model.on_pin].min()),
     }
-    sides = {"first": ~model.on_second, "second": model.on_second} if model.whole else {}
-    webs = {web: float(safety[:, model.judged & side].min()) for web, side in sides.items()}
+    judged = _Judged(model, method, labels, cycles, found, safety)
     return FatigueField(
         model,
         method,
@@ -180,12 +187,30 @@ def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple
         safety,
         np.stack([e.local.amplitude_MPa for e in found]),
         np.stack([e.local.mean_MPa for e in found]),
-        _critical(model, method, labels, found, safety, model.judged),
-        None if model.judged.all() else _critical(model, method, labels, found, safety, ~model.judged),
+        judged.critical(model.judged),
+        None if model.judged.all() else judged.critical(~model.judged),
         fillet,
-        webs,
+        {web: float(safety[:, nodes].min()) for web, nodes in webs.items()},
         hardening=_hardening(model, method, found, safety),
+        diagram=judged.diagram(),
     )
+
+
+def _safety(
+    model: StressModel,
+    method: str,
+    cycles: list[Array],
+    found: list[SignedVonMisesRange],
+    webs: list[NDArray[np.bool_]],
+) -> Array:
+    """Return the safety of every node of every image."""
+    chosen = safety_method(method)
+    if not isinstance(chosen, PlaneCriterion):
+        return np.stack([point_safety(model, method, extremes.local) for extremes in found])
+    parts = [model.judged, ~model.judged, model.on_journal, model.on_pin, *webs]
+    strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in found])
+    stress = model.stress.stress_MPa
+    return least_safety(stress, cycles, strength, parts, chosen, model.scene)
 
 
 def point_safety(model: StressModel, method: str, local: LocalStress, nodes: Index | slice = _ALL) -> Array:
@@ -217,9 +242,18 @@ def _hardening(
     return told
 
 
-def _treated_at(model: StressModel, node: np.intp) -> TreatedFillet | None:
+def _treated_at(model: StressModel, node: int) -> TreatedFillet | None:
     """Return the treated fillet that a surface node lies on."""
     return next((one for one in treated_fillets(model) if one.nodes[node]), None)
+
+
+def _reversed_strength_MPa(model: StressModel, local: LocalStress) -> Array:
+    """Return the strength of every node in fully reversed tension: that of local stress analysis."""
+    gradient, plain = local.gradient_per_mm, _off_the_fillets(model.scene)
+    strength = point_strength_MPa(gradient, lsa_strength(model.scene))[0]
+    if plain is model.scene:
+        return strength
+    return np.where(model.on_fillet, strength, point_strength_MPa(gradient, lsa_strength(plain))[0])
 
 
 def _off_the_fillets(scene: Scene) -> Scene:
@@ -236,40 +270,75 @@ def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
     return np.stack([_UNIT_OF[kind](history) for kind in kinds], axis=1)
 
 
-def _critical(
-    model: StressModel,
-    method: str,
-    labels: tuple[str, ...],
-    found: list[SignedVonMisesRange],
-    safety: Array,
-    among: NDArray[np.bool_],
-) -> CriticalPoint:
-    """Return the point of least safety among some nodes."""
-    image, node = np.unravel_index(int(np.where(among, safety, np.inf).argmin()), safety.shape)
-    e = found[image]
-    local = e.local
-    one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
-    scene = model.scene if model.on_fillet[node] else _off_the_fillets(model.scene)
-    made = criterion(method).point_safety(scene, one)
-    point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
-    at, share = place(model.scene, point), float(made.amplitude_share[0])
-    treated = _treated_at(model, node)
-    told = None if treated is None else told_fillet(judge(scene, method), treated, one)
-    return CriticalPoint(
-        place=str(at),
-        fillet=at.fillet or None,
-        around_deg=at.around_deg if at.fillet else None,
-        along_deg=at.along_deg if at.fillet else None,
-        web=at.web or None,
-        point_mm=at.point_mm,
-        safety=float(safety[image, node]),
-        amplitude_MPa=float(one.amplitude_MPa[0]),
-        mean_MPa=float(one.mean_MPa[0]),
-        gradient_per_mm=float(one.gradient_per_mm[0]),
-        strength_MPa=float(made.strength_MPa[0]) * (1.0 if told is None else told.gain),
-        amplitude_share=share,
-        decided_by="amplitude" if share >= 0.5 else "mean stress",
-        factors={name: float(value[0]) for name, value in made.factors.items()},
-        states=(labels[e.highest[node]], labels[e.lowest[node]]),
-        depth_mm=None if told is None else told.depth_mm,
-    )
+@dataclass(frozen=True)
+class _Judged:
+    """A model whose safety is known at every node of every image."""
+
+    model: StressModel
+    method: str
+    labels: tuple[str, ...]
+    cycles: list[Array]
+    found: list[SignedVonMisesRange]
+    safety: Array
+
+    def critical(self, among: NDArray[np.bool_]) -> CriticalPoint:
+        """Return the point of least safety among some nodes."""
+        image, node = self._least(among)
+        model, e = self.model, self.found[image]
+        local = e.local
+        one = LocalStress(*(v[[node]] for v in (local.amplitude_MPa, local.mean_MPa, local.gradient_per_mm)))
+        made, rest = self._made(image, node, one)
+        point = model.images[image].points_mm(model.surface.points_mm[:, [node]], model.scene.pitch_mm)[:, 0]
+        at, share = place(model.scene, point), float(made.amplitude_share[0])
+        told = self._told(node, one)
+        return CriticalPoint(
+            place=str(at),
+            fillet=at.fillet or None,
+            around_deg=at.around_deg if at.fillet else None,
+            along_deg=at.along_deg if at.fillet else None,
+            web=at.web or None,
+            point_mm=at.point_mm,
+            safety=float(self.safety[image, node]),
+            amplitude_MPa=float(one.amplitude_MPa[0]),
+            mean_MPa=float(one.mean_MPa[0]),
+            gradient_per_mm=float(one.gradient_per_mm[0]),
+            strength_MPa=float(made.strength_MPa[0]) * (1.0 if told is None else told.gain),
+            amplitude_share=share,
+            decided_by="amplitude" if share >= 0.5 else rest,
+            factors={name: float(value[0]) for name, value in made.factors.items()},
+            states=(self.labels[e.highest[node]], self.labels[e.lowest[node]]),
+            depth_mm=None if told is None else told.depth_mm,
+        )
+
+    def _told(self, node: int, one: LocalStress) -> HardenedFillet | None:
+        """Return what is told of the treated fillet that a node lies on."""
+        treated = _treated_at(self.model, node)
+        return None if treated is None else told_fillet(judge(self.model.scene, self.method), treated, one)
+
+    def diagram(self) -> PlaneDiagram | None:
+        """Return the stresses of the critical point in every state, where the method judges these."""
+        chosen = safety_method(self.method)
+        if not isinstance(chosen, PlaneCriterion):
+            return None
+        image, node = self._least(self.model.judged)
+        strength = _reversed_strength_MPa(self.model, self.found[image].local)[node]
+        return chosen.diagram(self.model.scene, self._history(image, node)[0], float(strength))
+
+    def _least(self, among: NDArray[np.bool_]) -> tuple[int, int]:
+        image, node = np.unravel_index(int(np.where(among, self.safety, np.inf).argmin()), self.safety.shape)
+        return int(image), int(node)
+
+    def _history(self, image: int, node: int) -> Array:
+        return histories(self.model.stress.stress_MPa[:, [node]], self.cycles[image])
+
+    def _made(self, image: int, node: int, one: LocalStress) -> tuple[PointSafety, str]:
+        """Return what makes the safety of a node, and the name of what is not of the amplitude."""
+        scene = self.model.scene if self.model.on_fillet[node] else _off_the_fillets(self.model.scene)
+        chosen = safety_method(self.method)
+        if not isinstance(chosen, PlaneCriterion):
+            return criterion(self.method).point_safety(scene, one), "mean stress"
+        found = chosen.severity(scene, self._history(image, node))
+        strength, support, notch = point_strength_MPa(one.gradient_per_mm, lsa_strength(scene))
+        factors = {**found.factors, "fG": support, "beta_over_alpha": notch}
+        safety = strength / np.maximum(found.equivalent_MPa, 1e-12 * strength)
+        return PointSafety(safety, strength, found.shear_share, factors), chosen.remainder

@@ -319,7 +319,7 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
     if method == "m53":
         raise CranktopoError(
             "--out: method 'm53' gives two numbers per throw and no field.",
-            hint="Leave --out, or take lsa or fkm.",
+            hint="Leave --out, or take another method.",
             code=ExitCode.USAGE,
         )
     check_folder(out)

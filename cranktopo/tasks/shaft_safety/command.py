@@ -25,7 +25,7 @@ from cranktopo.cli.options import (
     designs,
 )
 from cranktopo.cli.verbosity import verbosity_options
-from cranktopo.tasks.fatigue.criteria import METHODS
+from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 
 if TYPE_CHECKING:
     from cranktopo.tasks.shaft.assembly import Bearings
@@ -63,7 +63,7 @@ class SpeedRange(click.ParamType[list[float]]):
 )
 @click.option(
     "--method",
-    type=Choice(tuple(name for name in METHODS if name != "m53")),
+    type=Choice(tuple(LOCAL_METHODS)),
     help="Judge every fillet and outlet of every web over the cycle: local stress analysis or FKM.",
 )
 @click.option(

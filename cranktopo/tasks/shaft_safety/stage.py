@@ -19,6 +19,7 @@ from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
+from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, check_method, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
@@ -100,6 +101,7 @@ def assess_shaft(
 
 def _check(target: Target, bearings: Bearings, method: str) -> None:
     """Check everything that a user can get wrong, before the first solve."""
+    criterion(method)
     if not stands_on_bearings(target.scene, bearings):
         raise CranktopoError(
             "--method: the safety over the cycle needs [engine.gas], and bearings that are not free.",

@@ -1,4 +1,4 @@
-"""The registry of fatigue criteria: its names, and an assessment by a criterion that the package lacks."""
+"""The registry of fatigue criteria: its names, and assessments by criteria of its own and of others."""
 
 from __future__ import annotations
 
@@ -9,9 +9,17 @@ import pytest
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.tasks.fatigue.criteria import METHODS, safety_method
 from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
-from cranktopo.tasks.fatigue.stage import assess_fatigue
+from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
+from cranktopo.tasks.fatigue.picture import save_fatigue_picture
+from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterion, PlaneDiagram, Severity
+from cranktopo.tasks.fatigue.plane_field import histories
+from cranktopo.tasks.fatigue.safety_field import FatigueField, load_kinds, safety_field, unit_loads
+from cranktopo.tasks.fatigue.stage import assess_by_methods, assess_fatigue
+from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
+from cranktopo.tasks.fea.targets import resolve_targets
 
 
 def limit_MPa(scene: Scene) -> float:
@@ -32,7 +40,7 @@ AMPLITUDE = FatigueCriterion("amplitude", ("ultimate_MPa",), without_mean, level
 
 
 def test_the_registry_names_every_method_as_it_names_itself() -> None:
-    assert list(METHODS) == ["lsa", "fkm", "m53"]
+    assert list(METHODS) == ["lsa", "fkm", "m53", "findley", "dang_van"]
     assert [safety_method(name).name for name in METHODS] == list(METHODS)
 
 
@@ -47,3 +55,60 @@ def test_a_registered_criterion_is_assessed(monkeypatch: pytest.MonkeyPatch, tmp
     assert data["method"] == "amplitude"
     assert data["fatigue"][0]["critical"]["factors"] == {"share": 0.4}
     assert (tmp_path / "fatigue-amplitude-mikron-iiic-plain.png").exists()
+
+
+def all_tensors(scene: Scene, history: Array) -> Severity:
+    range_MPa = np.ptp(history[..., 0], axis=1)
+    return Severity(range_MPa / 2, np.ones_like(range_MPa), {"share": 0.4 * np.ones_like(range_MPa)})
+
+
+def axial_at_most(scene: Scene, bounds: HistoryBounds) -> Array:
+    return 3 * bounds.shear_MPa
+
+
+def axial_path(scene: Scene, history: Array, strength_MPa: float) -> PlaneDiagram:
+    return PlaneDiagram("stress along x", history[:, 0], history[:, 0] * 0, 0.0, strength_MPa)
+
+
+AXIAL = PlaneCriterion(
+    "axial", ("fatigue_tension_MPa",), all_tensors, axial_at_most, axial_path, "normal stress"
+)
+
+
+def test_criteria_of_planes_find_the_least_safety_of_all_points(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """On one model: a criterion of its own is a line of the registry, and the built-in ones agree."""
+    monkeypatch.setitem(METHODS, "axial", f"{__name__}:AXIAL")
+    targets = resolve_targets(["mikron-iiic-plain"], fillets=True, whole=True)
+    found = assess_by_methods(targets, ["lsa", "findley", "dang_van"], fillet_fraction=0.8)
+    lsa, findley, dang_van = (one.fields[0] for one in found)
+    model, scene = lsa.model, lsa.model.scene
+    history = load_history(scene, "extremes", load_kinds(scene, "extremes")[0])
+    own = safety_field(model, "axial", history)
+    assert own.critical.factors["share"] == 0.4
+    for field in (findley, dang_van):
+        critical = field.critical
+        assert critical.safety == pytest.approx(min(field.fillet_safety.values()), rel=1e-9)
+        assert critical.strength_MPa == pytest.approx(lsa.critical.strength_MPa, rel=0.05)
+        assert 1.0 < critical.safety / lsa.critical.safety < 1.15
+        assert critical.decided_by == "amplitude"
+    _least_of_a_part(findley, history)
+    save_fatigue_picture(tmp_path / "planes.png", findley)
+    assert (tmp_path / "planes.png").stat().st_size > 20_000
+
+
+def _least_of_a_part(field: FatigueField, history: LoadHistory) -> None:
+    """Judge by every plane what the bounds had left out: the points of the pin fillet next to the worst."""
+    chosen, model = safety_method(field.method), field.model
+    assert isinstance(chosen, PlaneCriterion)
+    image = int(field.safety[:, model.on_pin].min(axis=1).argmin())
+    nodes = np.flatnonzero(model.on_pin)
+    nodes = nodes[field.safety[image, nodes].argsort()[:150]]
+    loads = unit_loads(history, model.kinds) * model.images[image].signs
+    path = histories(model.stress.stress_MPa[:, nodes], loads)
+    gradient = signed_von_mises_range(model.stress, loads).local.gradient_per_mm[nodes]
+    strength = point_strength_MPa(gradient, lsa_strength(model.scene))[0]
+    safety = strength / chosen.severity(model.scene, path).equivalent_MPa
+    assert safety.min() == pytest.approx(field.fillet_safety["pin"], rel=1e-9)
+    assert (field.safety[image, nodes] <= safety * (1 + 1e-9)).all()
