@@ -191,17 +191,28 @@ def _failure(
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))
-    found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
-    reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
-    limit = float(rounding(system, result.displacements)[worst])
-    hint = "Check that a load path joins the journals, or use a smaller stiffness contrast."
-    if not found and limit > _ROUNDED * tolerance:
-        reason = f" Float64 ends there: rounding of displacements alone may leave {limit:.0e}."
-        hint = "Stiff parts move far on soft ones: use stiffer bearing springs, or more material in the web."
+    reason, hint = _reason(system, result, worst, tolerance, names)
     return solver_error(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
         f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
         hint,
+    )
+
+
+def _reason(
+    system: System, result: CgResult, worst: int, tolerance: float, names: tuple[str, ...]
+) -> tuple[str, str]:
+    """Return why the worst case has no solution, empty where nobody knows, and what to do."""
+    found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
+    limit = float(rounding(system, result.displacements)[worst])
+    if limit > _ROUNDED * tolerance and (found is None or found[0] != worst):
+        return (
+            f" Float64 ends there: rounding of displacements alone may leave {limit:.0e}.",
+            "Stiff parts move far on soft ones: use stiffer bearing springs, a shorter throw or a stiffer web.",
+        )
+    return (
+        f" In load case {names[found[0]]} {found[1]}." if found else "",
+        "Check that a load path joins the journals, or use a smaller stiffness contrast.",
     )
 
 
