@@ -81,6 +81,7 @@ REFUSED = {
     "bolts": "has no bolted joint",
     "rod": r"\[rod\] is missing",
     "balancer": r"\[balancer\] is missing",
+    **dict.fromkeys(["optimise", "bound", "shape", "iterate"], "envelope = None: an? .*optimisation needs"),
 }
 """Why a command may refuse a design by exit code 3: what the last line says."""
 
