@@ -32,6 +32,10 @@ Reaction = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 Torque = Annotated[float, Field(ge=-1e9, le=1e9, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(ge=1, le=1e12, allow_inf_nan=False)]
 """N/mm."""
+SOFTEST_BEARING_N_PER_MM = 1000.0
+"""On softer ones a throw moves so much further than it bends that float64 no longer holds how it bends."""
+BearingStiffness = Annotated[float, Field(ge=SOFTEST_BEARING_N_PER_MM, le=1e12, allow_inf_nan=False)]
+"""Of a main bearing, N/mm."""
 Inertia = Annotated[float, Field(ge=1e-9, le=1e7, allow_inf_nan=False)]
 """About the crank axis, kg m2."""
 TorsionalStiffness = Annotated[float, Field(ge=1e-3, le=1e12, allow_inf_nan=False)]

@@ -12,12 +12,12 @@ from pydantic import Field, model_validator
 from cranktopo.base.table import (
     SHOWN,
     UNLESS_IN_LIBRARY,
+    BearingStiffness,
     Inertia,
     LossFactor,
     Reaction,
     SceneTable,
     SmallLength,
-    Stiffness,
     Strength,
     TorsionalDamping,
     TorsionalStiffness,
@@ -71,7 +71,7 @@ class Supports(SceneTable):
     """Mid-journal sections in torsion: free to move laterally and tilt, held, or on bearing springs."""
     bending: Literal["pinned", "clamped", "spring"] = "pinned"
     """Mid-journal sections in bending: free to tilt, clamped against tilt, or on bearing springs."""
-    bearing_spring_N_per_mm: Stiffness | None = Field(default=None, examples=[1.07e6])
+    bearing_spring_N_per_mm: BearingStiffness | None = Field(default=None, examples=[1.07e6])
     """Radial stiffness of one main bearing; this or one of the next two where a support is `spring`."""
     bearing_clearance_mm: SmallLength | None = Field(default=None, examples=[0.03])
     """Radial clearance of a plain bearing: the spring is half the largest gas force over 0.8 of it."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.table import SOFTEST_BEARING_N_PER_MM
 from cranktopo.base.units import N_PER_KN
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import RollerBearing
@@ -23,10 +24,21 @@ def bearing_spring_N_per_mm(scene: Scene) -> float | None:
     if supports.bearing_spring_N_per_mm is not None:
         return supports.bearing_spring_N_per_mm
     if supports.roller_bearing is not None:
-        return _roller_bearing_spring_N_per_mm(supports.roller_bearing)
+        return _stiff_enough(_roller_bearing_spring_N_per_mm(supports.roller_bearing), "roller_bearing")
     if supports.bearing_clearance_mm is not None:
-        return _clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
+        spring = _clearance_spring_N_per_mm(max_gas_force_N(scene), supports.bearing_clearance_mm)
+        return _stiff_enough(spring, "bearing_clearance_mm")
     return None
+
+
+def _stiff_enough(spring_N_per_mm: float, key: str) -> float:
+    """Return the spring; raises CranktopoError where it is softer than one that may be given."""
+    if spring_N_per_mm >= SOFTEST_BEARING_N_PER_MM:
+        return spring_N_per_mm
+    raise CranktopoError(
+        f"supports.{key}: gives a main bearing of {spring_N_per_mm:.3g} N/mm; must be at least "
+        f"{SOFTEST_BEARING_N_PER_MM:g} N/mm."
+    )
 
 
 def required_bearing_spring_N_per_mm(scene: Scene) -> float:

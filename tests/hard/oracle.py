@@ -141,13 +141,13 @@ def admissible_space(
         free[..., plane] = False
     number = free.size
     single = sp.eye(number, format="csc")[:, np.flatnonzero(free)]
-    moved = [_rigid_motion(lattice, origin_mm, motion.plane, motion.motion) for motion in supports.motions]
+    moved = [rigid_motion(lattice, origin_mm, motion.plane, motion.motion) for motion in supports.motions]
     columns = [sp.csc_matrix(field.reshape(number, 1)) for field in moved]
     springs = [0.0] * single.shape[1] + [motion.stiffness for motion in supports.motions]
     return sp.hstack([single, *columns]).tocsr(), np.array(springs)
 
 
-def _rigid_motion(lattice: Lattice, origin_mm: tuple[float, float], plane: int, motion: str) -> Array:
+def rigid_motion(lattice: Lattice, origin_mm: tuple[float, float], plane: int, motion: str) -> Array:
     """Displacements of the nodes of an end plane that turns or moves about its point on the crank axis."""
     axis = np.eye(3)["xyz".index(motion[1])]
     x = origin_mm[0] + lattice.dx_mm * np.arange(lattice.nodes[0])

@@ -6,7 +6,6 @@ SIGKILL, SIGTERM and SIGINT in turn; a command that does not end is told with wh
 
 from __future__ import annotations
 
-import os
 import random
 import shutil
 import signal
@@ -19,9 +18,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.hostile.watched import ENVIRONMENT, PROGRAM
+
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
-PROGRAM = [sys.executable, "-X", "faulthandler", "-c", "from cranktopo.app.launch import main; main()"]
-ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 DESIGN, SMALL = "mikron-iiic-plain", ["--element-size-mm", "12"]
 RUN = ["optimise", DESIGN, "--resolution-mm", "4.5", "--max-iterations", "2"]

@@ -12,65 +12,31 @@ import resource
 import subprocess
 import sys
 import tempfile
-import threading
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import psutil
 import pytest
 
-from tests.hostile.test_kills_of_commands import COMMANDS, ENVIRONMENT, PROGRAM, prepared
+from tests.hostile.test_kills_of_commands import COMMANDS, prepared
+from tests.hostile.watched import watched
 
 ADDRESSES_MB = 700, 2500
 DISK_KB = 16, 4000
 TRIES = 100
-SILENT_S, ENDLESS_S = 30.0, 900.0
 _MAY_END = {0, 3, 4, 5, 6, 7}
 
 
 def attempt(name: str, folder: Path, limit: Callable[[], None] | None) -> tuple[int, list[str]]:
     """Exit code of a command, and what is wrong."""
-    pipe = subprocess.PIPE
-    process = subprocess.Popen(
-        [*PROGRAM, *COMMANDS[name]], stdout=pipe, stderr=pipe, env=ENVIRONMENT, cwd=folder, preexec_fn=limit
-    )
-    lines, heard, faults = list[bytes](), [time.monotonic(), 0.0], list[str]()
-
-    def listen() -> None:
-        assert process.stderr is not None
-        for line in process.stderr:
-            lines.append(line)
-            heard[:] = time.monotonic(), _worked_s(process.pid)
-
-    listener = threading.Thread(target=listen)
-    listener.start()
-    began = time.monotonic()
-    while process.poll() is None:
-        time.sleep(0.5)
-        now, worked = time.monotonic(), _worked_s(process.pid)
-        # A machine that has other work to do is no fault: both clocks count.
-        if min(now - heard[0], worked - heard[1]) > SILENT_S or now - began > ENDLESS_S:
-            process.kill()
-            faults.append("silent for too long")
-    process.communicate()
-    listener.join()
-    told = b"".join(lines).decode()
-    if process.returncode not in _MAY_END and not faults:
-        faults.append(f"exit code {process.returncode}")
-    faults += ["Traceback"] if "Traceback" in told else []
-    faults += ["says nothing"] if process.returncode not in (0, 5, 6) and not told else []
-    return process.returncode, [f"{fault}: {told[-600:]}" for fault in faults]
-
-
-def _worked_s(pid: int) -> float:
-    try:
-        times = psutil.Process(pid).cpu_times()
-    except psutil.NoSuchProcess:
-        return 0.0
-    return float(times.user + times.system)
+    ended = watched(COMMANDS[name], folder, limit)
+    faults = [ended.fault] if ended.fault else []
+    if ended.code not in _MAY_END and not faults:
+        faults.append(f"exit code {ended.code}")
+    faults += ["Traceback"] if "Traceback" in ended.told else []
+    faults += ["says nothing"] if ended.code not in (0, 5, 6) and not ended.told else []
+    return ended.code, [f"{fault}: {ended.told[-600:]}" for fault in faults]
 
 
 @contextmanager

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.engine import Gas, Gear
 from cranktopo.design.loading import load_scene
 from cranktopo.design.shaft import RollerBearing
@@ -67,6 +68,16 @@ def test_bearing_spring_of_the_opposed_piston_engine():
     )
     assert bearing_spring_N_per_mm(scene) == 1.072e6
     assert bearing_spring_N_per_mm(MIKRON) is None
+
+
+def test_a_bearing_too_soft_to_hold_a_throw():
+    """From a clearance as from a key: 85 730 N over 0.8 of 100 mm is 536 N/mm."""
+    scene = load_scene("opposed-piston")
+    supports = scene.supports.model_copy(
+        update={"bearing_spring_N_per_mm": None, "bearing_clearance_mm": 100.0}
+    )
+    with pytest.raises(CranktopoError, match=r"bearing_clearance_mm: gives .* 536 N/mm; must be at least"):
+        bearing_spring_N_per_mm(scene.model_copy(update={"supports": supports}))
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.table import SOFTEST_BEARING_N_PER_MM
 from cranktopo.design.checks.engine import check_engine, check_shaft
 from cranktopo.design.checks.hardening import check_hardening
 from cranktopo.design.checks.plain_bearings import check_plain_bearings
@@ -41,7 +42,7 @@ def _check_supports(scene: Scene) -> None:
     if "spring" in (supports.torsion, supports.bending) and not given:
         raise scene.invalid(
             "supports.bearing_spring_N_per_mm",
-            "must be > 0 N/mm when a support is 'spring'",
+            f"must be at least {SOFTEST_BEARING_N_PER_MM:g} N/mm when a support is 'spring'",
             "Give it, or bearing_clearance_mm, or roller_bearing.",
         )
     if supports.bearing_clearance_mm is not None and scene.engine is None:

@@ -33,10 +33,13 @@ from cranktopo.numerics.grid.diagnosis import (
     void_energy_share,
 )
 from cranktopo.numerics.grid.multigrid import GridTables, build_hierarchy
+from cranktopo.numerics.grid.true_residual import measured_again, rounding
 from cranktopo.numerics.precision import Precision
 
 # An answer of which void decides more than this share is refused.
 _VOID_SHARE = 0.5
+# A failure is explained by rounding where it leaves more than this share of the tolerance.
+_ROUNDED = 0.5
 # Only cells stiffer than this share of the stiffest count as joined when a failure is explained.
 _JOINED_STIFFNESS_RATIO = 1e-3
 
@@ -87,9 +90,10 @@ def solve_system(
     CranktopoError where field or load make no sense, or no method reaches the tolerance (exit code 4).
     """
     _check_numbers(system, names)
-    iterations, tried = 0, ""
+    iterations, tried, aim = 0, "", tolerance
     for method in (replace(METHODS[0], precision=precision), *METHODS[1:]):
-        result = run_method(method, tables, system, guess, tolerance)
+        found = run_method(method, tables, system, guess, aim)
+        result = measured_again(system, found)
         used, residual = int(result.iterations), float(jnp.max(result.relative_residual))
         iterations += used
         _check_meaning(system, result, residual <= tolerance, names)
@@ -99,6 +103,8 @@ def solve_system(
         if not tried:
             _check_load_path(system, names)
         tried = f"{method.name} stopped at relative residual {residual:.1e} after {used} iterations"
+        if float(jnp.max(found.relative_residual)) <= aim:  # it stopped too early, deceived by rounding
+            aim /= 2
         guess = result.displacements if isfinite(residual) else jnp.zeros_like(guess)
     raise _failure(system, result, tolerance, iterations, names)
 
@@ -185,11 +191,27 @@ def _failure(
 ) -> CranktopoError:
     residual = [float(r) for r in result.relative_residual]
     worst = residual.index(max(residual))
-    found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
-    reason = f" In load case {names[found[0]]} {found[1]}." if found else ""
+    reason, hint = _reason(system, result, worst, tolerance, names)
     return solver_error(
         f"solver: load case {names[worst]} stopped at relative residual {residual[worst]:.1e} after "
         f"{iterations} iterations of {len(METHODS)} methods; {tolerance:.0e} is required.{reason}",
+        hint,
+    )
+
+
+def _reason(
+    system: System, result: CgResult, worst: int, tolerance: float, names: tuple[str, ...]
+) -> tuple[str, str]:
+    """Return why the worst case has no solution, empty where nobody knows, and what to do."""
+    found = unsupported_load(system, _JOINED_STIFFNESS_RATIO) or _hinge(system, _JOINED_STIFFNESS_RATIO)
+    limit = float(rounding(system, result.displacements)[worst])
+    if limit > _ROUNDED * tolerance and (found is None or found[0] != worst):
+        return (
+            f" Float64 ends there: rounding of displacements alone may leave {limit:.0e}.",
+            "Stiff parts move far on soft ones: use stiffer bearing springs, a shorter throw or a stiffer web.",
+        )
+    return (
+        f" In load case {names[found[0]]} {found[1]}." if found else "",
         "Check that a load path joins the journals, or use a smaller stiffness contrast.",
     )
 
@@ -212,7 +234,10 @@ def _compile(structure: Hashable, shapes: tuple[jax.ShapeDtypeStruct, ...], prec
         jobs = [pool.submit(building.compile)]
         iterating = multigrid_cg.lower(system, building.out_info, *limits)
         jobs.append(pool.submit(iterating.compile))
-        jobs.append(pool.submit(void_energy_and_work.lower(system, system.forces).compile))
+        jobs += [
+            pool.submit(program.lower(system, system.forces).compile)
+            for program in (void_energy_and_work, rounding)
+        ]
         for job in jobs:
             job.result()
     _give_back_memory()

@@ -20,6 +20,7 @@ from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.numerics.filters.density_filter import ConeFilter, boundary_correction
 from cranktopo.tasks.density.assess import assess_original
+from cranktopo.tasks.density.first_web import check_start
 from cranktopo.tasks.density.manufacturing import designable, filter_radius_mm, process_block, projection_for
 from cranktopo.tasks.density.material import Block, MaterialInterpolation, build_interpolation
 from cranktopo.tasks.density.model import ThrowModel, build_model
@@ -65,6 +66,11 @@ def build_problem(
             original.quantities,
         )
     )
+    start = settings.volume_fraction if goal is None else _START
+    schedule = Schedule(
+        settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
+    )
+    check_start(density_chain, start, schedule)
     simple = goal is None and settings.combine == "sum" and settings.method != "moving_asymptotes"
     return DensityProblem(
         model=model,
@@ -74,11 +80,9 @@ def build_problem(
         max_iterations=settings.max_iterations,
         optimisation=optimisation,
         method=by_optimality_criteria if simple else by_moving_asymptotes,
-        start=settings.volume_fraction if goal is None else _START,
+        start=start,
         solving=solving,
-        schedule=Schedule(
-            settings.projection_first, settings.projection_last, settings.stage_iterations, settings.move
-        ),
+        schedule=schedule,
         original=original,
     )
 

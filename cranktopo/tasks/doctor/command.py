@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cranktopo.base.errors import ExitCode
+from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory
 from cranktopo.cli.verbosity import coloured
 
 if TYPE_CHECKING:
     from cranktopo.tasks.doctor.stage import Check
 
-_COLOURS = {"ok": "green", "missing": "red", "absent": "yellow"}
+_COLOURS = {"ok": "green", "missing": "red", "short": "red", "absent": "yellow"}
 _STATE = re.compile(rf"(?m)^(\S.*?  +)({'|'.join(_COLOURS)})\b")
 
 
@@ -28,21 +28,44 @@ def command(as_json: bool) -> int:
     """Check Python, JAX, gmsh, cores, memory, extras and optional tools.
 
     Says for whatever is missing what that costs and which line installs it. Exit code 7 when something
-    needed is missing; without an extra or an optional tool ("absent") everything else works.
+    needed is missing, 3 when this process may not have the memory for it ("short"); without an extra or an
+    optional tool ("absent") everything else works.
 
     Example: cranktopo doctor
     """
+    try:
+        return _told(as_json)
+    except Exception as error:
+        if not lacks_memory(error):
+            raise
+        raise CranktopoError(
+            "memory: too little to check this machine.", hint="Allow more (ulimit -v)."
+        ) from None
+
+
+def _told(as_json: bool) -> int:
     from cranktopo.tasks.doctor.stage import check_machine
 
     checks = check_machine()
-    missing = [check.name for check in checks if check.state == "missing"]
+    missing, short = (
+        [check.name for check in checks if check.state == state] for state in ("missing", "short")
+    )
     if as_json:
         entries = [asdict(check) for check in checks]
-        click.echo(json.dumps({"schema_version": 1, "ready": not missing, "checks": entries}, indent=2))
+        ready = not missing and not short
+        click.echo(json.dumps({"schema_version": 1, "ready": ready, "checks": entries}, indent=2))
     else:
         click.echo(_text(checks))
-        click.echo(f"\nneeded and missing: {', '.join(missing)}" if missing else "\nready")
-    return ExitCode.MISSING_TOOL if missing else ExitCode.DONE
+        click.echo(_verdict(missing, short))
+    if missing:
+        return ExitCode.MISSING_TOOL
+    return ExitCode.INVALID_INPUT if short else ExitCode.DONE
+
+
+def _verdict(missing: list[str], short: list[str]) -> str:
+    said = [f"needed and missing: {', '.join(missing)}"] * bool(missing)
+    said += [f"needed, and too little memory for it: {', '.join(short)}"] * bool(short)
+    return "\n" + "\n".join(said or ["ready"])
 
 
 def _text(checks: list[Check]) -> str:

@@ -8,12 +8,13 @@ import platform
 import re
 import shutil
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
-from cranktopo.base.errors import EXTRAS, CranktopoError, install_line
+from cranktopo.base.errors import EXTRAS, CranktopoError, install_line, lacks_memory
 from cranktopo.base.machine import usable_cores
 from cranktopo.numerics.precision import check_room
 
@@ -22,6 +23,7 @@ _EXAMPLE = "mikron-iiic"
 _PYTHON = (3, 11)
 _NEED_GMSH = "evaluate, compare, accuracy, fatigue, shaft, remodel, iterate, export and report --stress"
 _GMSH_LIBRARIES = "apt-get install -y libglu1-mesa libxcursor1 libxft2 libxinerama1"
+_MORE_MEMORY = "Allow more memory (ulimit -v)."
 _TOOLS = {
     "CalculiX": (("ccx",), "tests against a second code are skipped", "apt-get install -y calculix-ccx"),
     "Chromium": (
@@ -38,13 +40,14 @@ class Check:
     """One thing looked at, as `doctor --json` prints it.
 
     Attributes:
-        state: ok; missing (needed); absent (optional).
+        state: ok; missing (needed); short (needed, and this process may not have the memory); absent
+            (optional).
         cost: what cannot be done without it.
         remedy: the line that installs it.
     """
 
     name: str
-    state: Literal["ok", "missing", "absent"]
+    state: Literal["ok", "missing", "short", "absent"]
     value: str
     cost: str = ""
     remedy: str = ""
@@ -52,8 +55,29 @@ class Check:
 
 def check_machine() -> list[Check]:
     """Return every check, what is needed first."""
-    needed = [python(), *packages(), _gmsh(), _jax_device(), _cores(), memory(), _runs_folder(), _cache()]
-    return [*needed, *extras(), *_tools()]
+    needed = {
+        "Python": lambda: [python()],
+        "packages": packages,
+        "gmsh": lambda: [_gmsh()],
+        "JAX": lambda: [_jax_device()],
+        "cores": lambda: [_cores()],
+        "memory": lambda: [memory()],
+        "runs folder": lambda: [_runs_folder()],
+        "compiled programs": lambda: [_cache()],
+        "extras": extras,
+        "tools": _tools,
+    }
+    return [check for name, checks in needed.items() for check in within_memory(name, checks)]
+
+
+def within_memory(name: str, checks: Callable[[], list[Check]]) -> list[Check]:
+    """Return what a check finds, or that there is no memory for it: the next one may do with less."""
+    try:
+        return checks()
+    except Exception as error:
+        if not lacks_memory(error):
+            raise
+        return [Check(name, "short", "not enough memory to check it", "it cannot be used", _MORE_MEMORY)]
 
 
 def python(version: tuple[int, ...] = sys.version_info[:3]) -> Check:
@@ -79,9 +103,13 @@ def _gmsh() -> Check:
     cost = f"no exact solids, no body-fitted evaluation, no STEP: {_NEED_GMSH} fail"
     try:
         module = importlib.import_module("gmsh")
-    except ImportError:
+    except ImportError as error:
+        if lacks_memory(error):
+            raise
         return Check("gmsh", "missing", "not installed", cost, "pip install gmsh")
     except OSError as error:
+        if lacks_memory(error):
+            raise
         return Check("gmsh", "missing", f"a library is missing: {error}", cost, _GMSH_LIBRARIES)
     return Check("gmsh", "ok", str(module.__version__))
 
@@ -90,12 +118,14 @@ def _jax_device() -> Check:
     try:
         check_room()
     except CranktopoError as error:
-        return Check("JAX", "missing", error.message, "no optimisation", error.hint)
+        return Check("JAX", "short", error.message, "no optimisation", error.hint)
     try:
         import jax
 
         device, *others = jax.devices()
     except Exception as error:  # jax raises what its plugins raise, all meaning this
+        if lacks_memory(error):
+            raise
         return Check("JAX", "missing", str(error), "no optimisation", "pip install jax")
     kind = f"{device.platform.upper()}: {device.device_kind}"
     own = f", {_kernels()}" if device.platform == "cpu" else ""

@@ -121,8 +121,33 @@ def test_a_library_that_would_end_the_process_is_not_begun(
 def test_doctor_tells_of_too_few_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "addresses_left_MiB", lambda: 800.0)
     told = doctor._jax_device()
-    assert (told.state, told.remedy) == ("missing", "Allow more (ulimit -v).")
+    assert (told.state, told.remedy) == ("short", "Allow more (ulimit -v).")
     assert "JAX needs" in told.value
+
+
+@pytest.mark.parametrize("error", [MemoryError(), ImportError("x.so: failed to map segment")], ids=repr)
+def test_a_check_without_memory_leaves_the_others(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(doctor, "memory", fails(error))
+    assert main.main(["doctor"]) == 3
+    told = capsys.readouterr().out
+    assert told.endswith("needed, and too little memory for it: memory\n")
+    assert "CalculiX" in told
+
+
+@pytest.mark.parametrize("megabytes", [300, 500, 700, 1556])
+def test_doctor_with_little_memory(megabytes: int, tmp_path: Path) -> None:
+    done = subprocess.run(
+        ["bash", "-c", f"ulimit -v {megabytes}000; {PROGRAM} doctor"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 3, done.stderr
+    assert "memory" in (done.stdout + done.stderr).splitlines()[-1]
 
 
 def test_a_mesh_is_not_begun_without_addresses(monkeypatch: pytest.MonkeyPatch) -> None:

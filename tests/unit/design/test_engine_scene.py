@@ -37,7 +37,12 @@ REFUSED = [
     ("compression_ratio = 8.0", "compression_ratio = 0.8", r"engine\.gas\.compression_ratio = 0\.8"),
     ("compression_ratio = 8.0", "compresion_ratio = 8.0", r"unknown key engine\.gas\.compresion_ratio"),
     ("compression_ratio = 8.0", "indicator_csv = 'p.csv'", r"indicator_csv and a peak are both given"),
-    ('bending = "pinned"', 'bending = "spring"', r"bearing_spring_N_per_mm = None: must be > 0"),
+    ('bending = "pinned"', 'bending = "spring"', r"bearing_spring_N_per_mm = None: must be at least"),
+    (
+        'bending = "pinned"',
+        'bending = "spring"\nbearing_spring_N_per_mm = 999.0',
+        r"bearing_spring_N_per_mm = 999\.0: must be (>=|at least) 1000",
+    ),
     (
         'bending = "pinned"',
         'bending = "spring"\nroller_bearing = {name = "AXW45"}',
