@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from cranktopo.base.units import plain_number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +22,22 @@ def plain(axes: Any) -> None:
     axes.tick_params(labelsize=8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def plain_decades(axis: Any) -> None:
+    """Number a logarithmic axis by 1, 2 and 5 as plain numbers; below a decade no power of ten is on it."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain_number(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def name_above(axes: Any, inches: float, size: float = 9) -> None:
+    """Name the curves above the axes, in as many columns as so much width holds."""
+    labels = axes.get_legend_handles_labels()[1]
+    place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
+    axes.legend(fontsize=size, ncols=_columns(labels, inches, size), frameon=False, **place)
 
 
 def save_figure(figure: Figure, target: Any, **options: Any) -> None:
@@ -88,7 +106,14 @@ def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, pol
     return Picture(name, figure, alt)
 
 
-_LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES = 0.065, 0.55, 0.17
+_LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES, _NAME_SIZE = 0.065, 0.55, 0.17, 8.0
+"""Of a name of this size in points: its letter, what stands before it, its line."""
+
+
+def _columns(labels: Sequence[str], inches: float, size: float) -> int:
+    """Return how many names fit side by side."""
+    widest = (_HANDLE_INCHES + _LETTER_INCHES * max(map(len, labels), default=0)) * size / _NAME_SIZE
+    return max(1, min(len(labels), int(inches / widest)))
 
 
 def _name_below(axes: Any) -> None:
@@ -96,7 +121,6 @@ def _name_below(axes: Any) -> None:
     labels = axes.get_legend_handles_labels()[1]
     if labels:
         width, height = _PANEL_INCHES
-        widest = _HANDLE_INCHES + _LETTER_INCHES * max(map(len, labels))
-        columns = max(1, min(len(labels), int(width / widest)))
+        columns = _columns(labels, width, _NAME_SIZE)
         axes.figure.set_size_inches(width, height + _ROW_INCHES * -(-len(labels) // columns))
-        axes.figure.legend(fontsize=8, ncols=columns, loc="outside lower center", frameon=False)
+        axes.figure.legend(fontsize=_NAME_SIZE, ncols=columns, loc="outside lower center", frameon=False)

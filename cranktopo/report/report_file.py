@@ -13,6 +13,7 @@ from cranktopo.base.files import write_bytes, write_text
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import Picture, png, save_figure
 from cranktopo.report.result_table import escaped, markdown
+from cranktopo.report.typeset import typeset, unbroken
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
 
@@ -38,6 +39,7 @@ def html(page: Page) -> str:
     from markupsafe import Markup
 
     environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
+    environment.filters |= {"typeset": typeset, "unit": unbroken, "prose": _prose}
     return environment.get_template("report.html.j2").render(
         page=page,
         style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
@@ -51,6 +53,13 @@ def html(page: Page) -> str:
         },
         version=metadata.version("cranktopo"),
     )
+
+
+def _prose(text: str) -> str:
+    """Return a text as HTML: typeset, what stands between backticks as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(typeset(text)))))
 
 
 def _inline_png(picture: Picture) -> str:
@@ -97,7 +106,7 @@ def write_markdown(page: Page, path: Path) -> None:
 def markdown_text(page: Page, folder: str) -> str:
     """Return the report as Markdown, its plots in a folder relative to the text."""
     blocks = [f"# {escaped(page.title)}", escaped(page.subtitle), f"**{escaped(page.headline)}**"]
-    blocks.append("\n".join(_fact(fact) for fact in page.facts))
+    blocks.append("\n".join(_fact(fact) for fact in page.verdict))
     if page.picture:
         blocks.append(_image(page.picture, folder))
     blocks += [block for section in page.sections for block in _section(section, folder)]
