@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 
 GREY = "0.35"
+_Place = tuple[float, float]
 
 
 def plain(axes: Any) -> None:
@@ -38,6 +39,39 @@ def name_above(axes: Any, inches: float, size: float = 9) -> None:
     labels = axes.get_legend_handles_labels()[1]
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
     axes.legend(fontsize=size, ncols=_columns(labels, inches, size), frameon=False, **place)
+
+
+_SIDES = (
+    (-5, -1, "right", "top"),
+    (5, 1, "left", "bottom"),
+    (5, -1, "left", "top"),
+    (-5, 1, "right", "bottom"),
+)
+"""Where a name may stand beside its point: shift in points of the font, and which of its corners is there."""
+_POINT_PIXELS = 5.0
+
+
+def name_points(axes: Any, names: Sequence[str], places: Sequence[_Place], others: Sequence[_Place]) -> None:
+    """Name points where no point and no other name is, as far as there is such a place."""
+    from matplotlib.transforms import Bbox
+
+    axes.figure.draw_without_rendering()
+    pixels = axes.transData.transform([*places, *others])
+    taken = [Bbox.from_extents(*(at - _POINT_PIXELS), *(at + _POINT_PIXELS)) for at in pixels]
+    for name, place in zip(names, places, strict=True):
+        tried = [_beside(axes, name, place, side) for side in _SIDES]
+        boxes = [text.get_window_extent().padded(1) for text in tried]
+        free = [n for n, box in enumerate(boxes) if not any(box.overlaps(other) for other in taken)]
+        kept = free[0] if free else 0
+        taken.append(boxes[kept])
+        for text in tried[:kept] + tried[kept + 1 :]:
+            text.remove()
+
+
+def _beside(axes: Any, name: str, place: _Place, side: tuple[int, int, str, str]) -> Any:
+    right, up, ha, va = side
+    style = {"textcoords": "offset points", "ha": ha, "va": va, "fontsize": 6, "color": GREY}
+    return axes.annotate(name, place, xytext=(right, up), **style)
 
 
 def save_figure(figure: Figure, target: Any, **options: Any) -> None:
