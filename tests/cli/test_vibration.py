@@ -118,7 +118,7 @@ def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.
 
 
 def test_elements_of_a_design_without_a_shaft(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The bare crankshaft on a coarse mesh: stiffness and inertia are those of `shaft`."""
     found: list[ShaftEvaluation] = []
@@ -128,7 +128,15 @@ def test_elements_of_a_design_without_a_shaft(
         return found[0]
 
     monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", kept)
-    data = printed(["mikron-iiic-plain", "--element-size-mm", "30"], capsys)
+    page = tmp_path / "page.html"
+    words = ["mikron-iiic-plain", "--element-size-mm", "30", "--report", str(page)]
+    data = printed(words, capsys)
+    text = page.read_text(encoding="utf-8")
+    assert f"mode 1, {data['modes'][0]['frequency_Hz']:.0f} Hz" in text, (
+        "above all orders, but in the diagram"
+    )
+    assert text.index("[shaft] is missing") < text.index("First natural frequency")
+    assert text.count("[shaft] is missing") == 1
     assert data["stiffness_source"].startswith("finite elements, rigid bearings")
     assert data["warnings"] == [
         "[shaft] is missing: the crankshaft swings with both ends free, without its flywheel."
