@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
+from cranktopo.base.units import number_text, stem_and_unit
 from cranktopo.report.page import (
     Fact,
     FactStatus,
@@ -51,7 +52,10 @@ def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[Sh
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
         headline=_headline(loop),
-        facts=(*_facts(loop), Fact("Ended", f"{loop.done} steps", loop.stop_reason, "neutral")),
+        facts=(
+            *_facts(loop),
+            Fact("Ended", f"after {loop.done} step{'s' * (loop.done != 1)}", loop.stop_reason, "neutral"),
+        ),
         sections=(
             _steps(loop),
             *bound_sections(loop.bound, "the body-fitted evaluation"),
@@ -92,11 +96,21 @@ def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
     change = step.percent_of_original[quantity.key] - 100
     error = f"{quantity.error}_error_percent"
     estimate = max(getattr(step, error), getattr(original, error)) if quantity.error else 0.0
-    note = f"{step.words} against the original web"
+    now, before = (_value_words(row, quantity) for row in (step, original))
+    note = f"{step.words}: {now} against the original web's {before}"
     if abs(change) < estimate:
         return Fact(label, f"{change:+z.1f} %", f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
     return Fact(label, f"{change:+z.1f} %", note, status)
+
+
+def _ended(loop: LoopResult) -> Fact:
+    return Fact("Ended", f"after {loop.done} step{'s' * (loop.done != 1)}", loop.stop_reason, "neutral")
+
+
+def _value_words(row: StepRow, quantity: Quantity) -> str:
+    value = row.values()[quantity.key]
+    return f"{number_text(value)} {stem_and_unit(quantity.column)[1]}"
 
 
 def _steps(loop: LoopResult) -> Section:
@@ -131,7 +145,7 @@ def save_steps_plot(path: Path, loop: LoopResult) -> None:
 
 
 def _steps_figure(loop: LoopResult) -> Figure:
-    figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
+    figure = Figure(figsize=(5.0, 4.2), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     numbers = [step.number for step in loop.steps]
@@ -148,6 +162,7 @@ def _steps_figure(loop: LoopResult) -> Figure:
         axes.axvline(loop.best.number, color="0.7", linestyle=":", zorder=0)
     axes.set(xlabel="step", ylabel="percent of the original web")
     axes.set_xticks(numbers, names)
-    axes.set_title(f"{loop.design}: {loop.stop_reason}", fontsize=9)
+    axes.set_title(f"{loop.design}: {loop.stop_reason}", fontsize=9, wrap=True)
+    axes.tick_params(labelsize=8)
     figure.legend(fontsize=8, loc="outside lower center", ncols=2, frameon=False)
     return figure
