@@ -200,7 +200,7 @@ def _as_client(security: Any) -> ssl.SSLContext:
 def _first_bytes(address: tuple[str, int], context: ssl.SSLContext | None) -> bytes:
     """What the scheduler says to one who connects; nothing where it closes, sends an alert or waits.
 
-    By a plain socket: a client of Dask starts a loop of its own, and gives up after 10 s where cores are short.
+    By a plain socket: a client of Dask starts a loop of its own, and gives up after 10 s on short cores.
     """
     with socket.create_connection(address, timeout=30) as bare:
         try:
