@@ -76,6 +76,11 @@ def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
     ]
 
 
+def counted(number: int, thing: str) -> str:
+    """Return a number of things in words: `1 throw`, `4 throws`."""
+    return f"{number} {thing}{'s' * (number != 1)}"
+
+
 def clock_words(written: str) -> str:
     """Return an ISO 8601 time as `2026-11-26, 09:08 UTC+02:00`."""
     day, _, time = written.partition("T")

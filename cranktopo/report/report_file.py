@@ -39,7 +39,7 @@ def html(page: Page) -> str:
     from markupsafe import Markup
 
     environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
-    environment.filters |= {"typeset": typeset, "unit": unbroken, "prose": _prose}
+    environment.filters |= {"typeset": typeset, "unit": unbroken, "name": _name, "prose": _prose}
     return environment.get_template("report.html.j2").render(
         page=page,
         style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
@@ -60,6 +60,17 @@ def _prose(text: str) -> str:
     from markupsafe import Markup, escape
 
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(typeset(text)))))
+
+
+def _name(text: str) -> str:
+    """Return the name of a row as HTML; a key of a scene may go on in the next line behind any part."""
+    from markupsafe import Markup, escape
+
+    found = str(escape(typeset(text)))
+    return Markup(re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", found) if _KEY.fullmatch(text) else found)
+
+
+_KEY = re.compile(r"[\w.\[\]-]*[._][\w.\[\]-]*")
 
 
 def _inline_png(picture: Picture) -> str:

@@ -24,6 +24,7 @@ from cranktopo.tasks.sweep.front import front_of, picks_of
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.stages import web_view
+from tests.page_text import typed
 from tests.sweep_cases import point_result
 
 POINTS, MOST_BYTES, MOST_MS = 500, 10_000_000, 100.0
@@ -312,10 +313,10 @@ def test_a_pick_says_first_what_got_worse_and_its_mass(opened: Any, record: Swee
     for number, one in enumerate(record.picks.values()):
         point = next(row for row in record.points if row.id == one)
         pick = page.locator("[data-pick]").nth(number)
-        words = [part.strip() for part in pick.locator("small").inner_text().split(";")]
+        words = [part.strip() for part in typed(pick.locator("small").inner_text()).split(";")]
         change = 100 * (point.number("mass_kg") / record.original.number("mass_kg") - 1)
         assert f"mass {point.number('mass_kg'):.4g} kg, {change:+.1f} %" in words
-        worse = pick.locator("small .worse").all_inner_texts()
+        worse = [typed(part) for part in pick.locator("small .worse").all_inner_texts()]
         assert words[: len(worse)] == worse
         assert pick.locator("strong").inner_text().startswith("web width ")
 
@@ -344,3 +345,6 @@ def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, A
     assert page.locator("#filters").is_hidden()
     shown = page.locator("[data-table] tbody tr:visible")
     assert shown.count() == 1 + len(record.front), "the original and the front"
+    assert page.locator("[data-detail] .title").is_hidden(), "nobody points at paper"
+    mark = page.locator(".mark.point").evaluate("m => getComputedStyle(m).printColorAdjust")
+    assert mark == "exact", "or the names of the plot's signs are without them"

@@ -17,6 +17,7 @@ from cranktopo.report.page import (
     Page,
     Section,
     assumed_tables,
+    counted,
     origin_rows,
     pairs,
     versions_section,
@@ -54,7 +55,7 @@ def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[Sh
         headline=_headline(loop),
         facts=(
             *_facts(loop),
-            Fact("Ended", f"after {loop.done} step{'s' * (loop.done != 1)}", loop.stop_reason, "neutral"),
+            Fact("Ended", f"after {counted(loop.done, 'step')}", loop.stop_reason, "neutral"),
         ),
         sections=(
             _steps(loop),
@@ -105,7 +106,7 @@ def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
 
 
 def _ended(loop: LoopResult) -> Fact:
-    return Fact("Ended", f"after {loop.done} step{'s' * (loop.done != 1)}", loop.stop_reason, "neutral")
+    return Fact("Ended", f"after {counted(loop.done, 'step')}", loop.stop_reason, "neutral")
 
 
 def _value_words(row: StepRow, quantity: Quantity) -> str:

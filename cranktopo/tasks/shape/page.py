@@ -129,15 +129,16 @@ def _dimensions(found: ShapeResult) -> Section:
 def _search(found: ShapeResult) -> Section:
     name = found.goal_on_cells.quantity.name
     sought = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
-    stand_in = "" if name == found.goal.quantity.name else sought
+    stand_in, plots = "" if name == found.goal.quantity.name else sought, curves(found)
+    ring = "; a ring marks the best" if plots else ""
     return Section(
         "search",
         "How it was found",
         f"{found.evaluations} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{stand_in}",
+        f"limits, and each result was evaluated on the default mesh{ring}.{stand_in}",
         (("What was tried", feature_trials_table(found)), ("Webs evaluated on the way", rounds_table(found))),
-        curves(found),
+        plots,
     )
 
 

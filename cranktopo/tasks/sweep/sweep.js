@@ -259,7 +259,7 @@
     markedRow = i === null ? null : one(`[data-table] tr[data-i="${i}"]`);
     markedRow?.classList.add("shown");
     showWeb(i);
-    one("[data-detail]").innerHTML = row ? details(i, row) : '<div class="title">Point at the plots or at a row of the table to see all values of a point.</div>';
+    one("[data-detail]").innerHTML = row ? details(i, row) : '<div class="title screen">Point at the plots or at a row of the table to see all values of a point.</div>';
   }
   let viewed = null;
   async function showWeb(i) {
@@ -334,8 +334,8 @@
     const told = numbers.filter((c) => ["mass_kg", "torsion_Nm_per_rad", "bending_N_per_mm", "fatigue_safety"].includes(columns[c].name));
     const changes = told.filter((c) => isNumber(rows[i][c]) && isNumber(original[c]) && original[c]).map((c) => {
       const percent = 100 * (rows[i][c] / original[c] - 1), sign = percent >= 0 ? "+" : "";
-      const value = columns[c].name === "mass_kg" ? `${text(rows[i][c], c)} kg, ` : "";
-      return { worse: columns[c].sense * percent < -0.05, words: `${columns[c].label} ${value}${sign}${percent.toFixed(1)} %` };
+      const value = columns[c].name === "mass_kg" ? `${text(rows[i][c], c)}\u00a0kg, ` : "";
+      return { worse: columns[c].sense * percent < -0.05, words: `${columns[c].label} ${value}${sign}${percent.toFixed(1)}\u00a0%` };
     });
     changes.sort((a, b) => b.worse - a.worse); // what got worse comes first
     button.querySelector("small").innerHTML = changes.map(({ worse, words }) => `<span${worse ? ' class="worse"' : ""}>${escaped(words)}</span>`).join("; ");

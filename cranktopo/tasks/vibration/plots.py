@@ -80,7 +80,7 @@ def _draw_critical(axes: Any, found: CriticalSpeed, speeds: Array) -> None:
         axes.plot(speeds, found.order * speeds / 60, color="C1", lw=0.8, ls="--", zorder=1)
     axes.plot([found.speed_rpm], [frequency], "o", color="C3", ms=4)
     axes.annotate(
-        f"{found.order:g}", (found.speed_rpm, frequency), (0, -9), fontsize=7, ha="center", **_OFFSET
+        f"{found.order:g}", (found.speed_rpm, frequency), (-3, -9), fontsize=7, ha="right", **_OFFSET
     )
 
 

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from cranktopo.report.page import Fact, Page, Section, assumed_words, clock_words, quantity_words
+from cranktopo.report.page import (
+    Fact,
+    Page,
+    Section,
+    assumed_words,
+    clock_words,
+    counted,
+    pairs,
+    quantity_words,
+)
 from cranktopo.report.report_file import html, markdown_text
 from cranktopo.report.result_table import ResultTable
 from cranktopo.report.typeset import typeset
@@ -37,6 +46,13 @@ def test_a_page_is_typeset_and_shows_commands_as_code() -> None:
     assert "Area of 3\u00a0mm²" in body
 
 
+def test_a_key_of_a_scene_breaks_behind_its_parts() -> None:
+    rows = [("throw.main_journal.fillet_mm", "2.5 mm"), ("a name. Another_one", "1")]
+    text = html(Page("T", "t", "h", (), (Section("a", "A", "", (("Keys", pairs(rows)),)),)))
+    assert ">throw.<wbr>main_<wbr>journal.<wbr>fillet_<wbr>mm</th>" in text
+    assert ">a name. Another_one</th>" in text
+
+
 def test_what_is_bad_is_said_first() -> None:
     facts = tuple(Fact(name, "1", "", status) for name, status in (("a", "good"), ("b", "bad"), ("c", "bad")))
     page = Page("T", "t", "h", facts, ())
@@ -59,7 +75,8 @@ def test_assumed_numbers_have_units() -> None:
     assert quantity_words("inertia_kg_m2", 0.1) == "inertia 0.1 kg m²"
 
 
-def test_a_time_reads_as_one() -> None:
+def test_a_time_and_a_number_of_things_read_as_one() -> None:
+    assert (counted(1, "throw"), counted(4, "throw")) == ("1 throw", "4 throws")
     assert clock_words("2026-11-26T09:08:04+00:00") == "2026-11-26, 09:08 UTC"
     assert clock_words("2026-11-26T09:08:04+02:00") == "2026-11-26, 09:08 UTC+02:00"
     assert clock_words("2026-11-26") == "2026-11-26"
