@@ -10,6 +10,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from cranktopo.base.files import write_bytes, write_text
+from cranktopo.report.drafting import INK, STEEL, THIN
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import Picture, png, save_figure
 from cranktopo.report.result_table import escaped, markdown
@@ -18,8 +19,24 @@ from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
 
 TEMPLATES = Path(__file__).parent / "template"
-# Greys of the plots that follow the theme of the page.
-_THEME = {
+# Colours of plots and drawings that follow the theme of the page.
+_CURVES = (
+    ("#1f77b4", "#1f6fb4"),
+    ("#ff7f0e", "#d1632a"),
+    ("#2ca02c", "#2c8c4f"),
+    ("#d62728", "#d0482b"),
+    ("#9467bd", "#8a4fa3", "#7a5195"),
+    ("#8c564b",),
+    ("#e377c2",),
+    ("#7f7f7f",),
+    ("#bcbd22",),
+    ("#17becf",),
+)
+_THEME = {colour: f"var(--c{number})" for number, found in enumerate(_CURVES) for colour in found} | {
+    INK: "currentColor",
+    THIN: "var(--muted)",
+    STEEL: "var(--steel)",
+    "#c7c7c7": "var(--steel)",
     "#000000": "currentColor",
     "#ffffff": "var(--panel)",
     "#e6e6e6": "var(--line)",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 
+from cranktopo.report.drafting import INK, THIN
 from cranktopo.report.page import Fact, Page, Section, pairs
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.report_file import html
@@ -39,6 +41,11 @@ def numbers(count: int) -> ResultTable:
     return ResultTable(columns, rows)
 
 
+def _curves(axes: Any) -> None:
+    for number in range(10):
+        axes.plot([0, 1], [number, 0])
+
+
 def by_hand() -> Page:
     keys = ({"assumption": "engine.gas.polytropic_compression", "value": "1.32", "agreed_by": "." * 24},)
     reasons = ({"effect": "bending", "state": "on", "size_percent": 18.3, "because": _WHY},)
@@ -51,9 +58,11 @@ def by_hand() -> Page:
     )
     drawing = Figure(figsize=(16, 9))
     drawing.text(0.5, 0.5, "60.0", fontsize=8)
+    drawing.text(0.5, 0.1, "Material", fontsize=8, color=INK)
+    drawing.text(0.1, 0.1, "Front", fontsize=8, color=THIN)
     plots = (
         Picture("drawing", drawing, "a wide drawing"),
-        picture("plot", "a plot", lambda axes: axes.plot([1, 2])),
+        picture("plot", "a plot", _curves),
     )
     headline = (
         "The torque of the crankshaft swings most between throw 2 and throw 3: +-377.5 N m of order 0.5."
@@ -144,3 +153,42 @@ def test_paper_keeps_a_text_with_its_table(opened: Any) -> None:
         table(page, "Many").locator("tbody th").first.evaluate("t => getComputedStyle(t).backgroundColor")
     )
     assert background == "rgba(0, 0, 0, 0)", "it would cover the rules of the rows"
+
+
+# Of each stroke and text of the plots its colour, and that of the panel that they stand on.
+COLOURS = """() => {
+    const shown = [...document.querySelectorAll("figure svg g path, figure svg text")];
+    const told = shown.map((one) => getComputedStyle(one)).map((s, i) =>
+        shown[i].tagName === "text" ? s.fill : s.stroke);
+    const panel = getComputedStyle(document.querySelector("main > section")).backgroundColor;
+    return [[...new Set(told.filter((colour) => colour.startsWith("rgb(")))], panel];
+}"""
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance (WCAG 2.2)."""
+    shares = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+    red, green, blue = (s / 12.92 if s <= 0.04045 else ((s + 0.055) / 1.055) ** 2.4 for s in shares)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: str, other: str) -> float:
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("window", [{}, {"color_scheme": "dark"}], ids=["light", "dark"])
+def test_every_curve_and_text_is_seen_on_its_ground(opened: Any, window: dict[str, Any]) -> None:
+    """At least 3 : 1, as WCAG 2.2 asks of graphics."""
+    colours, panel = opened(**window).evaluate(COLOURS)
+    assert len(colours) > 10
+    faint = {colour: contrast(colour, panel) for colour in colours if contrast(colour, panel) < 3}
+    assert not faint
+
+
+def test_dark_pages_are_printed_in_the_colours_of_light_ones(opened: Any) -> None:
+    page = opened(color_scheme="dark")
+    page.emulate_media(media="print", color_scheme="dark")
+    colours, panel = page.evaluate(COLOURS)
+    assert luminance(panel) == 1.0
+    assert min(contrast(colour, panel) for colour in colours) > 3

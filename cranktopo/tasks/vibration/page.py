@@ -87,7 +87,5 @@ def _warned(line: str) -> tuple[str, str]:
 def _first_frequency(study: VibrationStudy) -> Fact:
     critical = [found.speed_rpm for found in study.critical if found.share >= WEAK]
     most = study.response.speeds_rpm[-1]
-    met = (
-        f"first met at {min(critical):.0f} rpm" if critical else f"no order excites any up to {most:.0f} rpm"
-    )
+    met = f"first met at {min(critical):.0f} rpm" if critical else f"met by no order up to {most:.0f} rpm"
     return Fact("First natural frequency", f"{study.modes[0].frequency_Hz:.0f} Hz", met, "neutral")

@@ -79,9 +79,9 @@ def _draw_critical(axes: Any, found: CriticalSpeed, speeds: Array) -> None:
     if found.order % 1:
         axes.plot(speeds, found.order * speeds / 60, color="C1", lw=0.8, ls="--", zorder=1)
     axes.plot([found.speed_rpm], [frequency], "o", color="C3", ms=4)
-    axes.annotate(
-        f"{found.order:g}", (found.speed_rpm, frequency), (-3, -9), fontsize=7, ha="right", **_OFFSET
-    )
+    style: dict[str, Any] = {"fontsize": 7, "ha": "right", "va": "top", "zorder": 4}
+    style["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+    axes.annotate(f"{found.order:g}", (found.speed_rpm, frequency), (-3, -4), **_OFFSET, **style)
 
 
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:
