@@ -172,7 +172,7 @@ def page_holds(data: dict[str, Any], text: str) -> None:
     number = data["best_step"] or len(names) - 1
     change = data["steps"][number]["percent_of_original"]["torsion_per_mass"] - 100
     assert f"{change:+.1f}\u00a0%" in text
-    masses = (f"{data['steps'][n]['throw_kg']:.4g}\u00a0kg" for n in (number, 0))
+    masses = (f"{data['steps'][n]['throw_kg']:.3f}\u00a0kg" for n in (number, 0))
     assert f": {' against the original web&#39;s '.join(masses)}" in text
 
 

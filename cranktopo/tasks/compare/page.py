@@ -8,7 +8,6 @@ from pathlib import Path
 
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
-from cranktopo.base.units import number_text, stem_and_unit
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -43,6 +42,7 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     Quantity,
     comparison_sentence,
+    quantity_text,
 )
 from cranktopo.tasks.fea.scatter import (
     LABELS,
@@ -178,10 +178,8 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     """Return which entry has the best value of a quantity, and which others are within the error estimate."""
     row, level = comparison.leading(quantity), comparison.level(quantity)
-    own, base = (
-        f"{number_text(entry.values[quantity.key])} {stem_and_unit(quantity.column)[1]}".rstrip()
-        for entry in (comparison.entries[row], comparison.base)
-    )
+    entries = comparison.entries[row], comparison.base
+    own, base = (quantity_text(quantity, entry.values[quantity.key]) for entry in entries)
     change = f"{own}, {_change(comparison, row, quantity)} against the baseline's {base}"
     rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
     note = f"{own}, the baseline itself" if row == comparison.baseline else change

@@ -10,7 +10,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
-from cranktopo.base.units import number_text, stem_and_unit
 from cranktopo.report.page import (
     Fact,
     FactStatus,
@@ -34,6 +33,7 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     Quantity,
     comparison_sentence,
+    quantity_text,
 )
 from cranktopo.tasks.iterate.result import LoopResult, StepRow
 from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
@@ -110,8 +110,7 @@ def _ended(loop: LoopResult) -> Fact:
 
 
 def _value_words(row: StepRow, quantity: Quantity) -> str:
-    value = row.values()[quantity.key]
-    return f"{number_text(value)} {stem_and_unit(quantity.column)[1]}"
+    return quantity_text(quantity, row.values()[quantity.key])
 
 
 def _steps(loop: LoopResult) -> Section:
