@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from cranktopo.base.units import plain_number, stem_and_unit
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
 
@@ -58,22 +59,59 @@ class Page:
     scene3d: Scene3D | None = None
     picture: Picture | None = None
 
+    @property
+    def verdict(self) -> tuple[Fact, ...]:
+        """The answers, what is bad first."""
+        return tuple(sorted(self.facts, key=lambda fact: fact.status != "bad"))
+
 
 def origin_rows(manifest: Mapping[str, Any]) -> list[tuple[str, Any]]:
     """Return where a run comes from, for `pairs`: its command, start, settings and input files."""
     inputs = manifest.get("inputs", {}).items()
     return [
         ("command", " ".join(manifest["command"])),
-        ("started", manifest["started"]),
+        ("started", clock_words(manifest["started"])),
         ("settings, SHA-256", manifest["settings_sha256"]),
         *((f"{role}, SHA-256", entry["sha256"]) for role, entry in inputs),
     ]
 
 
+def counted(number: int, thing: str) -> str:
+    """Return a number of things in words: `1 throw`, `4 throws`."""
+    return f"{number} {thing}{'s' * (number != 1)}"
+
+
+def clock_words(written: str) -> str:
+    """Return an ISO 8601 time as `2026-11-26, 09:08 UTC+02:00`."""
+    day, _, time = written.partition("T")
+    return f"{day}, {time[:5]} UTC{time[8:].removesuffix('+00:00')}" if time else written
+
+
 def assumed_tables(entries: Sequence[Mapping[str, Any]]) -> list[tuple[str, ResultTable]]:
     """Return `assumed` of metrics.json as one table with its caption; none where the design says all."""
-    rows = [(entry["key"], f"{entry['value']} {entry['meaning']}".strip()) for entry in entries]
+    rows = [(entry["key"], assumed_words(entry)) for entry in entries]
     return [("Assumed, because the design does not say it", pairs(rows))] if rows else []
+
+
+def assumed_words(entry: Mapping[str, Any]) -> str:
+    """Return the value of an entry of `assumed` with the unit that its key ends in, and what it means."""
+    return f"{with_unit(entry['key'], entry['value'])} {entry['meaning']}".strip()
+
+
+def quantity_words(key: str, value: Any) -> str:
+    """Return a key of a scene and its value in words: `inertia 0.1 kg m²`."""
+    return f"{stem_and_unit(key)[0].replace('_', ' ')} {with_unit(key, value)}"
+
+
+def with_unit(key: str, value: Any) -> str:
+    """Return a value of a key as text: a number with the unit that the key ends in."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    return f"{plain_number(value, _DIGITS)} {stem_and_unit(key)[1]}".rstrip()
+
+
+_DIGITS = 6
+"""Of a value that a design would hold."""
 
 
 def versions_section(versions: Mapping[str, str | None], files: Mapping[str, str] | None = None) -> Section:

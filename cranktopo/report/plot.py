@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from cranktopo.base.units import plain_number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 GREY = "0.35"
+_Place = tuple[float, float]
 
 
 def plain(axes: Any) -> None:
@@ -20,6 +23,55 @@ def plain(axes: Any) -> None:
     axes.tick_params(labelsize=8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def plain_decades(axis: Any) -> None:
+    """Number a logarithmic axis by 1, 2 and 5 as plain numbers; below a decade no power of ten is on it."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain_number(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def name_above(axes: Any, inches: float, size: float = 9) -> None:
+    """Name the curves above the axes, in as many columns as so much width holds."""
+    labels = axes.get_legend_handles_labels()[1]
+    place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2}
+    axes.legend(fontsize=size, ncols=_columns(labels, inches, size), frameon=False, **place)
+
+
+_SIDES = (
+    (-5, -1, "right", "top"),
+    (5, 1, "left", "bottom"),
+    (5, -1, "left", "top"),
+    (-5, 1, "right", "bottom"),
+)
+"""Where a name may stand beside its point: shift in points of the font, and which of its corners is there."""
+_POINT_PIXELS = 5.0
+
+
+def name_points(axes: Any, names: Sequence[str], places: Sequence[_Place], others: Sequence[_Place]) -> None:
+    """Name points where no point and no other name is, as far as there is such a place."""
+    from matplotlib.transforms import Bbox
+
+    axes.figure.draw_without_rendering()
+    pixels = axes.transData.transform([*places, *others])
+    taken = [Bbox.from_extents(*(at - _POINT_PIXELS), *(at + _POINT_PIXELS)) for at in pixels]
+    for name, place in zip(names, places, strict=True):
+        tried = [_beside(axes, name, place, side) for side in _SIDES]
+        boxes = [text.get_window_extent().padded(1) for text in tried]
+        free = [n for n, box in enumerate(boxes) if not any(box.overlaps(other) for other in taken)]
+        kept = free[0] if free else 0
+        taken.append(boxes[kept])
+        for text in tried[:kept] + tried[kept + 1 :]:
+            text.remove()
+
+
+def _beside(axes: Any, name: str, place: _Place, side: tuple[int, int, str, str]) -> Any:
+    right, up, ha, va = side
+    style = {"textcoords": "offset points", "ha": ha, "va": va, "fontsize": 6, "color": GREY}
+    return axes.annotate(name, place, xytext=(right, up), **style)
 
 
 def save_figure(figure: Figure, target: Any, **options: Any) -> None:
@@ -88,7 +140,14 @@ def picture(name: str, alt: str, draw: Callable[..., None], *arguments: Any, pol
     return Picture(name, figure, alt)
 
 
-_LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES = 0.065, 0.55, 0.17
+_LETTER_INCHES, _HANDLE_INCHES, _ROW_INCHES, _NAME_SIZE = 0.065, 0.55, 0.17, 8.0
+"""Of a name of this size in points: its letter, what stands before it, its line."""
+
+
+def _columns(labels: Sequence[str], inches: float, size: float) -> int:
+    """Return how many names fit side by side."""
+    widest = (_HANDLE_INCHES + _LETTER_INCHES * max(map(len, labels), default=0)) * size / _NAME_SIZE
+    return max(1, min(len(labels), int(inches / widest)))
 
 
 def _name_below(axes: Any) -> None:
@@ -96,7 +155,6 @@ def _name_below(axes: Any) -> None:
     labels = axes.get_legend_handles_labels()[1]
     if labels:
         width, height = _PANEL_INCHES
-        widest = _HANDLE_INCHES + _LETTER_INCHES * max(map(len, labels))
-        columns = max(1, min(len(labels), int(width / widest)))
+        columns = _columns(labels, width, _NAME_SIZE)
         axes.figure.set_size_inches(width, height + _ROW_INCHES * -(-len(labels) // columns))
-        axes.figure.legend(fontsize=8, ncols=columns, loc="outside lower center", frameon=False)
+        axes.figure.legend(fontsize=_NAME_SIZE, ncols=columns, loc="outside lower center", frameon=False)

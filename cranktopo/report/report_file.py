@@ -10,15 +10,33 @@ from pathlib import Path
 from urllib.parse import quote
 
 from cranktopo.base.files import write_bytes, write_text
+from cranktopo.report.drafting import INK, STEEL, THIN
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import Picture, png, save_figure
 from cranktopo.report.result_table import escaped, markdown
+from cranktopo.report.typeset import typeset, unbroken
 from cranktopo.report.viewer.scene3d import SCRIPT, packed
 from cranktopo.runs.destination import check_file
 
 TEMPLATES = Path(__file__).parent / "template"
-# Greys of the plots that follow the theme of the page.
-_THEME = {
+# Colours of plots and drawings that follow the theme of the page.
+_CURVES = (
+    ("#1f77b4", "#1f6fb4"),
+    ("#ff7f0e", "#d1632a"),
+    ("#2ca02c", "#2c8c4f"),
+    ("#d62728", "#d0482b"),
+    ("#9467bd", "#8a4fa3", "#7a5195"),
+    ("#8c564b",),
+    ("#e377c2",),
+    ("#7f7f7f",),
+    ("#bcbd22",),
+    ("#17becf",),
+)
+_THEME = {colour: f"var(--c{number})" for number, found in enumerate(_CURVES) for colour in found} | {
+    INK: "currentColor",
+    THIN: "var(--muted)",
+    STEEL: "var(--steel)",
+    "#c7c7c7": "var(--steel)",
     "#000000": "currentColor",
     "#ffffff": "var(--panel)",
     "#e6e6e6": "var(--line)",
@@ -38,6 +56,7 @@ def html(page: Page) -> str:
     from markupsafe import Markup
 
     environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
+    environment.filters |= {"typeset": typeset, "unit": unbroken, "name": _name, "prose": _prose}
     return environment.get_template("report.html.j2").render(
         page=page,
         style=Markup((TEMPLATES / "report.css").read_text(encoding="utf-8")),
@@ -51,6 +70,24 @@ def html(page: Page) -> str:
         },
         version=metadata.version("cranktopo"),
     )
+
+
+def _prose(text: str) -> str:
+    """Return a text as HTML: typeset, what stands between backticks as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(typeset(text)))))
+
+
+def _name(text: str) -> str:
+    """Return the name of a row as HTML; a key of a scene may go on in the next line behind any part."""
+    from markupsafe import Markup, escape
+
+    found = str(escape(typeset(text)))
+    return Markup(re.sub(r"(?<=\w)([._])(?=\w)", r"\1<wbr>", found) if _KEY.fullmatch(text) else found)
+
+
+_KEY = re.compile(r"[\w.\[\]-]*[._][\w.\[\]-]*")
 
 
 def _inline_png(picture: Picture) -> str:
@@ -97,7 +134,7 @@ def write_markdown(page: Page, path: Path) -> None:
 def markdown_text(page: Page, folder: str) -> str:
     """Return the report as Markdown, its plots in a folder relative to the text."""
     blocks = [f"# {escaped(page.title)}", escaped(page.subtitle), f"**{escaped(page.headline)}**"]
-    blocks.append("\n".join(_fact(fact) for fact in page.facts))
+    blocks.append("\n".join(_fact(fact) for fact in page.verdict))
     if page.picture:
         blocks.append(_image(page.picture, folder))
     blocks += [block for section in page.sections for block in _section(section, folder)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -137,6 +138,12 @@ _SPECIAL = re.compile(r"([\\`*_|\[\]<>~&$#])")
 """What Markdown and its tables read as a sign of their own anywhere in a line."""
 _LIST = re.compile(r"^(\d*)([+.)-])(?=[\s-]|$)")
 """What begins a list, or is a rule, at the start of a line."""
+_SIGNIFICANT, _GROUPED = 4, 1e4
+"""Digits beyond which an error of a percent leaves no sense; numbers from which thousands stand apart."""
+_LINE = 24
+"""Letters of a cell that may break."""
+_EXACT = ("", "mm", "deg")
+"""Units of what is known to more digits than these, or of nothing in particular."""
 T = TypeVar("T")
 Cell = str | float | None
 Row = Mapping[str, Cell]
@@ -166,17 +173,46 @@ class ResultTable:
         """Tell whether a column holds words."""
         return any(isinstance(row[column], str) for row in self.rows)
 
-    def longest(self, column: str) -> int:
-        """Letters of the longest cell of a column."""
-        return max((len(self.cell(row, column)) for row in range(len(self.rows))), default=0)
+    def is_prose(self, column: str) -> bool:
+        """Tell whether a column holds so many words that they break into lines."""
+        cells = (self.cell(row, column) for row in range(len(self.rows)))
+        return self.is_text(column) and max(map(len, cells), default=0) > _LINE
+
+    @property
+    def has_prose(self) -> bool:
+        """True if a column after the first does."""
+        return any(map(self.is_prose, list(self.columns)[1:]))
 
     def cell(self, row: int, column: str) -> str:
         """Return a cell as text, rounded, with a trailing `*` where it is marked as best."""
+        return self._printed(row, column, lambda value: f"{value:z.{self.columns[column]}f}")
+
+    def shown(self, row: int, column: str) -> str:
+        """Return a cell as a page shows it: four digits of a column's largest value, thousands in groups."""
+        digits = self._shown_digits[column]
+        return self._printed(
+            row, column, lambda value: f"{value:,.0f}" if abs(value) >= _GROUPED else f"{value:z.{digits}f}"
+        )
+
+    def _printed(self, row: int, column: str, number: Callable[[float], str]) -> str:
         value = self.rows[row][column]
         if value is None:
             return "-"
-        text = value if isinstance(value, str) else f"{value:z.{self.columns[column]}f}"
+        text = value if isinstance(value, str) else number(value)
         return f"{text}*" if (row, column) in self.best else text
+
+    @cached_property
+    def _shown_digits(self) -> dict[str, int]:
+        """Decimals by column; lengths and angles keep theirs, and so does what mixes units."""
+        return {
+            column: digits if stem_and_unit(column)[1] in _EXACT else min(digits, self._sensible(column))
+            for column, digits in self.columns.items()
+        }
+
+    def _sensible(self, column: str) -> int:
+        values = (row[column] for row in self.rows)
+        sizes = [abs(value) for value in values if isinstance(value, int | float) and math.isfinite(value)]
+        return max(0, _SIGNIFICANT - len(str(int(max(sizes, default=0.0)))))
 
     def cells(self, row: int) -> list[str]:
         """Return all cells of a row as text."""

@@ -37,6 +37,8 @@ _BEYOND_MM = 0.06
 """How far beyond its sides the web still is web: a body from CAD may lie off by 0.05 mm."""
 _INSET = 0.01
 """Way of a journal's cap into it, over the body's extent: near an outer face it would show in stripes."""
+_HIDDEN = 0.01
+"""Depth of a point below a face that hides it, over the body's extent."""
 SHARP_DEGREES = 35.0
 _AMBIENT = 0.30
 # Direction to each light in the axes of the picture (right, up, to the viewer), and its strength.
@@ -127,6 +129,19 @@ def draw(axes: Any, body: ShadedMesh, view: Array) -> None:
     axes.set_xlim(lower[0], upper[0])
     axes.set_ylim(lower[1], upper[1])
     axes.set_aspect("equal")
+
+
+def visible(body: ShadedMesh, view: Array, point_mm: Array) -> bool:
+    """Tell whether no face of a body hides a point on it from the viewer."""
+    x, y, depth = view @ point_mm
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (body.vertices_mm @ view.T)[body.faces].transpose(1, 2, 0)
+    twice_area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        b = ((x - ax) * (cy - ay) - (cx - ax) * (y - ay)) / twice_area
+        c = ((bx - ax) * (y - ay) - (x - ax) * (by - ay)) / twice_area
+    over = (b >= 0) & (c >= 0) & (b + c <= 1)
+    height = az + b * (bz - az) + c * (cz - az)
+    return not bool((height[over] > depth + _HIDDEN * np.ptp(body.vertices_mm, axis=0).max()).any())
 
 
 def _coloured(

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.page_text import typed
+
 MOST_BYTES = 8_000_000
 
 
@@ -52,7 +54,7 @@ def test_tables_hold_the_metrics(visit: Any, run: Path, metrics: dict[str, Any])
     effects = page.locator("#effects tbody tr")
     assert effects.count() == len(metrics["effects"])
     for row, effect in enumerate(metrics["effects"]):
-        assert effect["reason"] in effects.nth(row).inner_text()
+        assert effect["reason"] in typed(effects.nth(row).inner_text())
 
 
 def test_verdict_comes_first(visit: Any, run: Path, metrics: dict[str, Any]) -> None:
@@ -60,7 +62,7 @@ def test_verdict_comes_first(visit: Any, run: Path, metrics: dict[str, Any]) -> 
     first = page.locator("main > section").first
     assert first.get_attribute("id") == "verdict"
     gain = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
-    text = first.inner_text()
+    text = typed(first.inner_text())
     for value in (f"{gain['torsion']:+.1f} %", f"{gain['bending']:+.1f} %", "Fatigue", "Released by a die"):
         assert value in text
     assert f"{metrics['mass_kg']['throw']:.3f} kg" in text

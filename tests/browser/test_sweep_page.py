@@ -24,6 +24,7 @@ from cranktopo.tasks.sweep.front import front_of, picks_of
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.stages import web_view
+from tests.page_text import typed
 from tests.sweep_cases import point_result
 
 POINTS, MOST_BYTES, MOST_MS = 500, 10_000_000, 100.0
@@ -307,6 +308,29 @@ def test_picks_lead_to_their_point(opened: Any, record: SweepResult) -> None:
         assert page.locator("[data-detail] .title").inner_text().startswith(one)
 
 
+def test_a_pick_says_first_what_got_worse_and_its_mass(opened: Any, record: SweepResult) -> None:
+    page = opened()
+    for number, one in enumerate(record.picks.values()):
+        point = next(row for row in record.points if row.id == one)
+        pick = page.locator("[data-pick]").nth(number)
+        words = [part.strip() for part in typed(pick.locator("small").inner_text()).split(";")]
+        change = 100 * (point.number("mass_kg") / record.original.number("mass_kg") - 1)
+        assert f"mass {point.number('mass_kg'):.4g} kg, {change:+.1f} %" in words
+        worse = [typed(part) for part in pick.locator("small .worse").all_inner_texts()]
+        assert words[: len(worse)] == worse
+        assert pick.locator("strong").inner_text().startswith("web width ")
+
+
+def test_numbers_have_the_digits_of_their_error(opened: Any, record: SweepResult) -> None:
+    page = opened()
+    cells = page.locator("[data-table] tbody tr:not(.base)").first.locator("td").all_inner_texts()
+    torsion = next(cell for cell in cells if len(cell) > 6 and "," in cell)
+    assert torsion == f"{float(f'{record.points[0].number(TORSION):.4g}'):,.0f}"
+    ticks = page.locator("[data-scatter] .tick").all_text_contents()
+    assert any("," in tick for tick in ticks)
+    assert page.locator("[data-table] td.reason").nth(7).bounding_box()["height"] < 60
+
+
 @pytest.mark.parametrize(
     "window", [{}, {"color_scheme": "dark"}, {"viewport": {"width": 360, "height": 740}}]
 )
@@ -321,3 +345,6 @@ def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, A
     assert page.locator("#filters").is_hidden()
     shown = page.locator("[data-table] tbody tr:visible")
     assert shown.count() == 1 + len(record.front), "the original and the front"
+    assert page.locator("[data-detail] .title").is_hidden(), "nobody points at paper"
+    mark = page.locator(".mark.point").evaluate("m => getComputedStyle(m).printColorAdjust")
+    assert mark == "exact", "or the names of the plot's signs are without them"

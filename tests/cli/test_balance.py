@@ -170,10 +170,24 @@ def test_a_proposed_counterweight_balances_the_share(capsys, weighted_vee):
     assert radius in run(capsys, str(weighted_vee), "--propose", "65")[1]
 
 
-def test_a_proposal_that_finds_no_place_says_so(capsys):
-    code, out, _ = run(capsys, "car-diesel", "--propose", "50%")
+def test_a_proposal_that_finds_no_place_says_so(capsys, tmp_path):
+    page = tmp_path / "b.html"
+    code, out, _ = run(capsys, "car-diesel", "--propose", "50%", "--report", str(page))
     assert code == 0
+    first = '<div class="bad"><dt>Proposed counterweight</dt><dd class="value">does not fit</dd>'
+    text = page.read_text(encoding="utf-8")
+    assert 0 < text.index(first) < text.index("<dt>Free force</dt>")
     assert "car-diesel has no place for it: web.counterweight.outer_radius_mm" in out
+
+
+def test_what_counterweights_make_worse_comes_first(capsys, tmp_path):
+    page = tmp_path / "b.html"
+    assert run(capsys, "industrial-gas", "--report", str(page))[0] == 0
+    text = page.read_text(encoding="utf-8")
+    cards = r'<div class="(\w+)"><dt>([^<]*)</dt><dd class="value">[^<]*</dd><dd class="note">([^<]*)<'
+    answers = re.findall(cards, text)
+    assert answers[0][:2] == ("bad", "Largest load, main bearing 2")
+    assert re.fullmatch(r"with counterweights: [\d,]+\sN, \+2\.1\s%", answers[0][2])
 
 
 def test_a_share_that_nothing_can_balance_is_refused(capsys, weighted_vee):

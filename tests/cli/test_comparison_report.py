@@ -94,11 +94,12 @@ def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == ""
     text = path.read_text(encoding="utf-8")
     assert path.stat().st_size < 8_000_000
-    leader = r"opposed-piston-casting is the stiffest in torsion per kilogram: \+20\.0 \+-0\.0\d % against"
+    leader = r"opposed-piston-casting is the stiffest in torsion per kilogram: \+20\.0 ±0\.0\d\s% against"
     assert re.search(leader, text)
     assert re.findall(r'data-value="([^"]*)"', text)[:3] == ["2.0", "100.0", "70.0"]
     assert text.count("<option") == 2
     assert "Released by a die" in text
+    assert re.search(r"<dt>Lightest</dt>.*?[\d.]+\skg, ", text), "cards tell the mass"
     assert "2 of 2" in text
     assert "less than the error estimate" not in text
     assert "SHA-256 of the scene" in text
@@ -120,7 +121,7 @@ def test_gain_below_the_error_estimate_is_no_gain(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
     assert main(["compare", *NAMES, "--baseline", NAMES[1], "--report", str(path), "--quiet"]) == 0
     text = path.read_text(encoding="utf-8")
-    assert re.search(r"\+0\.0 \+-0\.0\d % of the baseline, less than the error estimate", text)
+    assert re.search(r"\+0\.0 \+-0\.0\d % against the baseline's 50 kN m/rad/kg, less than the error", text)
     leader = "opposed-piston is the stiffest in torsion per kilogram (opposed-piston-casting within the error"
     assert leader in text
 

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from cranktopo.app.main import main
+from tests.page_text import typed_page
 from tests.plain_runs import plain_runs
 
 OPTIONS = [
@@ -60,7 +61,7 @@ def test_history_follows_goal_and_limits(run: Path, metrics: dict[str, Any]) -> 
 
 
 def test_the_page_shows_the_limits(run: Path, metrics: dict[str, Any]) -> None:
-    page = (run / "report.html").read_text(encoding="utf-8")
+    page = typed_page(run / "report.html")
     assert "Goal and limits" in page
     assert "unknown" in page
     assert f"{metrics['goal']['reached_percent']:.1f} % of the original web" in page

@@ -171,7 +171,9 @@ def page_holds(data: dict[str, Any], text: str) -> None:
         assert f'data-value="{row["throw_kg"]}"' in text
     number = data["best_step"] or len(names) - 1
     change = data["steps"][number]["percent_of_original"]["torsion_per_mass"] - 100
-    assert f"{change:+.1f} %" in text
+    assert f"{change:+.1f}\u00a0%" in text
+    masses = (f"{data['steps'][n]['throw_kg']:.3f}\u00a0kg" for n in (number, 0))
+    assert f": {' against the original web&#39;s '.join(masses)}" in text
 
 
 @pytest.mark.slow

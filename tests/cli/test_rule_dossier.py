@@ -68,9 +68,25 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "radial force on the crankpin")[1:] == ["18000.0", "N"]
     assert row(text, "jump between elements at the peak")[1:] == ["4.00", "5.00", "%", "yes"]
     assert row(text, "fatigue.process_factor")[1] == "1.05"
+    assert row(text, "fatigue.additional_stress_MPa")[1] == "10 MPa"
+    assert row(text, "alpha B")[1:] == ["bending at the crankpin fillet", "2.763", "2.763", "0.0"]
     assert row(text, "torsional vibration")[1] == "off"
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
+
+
+def test_only_a_check_that_the_mesh_misses_is_told_as_missed() -> None:
+    one = replace(QUALITY, normal_percent=3.2)
+    assert one.shortfall == "the mesh misses the rule's checks: surface-normal stress 3.2 % (at most 3 %)"
+    assert "jump between elements 4.0 % (at most 5 %)" in one.kept
+    assert "jump" in replace(one, jump_percent=5.1).shortfall
+
+
+@pytest.mark.usefixtures("no_solve")
+def test_a_dossier_on_paper(tmp_path: Path) -> None:
+    path = tmp_path / "dossier.pdf"
+    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    assert path.read_bytes().startswith(b"%PDF")
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ from cranktopo.engine.vibration.study import study_vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
 from cranktopo.tasks.vibration.text import DISKS, vibration_text
+from tests.page_text import typed_page
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 GIVEN = "throw_stiffness_Nm_per_rad = 1.4e5\nspeed_min_rpm = 2000.0\n"
@@ -63,7 +64,7 @@ def test_json_page_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     # The run-up has the mean inertia: it stays below the steady peak with that.
     of_mean = worst["torque_amplitude_Nm"] / (1 + data["varying_inertia"]["torque_change_percent"] / 100)
     assert 0.5 < passage["worst"]["torque_amplitude_Nm"] / of_mean < 1.0
-    text = page.read_text(encoding="utf-8")
+    text = typed_page(page)
     assert "In a run-up of 1 s, with mean inertia, it swings most at" in text
     assert text.count("<svg") >= 3
     assert "http" not in text.replace("http://www.w3.org", "")
@@ -84,7 +85,7 @@ def test_varying_inertia_above_the_threshold_alone(
     part = found["varying_inertia"]
     assert part["included"]
     assert 15.0 < part["estimate_percent"] < found["varying_inertia_percent"]
-    assert "above the threshold of 2 %: included, it changes" in page.read_text(encoding="utf-8")
+    assert "above the threshold of 2 %: included, it changes" in typed_page(page)
     # The plan would drop bores and fillets below so high a threshold, and the throw would be heavier.
     high = MIKRON.replace("[effects]\n", "[effects]\nthreshold = 0.5\nfillets = 'on'\nbores = 'on'\n")
     path = design(tmp_path, table, high)
@@ -118,7 +119,7 @@ def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.
 
 
 def test_elements_of_a_design_without_a_shaft(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The bare crankshaft on a coarse mesh: stiffness and inertia are those of `shaft`."""
     found: list[ShaftEvaluation] = []
@@ -128,7 +129,15 @@ def test_elements_of_a_design_without_a_shaft(
         return found[0]
 
     monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", kept)
-    data = printed(["mikron-iiic-plain", "--element-size-mm", "30"], capsys)
+    page = tmp_path / "page.html"
+    words = ["mikron-iiic-plain", "--element-size-mm", "30", "--report", str(page)]
+    data = printed(words, capsys)
+    text = typed_page(page)
+    assert f"mode 1, {data['modes'][0]['frequency_Hz']:.0f} Hz" in text, (
+        "above all orders, but in the diagram"
+    )
+    assert text.index("[shaft] is missing") < text.index("First natural frequency")
+    assert text.count("[shaft] is missing") == 1
     assert data["stiffness_source"].startswith("finite elements, rigid bearings")
     assert data["warnings"] == [
         "[shaft] is missing: the crankshaft swings with both ends free, without its flywheel."

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from cranktopo.base.units import plain_number
 from cranktopo.numerics.extrapolation import Extrapolation
-from cranktopo.report.page import Fact, Page, Section
-from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.report.plot import Picture, name_points, picture, plain, plain_decades
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fea.quantities import BENDING, TORSION
 from cranktopo.tasks.fea.studies import (
@@ -131,26 +133,32 @@ def _draw_fronts(axes: Any, levels: Sequence[LevelResult]) -> None:
         others = [level for level in mine if not level.efficient]
         axes.plot(*_points(best), marker, color=colour, ls="-", label=f"{_study_name(study)}, Pareto front")
         if others:
-            axes.plot(*_points(others), marker, color=colour, mfc="none", ls="")
-        for level in best:
-            style = {"textcoords": "offset points", "xytext": (4, 4), "fontsize": 6, "color": GREY}
-            axes.annotate(level.name, (level.seconds, level.error_percent), **style)
+            label = f"{_study_name(study)}, others"
+            axes.plot(*_points(others), marker, color=colour, mfc="none", ls="", label=label)
     _frame(axes)
+    places = [
+        [(v.seconds, v.error_percent or 0.0) for v in levels if v.efficient is known]
+        for known in (True, False)
+    ]
+    name_points(axes, [level.name for level in levels if level.efficient], *places)
 
 
 def _points(levels: Sequence[LevelResult]) -> tuple[list[float], list[float | None]]:
     return [level.seconds for level in levels], [level.error_percent for level in levels]
 
 
-def _frame(axes: Any) -> None:
-    from matplotlib.ticker import LogLocator, NullFormatter
+_NAMES = 0.7
+"""Room for names left of the quickest level, over the range of times."""
 
-    axes.set(xscale="log", yscale="log", xlabel="seconds", ylabel="error (%)")
-    for axis in (axes.xaxis, axes.yaxis):  # a range below one decade has no power of ten to label
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter(NullFormatter())
-    axes.margins(0.25, 0.15)
+
+def _frame(axes: Any) -> None:
+    axes.set(xscale="log", yscale="log", xlabel="time (s)", ylabel="error (%)")
+    plain_decades(axes.xaxis)
+    plain_decades(axes.yaxis)
+    low, high = np.log(axes.dataLim.intervalx)
+    span = high - low or 1.0
+    axes.set_xlim(np.exp(low - _NAMES * span), np.exp(high + 0.12 * span))
+    axes.margins(y=0.15)
     axes.grid(color="0.9", linewidth=0.8)
     plain(axes)
 
@@ -170,14 +178,13 @@ def accuracy_page(result: StudyResult, written: str) -> Page:
         subtitle=f"{machine.processor}, {machine.cores} cores, {written}",
         headline=accuracy_headline(result),
         facts=tuple(
-            Fact(_study_name(study).capitalize(), *_cheapest(result, study), "neutral")
-            for study in result.limits
+            Fact(_study_name(study).capitalize(), *_cheapest(result, study)) for study in result.limits
         ),
         sections=(
             Section(
                 "levels",
                 "Levels",
-                " ".join([_LEGEND, *(f"{line}." for line in limit_lines(result))]),
+                " ".join([_LEGEND, *(f"{line[0].upper()}{line[1:]}." for line in limit_lines(result))]),
                 tuple(level_tables(result)),
                 study_pictures(result),
             ),
@@ -199,9 +206,9 @@ def accuracy_headline(result: StudyResult) -> str:
     )
 
 
-def _cheapest(result: StudyResult, study: str) -> tuple[str, str]:
+def _cheapest(result: StudyResult, study: str) -> tuple[str, str, FactStatus]:
     rows = [r for r in result.recommendations if r.ladder == study and r.rung]
     if not rows:
-        return "no accuracy reached", "give it a larger budget"
+        return "no accuracy reached", "a larger budget allows finer levels", "unknown"
     best = rows[-1]
-    return f"{best.accuracy_percent:g} % in {best.seconds:.3g} s", str(best.rung)
+    return f"{best.accuracy_percent:g} % in {best.seconds:.3g} s", str(best.rung), "neutral"

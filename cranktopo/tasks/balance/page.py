@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cranktopo.base.units import number_text
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
-from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs
+from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.balance.plot import balance_pictures
 from cranktopo.tasks.balance.proposal import ProposedCounterweight
 from cranktopo.tasks.balance.result import balance_result
@@ -23,7 +26,6 @@ from cranktopo.tasks.balance.text import (
     free_table,
     inner_moment_table,
     order_table,
-    proposal_words,
     shaft_table,
     shafts_caption,
 )
@@ -39,12 +41,12 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
         title=f"Balance: {data.design}",
         subtitle=f"{data.speed_rpm:g} rpm, {arrangement_words(data)}; {written}",
         headline=balance_headline(data),
-        facts=_facts(balance),
+        facts=_facts(balance, proposal),
         sections=(
             Section(
                 "free",
                 "Free forces and moments",
-                " ".join(angle_lines()),
+                f"{_FORCES} {' '.join(angle_lines())}",
                 (
                     ("By order, the engine as it is", order_table(data)),
                     ("All masses together; orders that stay as they are once", free_table(data)),
@@ -54,10 +56,9 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
             Section(
                 "counterweights",
                 "Counterweights",
-                "Beyond what the webs have: for each throw on its own, or the least that leaves the whole "
-                f"shaft without free force and moment but lets it bend. {balance_factor_words(data)} "
-                f"{proposal_words(data)} {crank_words(data.crank)}".rstrip(),
+                f"{_WEBS} {balance_factor_words(data)} {crank_words(data.crank)}".rstrip(),
                 (
+                    *_proposed(data.proposal),
                     (counterweights_caption(data), counterweight_table(data)),
                     ("Largest bending moment inside the shaft", inner_moment_table(data)),
                 ),
@@ -78,7 +79,39 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
     )
 
 
-def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
+_FORCES = (
+    "The force of each order runs round an ellipse: its largest and its least size over a turn, and along "
+    "which direction it is largest."
+)
+_WEBS = (
+    "Unbalance along its throw of each web alone, what its counterweight has of that already, and what is "
+    "needed beyond it: for its throw, so that each throw is balanced on its own; for the shaft, the least "
+    "that leaves the whole shaft without free force and moment but lets it bend."
+)
+
+
+def _proposed(found: ProposedCounterweight | None) -> list[tuple[str, ResultTable]]:
+    """Return the counterweight that was asked for as a table; none where none was."""
+    if found is None:
+        return []
+    rows = [
+        ("outer_radius_mm", f"{found.outer_radius_mm:g} mm"),
+        ("half_angle_deg", f"{found.half_angle_deg:g} deg"),
+        ("thickness of the web", f"{found.thickness_mm:g} mm"),
+        ("balanced share of the oscillating mass", f"{found.balance_factor_percent:.1f} %"),
+        ("room for it", found.refused or "yes"),
+    ]
+    return [("Proposed [web.counterweight] of each web", pairs(rows))]
+
+
+def _proposed_fact(found: ProposedCounterweight) -> Fact:
+    size = f"radius {found.outer_radius_mm:.1f} mm, {found.half_angle_deg:g} deg to each side"
+    if found.refused:
+        return Fact("Proposed counterweight", "does not fit", f"{size}: {found.refused}", "bad")
+    return Fact("Proposed counterweight", size, f"balances {found.balance_factor_percent:.1f} %", "good")
+
+
+def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tuple[Fact, ...]:
     forces, moments = (
         {state: max(getattr(part, name).largest for part in parts) for state, parts in balance.free.items()}
         for name in ("force", "moment")
@@ -87,29 +120,30 @@ def _facts(balance: EngineBalance) -> tuple[Fact, ...]:
     bearings, share = balance.bearings, engine_of(balance.scene).arranged.balanced_oscillating_share
     index = bearings[AS_IT_IS].most_loaded
     plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
+    oscillating = f" and {100 * share:g} % of the oscillating" if share else ""
     return (
-        Fact(
-            "Free force",
-            f"{number_text(forces[AS_IT_IS])} N",
-            f"{last}: {number_text(forces[last])} N",
-            "neutral",
-        ),
-        Fact(
-            "Free moment",
-            f"{number_text(moments[AS_IT_IS])} N m",
-            f"{last}: {number_text(moments[last])} N m",
-            "neutral",
-        ),
+        *([_proposed_fact(proposal)] if proposal else []),
+        Fact("Free force", f"{number_text(forces[AS_IT_IS])} N", *_against(last, forces, "N")),
+        Fact("Free moment", f"{number_text(moments[AS_IT_IS])} N m", *_against(last, moments, "N m")),
         Fact(
             "Counterweights of a throw",
             f"{number_text(float(np.abs(balance.masses.counterweight_kg_mm).max()))} kg mm",
-            f"{100 * share:g} % of the oscillating masses with them",
+            f"to balance its rotating{oscillating} masses, beyond what it has",
             "neutral",
         ),
         Fact(
-            f"Main bearing {index + 1}",
+            f"Largest load, main bearing {index + 1}",
             f"{number_text(plain)} N",
-            f"{COUNTERWEIGHTED}: {number_text(weighted)} N",
-            "neutral",
+            *_against(COUNTERWEIGHTED, {AS_IT_IS: plain, COUNTERWEIGHTED: weighted}, "N"),
         ),
     )
+
+
+def _against(state: str, sizes: Mapping[str, float], unit: str) -> tuple[str, FactStatus]:
+    """Return what a state makes of something that is better small, and whether that is good."""
+    before, after = sizes[AS_IT_IS], sizes[state]
+    note = f"{state}: {number_text(after)} {unit}"
+    if number_text(after) == number_text(before):
+        return note, "neutral"
+    change = f", {100 * (after / before - 1):+.1f} %" if before else ""
+    return f"{note}{change}", "good" if after < before else "bad"

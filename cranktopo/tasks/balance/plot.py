@@ -86,7 +86,7 @@ def _emptiest_deg(curves: Sequence[_Curve]) -> float:
 
 def _draw(axes: Any, title: str, curves: Sequence[_Curve], unit: str) -> None:
     """Directions as in the engine: its plane of symmetry upright, the crank turning clockwise."""
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
@@ -102,7 +102,8 @@ def _draw(axes: Any, title: str, curves: Sequence[_Curve], unit: str) -> None:
         )
     axes.set_rmax(1.05 * max(curve.largest for curve in curves))
     axes.set_rlabel_position(_emptiest_deg(curves))
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.yaxis.set_major_locator(MaxNLocator(4, prune="upper"))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda size, _: number_text(size)))
     axes.tick_params(labelsize=7, colors=GREY)
     axes.grid(color="0.9", linewidth=0.8)
     axes.figure.text(0.02, 0.93, f"{title} ({unit})", fontsize=9)

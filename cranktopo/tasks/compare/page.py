@@ -12,7 +12,16 @@ from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.report.goal_table import goal_line, limits_table
-from cranktopo.report.page import Fact, FactStatus, Page, Section, assumed_tables, pairs, versions_section
+from cranktopo.report.page import (
+    Fact,
+    FactStatus,
+    Page,
+    Section,
+    assumed_tables,
+    clock_words,
+    pairs,
+    versions_section,
+)
 from cranktopo.report.plot import save_figure
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture, stress_scales
@@ -33,6 +42,7 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     Quantity,
     comparison_sentence,
+    quantity_text,
 )
 from cranktopo.tasks.fea.scatter import (
     LABELS,
@@ -133,17 +143,29 @@ def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
 def _headline(comparison: Comparison) -> str:
     row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
     if row == comparison.baseline:
-        return f"None is stiffer in torsion per kilogram than {baseline}."
+        others = [other for other in range(len(comparison.entries)) if other != row][:_TOLD]
+        told = " ".join(
+            comparison_sentence(comparison.entries[other].name, _changes(comparison, other), baseline)
+            for other in others
+        )
+        return f"None is stiffer in torsion per kilogram than {baseline}. {told}".rstrip()
     level = comparison.level(TORSION_PER_MASS)
     names = " and ".join(comparison.entries[other].name for other in level)
     doubt = f" ({names} within the error estimate)" if level else ""
-    changes = {q: comparison.percent(row, q) - 100 for q in (MASS, TORSION, BENDING)}
     best = comparison.entries[row].name
     return (
         f"{best} is the stiffest in torsion per kilogram{doubt}: "
         f"{_change(comparison, row, TORSION_PER_MASS)} against {baseline}. "
-        + comparison_sentence("It", changes, baseline)
+        + comparison_sentence("It", _changes(comparison, row), baseline)
     )
+
+
+_TOLD = 3
+"""Targets that a headline compares."""
+
+
+def _changes(comparison: Comparison, row: int) -> dict[Quantity, float]:
+    return {quantity: comparison.percent(row, quantity) - 100 for quantity in (MASS, TORSION, BENDING)}
 
 
 def _facts(comparison: Comparison) -> tuple[Fact, ...]:
@@ -156,9 +178,11 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     """Return which entry has the best value of a quantity, and which others are within the error estimate."""
     row, level = comparison.leading(quantity), comparison.level(quantity)
-    change = f"{_change(comparison, row, quantity)} of the baseline"
+    entries = comparison.entries[row], comparison.base
+    own, base = (quantity_text(quantity, entry.values[quantity.key]) for entry in entries)
+    change = f"{own}, {_change(comparison, row, quantity)} against the baseline's {base}"
     rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
-    note = "the baseline itself" if row == comparison.baseline else change
+    note = f"{own}, the baseline itself" if row == comparison.baseline else change
     note += ", less than the error estimate" if comparison.baseline in level else ""
     note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
     status: FactStatus = "neutral" if comparison.baseline in (row, *level) else "good"
@@ -240,7 +264,7 @@ def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
 
 
 def _provenance(record: ComparisonRecord) -> Section:
-    rows = [("command", record.command), ("written", record.written), *record.hashes.items()]
+    rows = [("command", record.command), ("written", clock_words(record.written)), *record.hashes.items()]
     return Section(
         "provenance",
         "Where this comes from",

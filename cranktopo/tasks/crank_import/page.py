@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.report.page import Fact, Page, Section, pairs
+from cranktopo.report.page import Fact, Page, Section, counted, pairs
 from cranktopo.report.plot import Picture, plain
 from cranktopo.tasks.crank_import import text
 from cranktopo.tasks.crank_import.result import CrankImport, ImportedHalf
@@ -29,8 +29,9 @@ def import_page(result: CrankImport, webs: Sequence[ImportedWeb]) -> Page:
     first = result.halves[0]
     return Page(
         title=f"Crank from {result.file}",
-        subtitle=f"{len(result.throws)} throws, {len(result.main_journals)} main journals, "
-        f"{len(result.halves)} distinct half throws",
+        subtitle=f"{counted(len(result.throws), 'throw')}, "
+        f"{counted(len(result.main_journals), 'main journal')}, "
+        f"{counted(len(result.halves), 'distinct half throw')}",
         headline=_headline(first),
         facts=tuple(_facts(result)),
         sections=(
@@ -69,8 +70,8 @@ def _numbered(word: str, lines: Sequence[str]) -> list[tuple[str, str]]:
 def _headline(half: ImportedHalf) -> str:
     share = 100 * (half.design_volume_mm3 / half.volume_mm3 - 1)
     return (
-        f"The design has {share:+z.2f} % of the body's volume; its outline ({half.outline}) lies within "
-        f"{half.outline_deviation_mm:.3g} mm. Gains are measured against the body itself."
+        f"The design differs by {share:+z.2f} % from the body's volume; its outline ({half.outline}) lies "
+        f"within {half.outline_deviation_mm:.3g} mm. Gains are measured against the body itself."
     )
 
 
@@ -100,7 +101,7 @@ def _facts(result: CrankImport) -> list[Fact]:
 def _half(half: ImportedHalf, web: ImportedWeb) -> Section:
     return Section(
         f"half-{half.number}",
-        f"Half {half.number}: {', '.join(half.webs)}",
+        f"Half {half.number}: {'; '.join(half.webs)}",
         f"Body {half.body}, design {half.design}. Grey: the body. Line: the design.",
         pictures=(_over_each_other(half, web),),
     )
@@ -132,9 +133,9 @@ def _over_each_other(half: ImportedHalf, web: ImportedWeb) -> Picture:
         _draw(side, solid.rotate((0.0, 90.0, 0.0)), filled)
     front.set_title("Along the crank", fontsize=10)
     side.set_title("From the side", fontsize=10)
-    front.set_xlabel("x, mm")
-    front.set_ylabel("y, mm")
-    side.set_xlabel("along the crank, mm")
+    front.set_xlabel("x (mm)")
+    front.set_ylabel("y (mm)")
+    side.set_xlabel("along the crank (mm)")
     for axes in (front, side):
         axes.set_aspect("equal")
         plain(axes)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from cranktopo.base.units import number_text
 from cranktopo.design.engine import Engine
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.vibration.study import VibrationStudy
-from cranktopo.report.page import Section, pairs
+from cranktopo.report.page import Section, pairs, quantity_words
 from cranktopo.tasks.vibration.page import vibration_page
 
 _UNKNOWN = "unknown"
@@ -36,7 +37,7 @@ def _engine_rows(scene: Scene, engine: Engine) -> _Rows:
     bank = f", {engine.bank_angle_deg:g} deg between the banks" if engine.bank_angle_deg else ""
     return [
         ("cylinders", f"{engine.cylinders}, {engine.arranged.layout}{bank}; {engine.strokes}-stroke"),
-        ("bore x stroke", f"{engine.bore_mm:g} mm x {2 * scene.throw.radius_mm:g} mm"),
+        ("bore and stroke", f"{engine.bore_mm:g} mm, {2 * scene.throw.radius_mm:g} mm"),
         ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
         ("rated speed", f"{engine.speed_rpm:g} rpm"),
         ("overspeed", f"{engine.overspeed_rpm:g} rpm" if engine.overspeed_rpm else _UNKNOWN),
@@ -52,8 +53,8 @@ def _mass_rows(scene: Scene, engine: Engine | None) -> _Rows:
     own: _Rows = [
         ("throw between its mid-journal planes", f"{balance.mass_kg:.3f} kg"),
         ("web, with its counterweight", f"{balance.web_kg:.3f} kg"),
-        ("inertia of a throw about the crank axis", f"{balance.inertia_kg_mm2:.1f} kg mm2"),
-        ("unbalance of a throw", f"{balance.throw_unbalance_kg_mm:.2f} kg mm"),
+        ("inertia of a throw about the crank axis", f"{number_text(balance.inertia_kg_mm2)} kg mm2"),
+        ("unbalance of a throw", f"{number_text(balance.throw_unbalance_kg_mm)} kg mm"),
     ]
     if engine is None:
         return own
@@ -89,7 +90,7 @@ def _rotor_rows(shaft: ShaftTable) -> _Rows:
         rotor = getattr(shaft, name)
         if rotor is not None:
             given = rotor.model_dump(exclude_none=True)
-            rows.append((name, ", ".join(f"{key} = {value}" for key, value in given.items())))
+            rows.append((name, ", ".join(quantity_words(key, value) for key, value in given.items())))
     return rows or [("rotors", "none")]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,8 @@ _VIEWS = (
     ("journal fillet", (0.45, 0.55, -0.9)),
 )
 _QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+_LINES = {"lsa": "line of Goodman", "fkm": "line of the FKM guideline"}
+_METHODS = {"lsa": "local stress analysis", "fkm": "the FKM guideline"}
 _TOP = 4.0
 """Safety above which the picture's colours stay the same, over the least safety."""
 
@@ -43,7 +46,7 @@ def save_fatigue_picture(path: Path, field: FatigueField) -> None:
     FigureCanvasAgg(figure)
     c = field.critical
     figure.suptitle(
-        f"{field.model.name}: least safety {c.safety:.3f} by {field.method}, {c.place}", fontsize=13
+        f"{field.model.name}: least safety {c.safety:.3f} by {_METHODS[field.method]}, {c.place}", fontsize=13
     )
     left, middle, right = figure.subplots(1, 3)
     _draw_sides(figure, (left, middle), field)
@@ -60,7 +63,7 @@ def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LogNorm
 
-    from cranktopo.report.shading import draw, view_axes
+    from cranktopo.report.shading import draw, view_axes, visible
 
     least, point = field.critical.safety, np.array(field.critical.point_mm)
     far = bool(point[2] > _middle_mm(field))
@@ -69,12 +72,14 @@ def _draw_sides(figure: Any, axes: tuple[Any, Any], field: FatigueField) -> None
     for panel, (name, (x, y, z)) in zip(axes, _VIEWS, strict=True):
         side = -1.0 if point[0] < 0 else 1.0
         view = view_axes((side * x, y, -z if far else z), (0.0, 1.0, 0.0))
+        draw(panel, _inside(body), view)
         draw(panel, body, view)
-        panel.plot(*(view @ point)[:2, None], "o", ms=11, mfc="none", mec="black", mew=1.6)
+        if visible(body, view, point):
+            panel.plot(*(view @ point)[:2, None], "o", ms=11, mfc="none", mec="black", mew=1.6)
         panel.set_title(f"towards the {name}")
         panel.set_axis_off()
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(axes), location="bottom", shrink=0.7)
-    bar.set_label("safety; circle: least, where the view shows it")
+    bar.set_label("safety; circle: where it is least; grey: inside of the body, which is cut at its ends")
     ticks = least * np.array([1.0, 1.5, 2.0, 3.0, 4.0])
     bar.set_ticks(ticks, labels=[f"{t:.2f}" for t in ticks])
     bar.minorticks_off()
@@ -118,6 +123,13 @@ def _draw_history(axes: Any, diagram: PlaneDiagram, safety: float) -> None:
     axes.legend(loc="lower left")
 
 
+def _inside(body: ShadedMesh) -> ShadedMesh:
+    """Return the body's faces from behind, grey: what an open end lets see."""
+    return replace(
+        body, faces=body.faces[:, ::-1], normals=-body.normals, colours=np.full_like(body.colours, 0.75)
+    )
+
+
 def _draw_haigh(axes: Any, field: FatigueField) -> None:
     """Amplitude over mean stress: the critical point, every node that counts, and the line of safety 1."""
     c, scene = field.critical, field.model.scene
@@ -132,10 +144,10 @@ def _draw_haigh(axes: Any, field: FatigueField) -> None:
     axes.plot([0, c.mean_MPa * scale], [0, c.amplitude_MPa * scale], "--", color="0.4", lw=1)
     axes.plot([c.mean_MPa], [c.amplitude_MPa], "o", color="#d1632a", label=f"critical point, {c.safety:.3f}")
     axes.set(
-        xlabel="mean stress, MPa",
-        ylabel="stress amplitude, MPa",
+        xlabel="mean stress (MPa)",
+        ylabel="stress amplitude (MPa)",
         ylim=(0, 1.15 * c.strength_MPa * max(1.0, c.amplitude_MPa / c.strength_MPa)),
-        title="Haigh diagram (Goodman line for lsa)",
+        title=f"Haigh diagram, {_LINES[field.method]}",
     )
     axes.grid(color="0.9")
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)

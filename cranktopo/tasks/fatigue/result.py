@@ -44,11 +44,22 @@ class Quality:
 
     @property
     def shortfall(self) -> str:
-        """Both checks beside their limits in words, for a mesh that misses one."""
-        return (
-            "the mesh misses the rule's checks: surface-normal stress "
-            f"{self.normal_percent:.1f} % (at most {NORMAL_LIMIT_PERCENT:g} %), "
-            f"jump between elements {self.jump_percent:.1f} % (at most {JUMP_LIMIT_PERCENT:g} %)"
+        """The checks that the mesh misses beside their limits in words."""
+        missed = [words for words, within in self._checks() if not within]
+        return f"the mesh misses the rule's checks: {', '.join(missed)}"
+
+    @property
+    def kept(self) -> str:
+        """Both checks beside their limits in words."""
+        return ", ".join(words for words, _ in self._checks())
+
+    def _checks(self) -> tuple[tuple[str, bool], ...]:
+        entries = (
+            ("surface-normal stress", self.normal_percent, NORMAL_LIMIT_PERCENT),
+            ("jump between elements", self.jump_percent, JUMP_LIMIT_PERCENT),
+        )
+        return tuple(
+            (f"{name} {value:.1f} % (at most {most:g} %)", value <= most) for name, value, most in entries
         )
 
 

@@ -12,14 +12,21 @@ from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.vibration.study import VibrationStudy
-from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs, versions_section
+from cranktopo.report.page import (
+    Fact,
+    FactStatus,
+    Page,
+    Section,
+    assumed_words,
+    pairs,
+    versions_section,
+)
 from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
-from cranktopo.tasks.fatigue.text import factor_table, outlet_table
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.plan.section import effects_section
 
@@ -154,11 +161,11 @@ def _facts(check: RuleCheck) -> tuple[Fact, ...]:
         Fact(
             f"Ratios in the range of the polynomials{of_web}",
             f"{len(ratios(check.size)) - outside} of {len(ratios(check.size))}",
-            "; ".join(check.outside) or "closed forms are valid",
+            "; ".join(check.outside) or "the polynomials are valid for this throw",
             "bad" if outside else "good",
         )
     )
-    mesh = "kept" if within else check.quality.shortfall
+    mesh = check.quality.kept if within else check.quality.shortfall
     return (
         *facts,
         Fact(f"Mesh checks of Appendix III{of_web}", "kept" if within else "missed", mesh, _status(within)),
@@ -239,15 +246,16 @@ def _factors(check: RuleCheck) -> Section:
     outside = (
         f" Outside: {'; '.join(check.outside)}: the factors by elements decide." if check.outside else ""
     )
-    outlets = (("Outlets of oil bores", outlet_table([check])),) if check.outlets else ()
+    outlets = (("Outlets of oil bores", tables.outlets_table(check)),) if check.outlets else ()
     return Section(
         "factors",
         "Stress concentration factors",
         "By the polynomials of section 3 and from ten-node tetrahedra by Appendix III: pure bending, "
         "three-point bending and torsion of one throw whose journals may tilt. The shear factor is what "
         "three-point bending adds to the stress of its moment; below zero the radial force relieves the "
-        f"fillet.{outside}",
-        (("Factors", factor_table([check])), *outlets),
+        "fillet. Factors gamma are those at the outlet of an oil bore, B in bending and T in torsion."
+        f"{outside}",
+        (("Factors", tables.factors_table(check)), *outlets),
     )
 
 
@@ -264,7 +272,7 @@ def _mesh(check: RuleCheck) -> Section:
 
 def _assumptions(record: RuleRecord) -> Section:
     rows = [
-        {"assumption": entry["key"], "value": f"{entry['value']} {entry['meaning']}".strip()}
+        {"assumption": entry["key"], "value": assumed_words(entry)}
         for entry in record.assumed
         if entry["key"] not in _NOT_OF_THE_RULE
     ] + [
@@ -279,7 +287,9 @@ def _assumptions(record: RuleRecord) -> Section:
     return Section(
         "assumptions",
         "Assumptions and signatures",
-        f"Written by `{record.command}` on {record.written}." if record.command else "",
+        f"Written by `{record.command}` on {record.written[:10]} at {record.written[11:16]}."
+        if record.command
+        else "",
         (
             ("Assumptions", ResultTable({"assumption": 0, "value": 0, "agreed_by": 0}, signed)),
             ("Signatures", ResultTable({"role": 0, "name": 0, "date": 0, "signature": 0}, people)),

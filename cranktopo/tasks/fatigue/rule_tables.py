@@ -8,6 +8,7 @@ from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import Dimensions, Ratio, ratios
 from cranktopo.tasks.fatigue.result import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.text import outlet_table
 
 _SYMBOLS = (
     ("D", "crankpin diameter", "pin"),
@@ -22,6 +23,14 @@ _SYMBOLS = (
     ("W", "thickness of the web", "web_thickness"),
     ("B", "width of the web half-way between its axes", "web_width"),
 )
+_FACTORS = {
+    "alpha_bending": ("alpha B", "bending at the crankpin fillet"),
+    "alpha_torsion": ("alpha T", "torsion at the crankpin fillet"),
+    "beta_bending": ("beta B", "bending at the journal fillet"),
+    "beta_shear": ("beta Q", "shear at the journal fillet"),
+    "beta_torsion": ("beta T", "torsion at the journal fillet"),
+}
+"""Symbol of the rule and meaning of each factor."""
 _RATIO_COLUMNS: tuple[Column[Ratio], ...] = (
     Column("ratio", 0, lambda r: r.name),
     Column("value", 3, lambda r: r.value),
@@ -42,6 +51,23 @@ def size_table(size: Dimensions) -> ResultTable:
 def ratio_table(size: Dimensions) -> ResultTable:
     """Return the ratios that the polynomials depend on, with the range in which they are valid."""
     return tabulate(_RATIO_COLUMNS, ratios(size))
+
+
+def factors_table(check: RuleCheck) -> ResultTable:
+    """Return the concentration factors in the symbols of the rule, by polynomials and by elements."""
+    rows: list[dict[str, Cell]] = []
+    for name, (symbol, meaning) in _FACTORS.items():
+        rule, elements = getattr(check.scf_rule, name), getattr(check.scf_fem, name)
+        row: dict[str, Cell] = {"symbol": symbol, "of": meaning, "polynomials": rule, "elements": elements}
+        rows.append({**row, "elements_over_polynomials_percent": 100 * (elements / rule - 1)})
+    columns = {"symbol": 0, "of": 0, "polynomials": 3, "elements": 3, "elements_over_polynomials_percent": 1}
+    return ResultTable(columns, tuple(rows))
+
+
+def outlets_table(check: RuleCheck) -> ResultTable:
+    """Return the outlets of oil bores of one throw."""
+    found = outlet_table([check])
+    return ResultTable({name: n for name, n in found.columns.items() if name != "target"}, found.rows)
 
 
 def alternating_table(check: RuleCheck) -> ResultTable:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from cranktopo.base.units import number_text, stem_and_unit
 from cranktopo.design.balance_factor import balance_factor_percent
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
@@ -98,6 +99,14 @@ STIFFNESS = (TORSION, BENDING)
 PER_MASS = (TORSION_PER_MASS, BENDING_PER_MASS)
 COMPARED = (MASS, *STIFFNESS, *PER_MASS, INERTIA, UNBALANCE)
 """What every comparison shows; safety is added where fatigue was assessed."""
+_FEW = 2
+"""Decimals of quantities of which four digits are enough."""
+
+
+def quantity_text(quantity: Quantity, value: float) -> str:
+    """Return a value with its unit as cards tell it: `1.510 kg`, `157.7 kN m/rad`."""
+    text = f"{value:.{quantity.digits}f}" if quantity.digits > _FEW else number_text(value)
+    return f"{text} {stem_and_unit(quantity.column)[1]}".rstrip()
 
 
 def throw_values(mass_kg: float, torsion_Nm_per_rad: float, bending_N_per_mm: float) -> dict[str, float]:

@@ -14,7 +14,7 @@ from cranktopo.tasks.fea.quantities import BENDING, TORSION
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LABELS = {TORSION: f"{TORSION.label}, kN m/rad", BENDING: f"{BENDING.label}, kN/mm"}
+LABELS = {TORSION: f"{TORSION.label} (kN m/rad)", BENDING: f"{BENDING.label} (kN/mm)"}
 """Of the axes of the stiffnesses."""
 _Curves = Mapping[str, Sequence[float | None]]
 """Of a bound over the mass, by quantity and unit."""
@@ -52,7 +52,7 @@ def draw_stiffness_over_mass(
     stiffness = [point.stiffness for point in points]
     x_range = 0.92 * min(masses), 1.08 * max(masses)
     y_range = 0.88 * min(stiffness), 1.12 * max([*stiffness, *_at(most, masses)])
-    axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw, kg", ylabel=label)
+    axes.set(xlim=x_range, ylim=y_range, xlabel="mass of the throw (kg)", ylabel=label)
     ratio = stiffness[baseline] / masses[baseline]
     for factor in equal_ratio_factors([s / m / ratio for s, m in zip(stiffness, masses, strict=True)]):
         _equal_ratio(axes, factor, factor * ratio, x_range, y_range[1])

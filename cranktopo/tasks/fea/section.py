@@ -95,7 +95,8 @@ def _figure(solved: Sequence[_Solved], number: int, scale: StressScale) -> Figur
         ]
     figure, axes = gallery(panels)
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, shrink=0.7, extend="max", pad=0.01)
-    bar.set_label(f"von Mises stress, MPa; {scale.label}")
+    bar.ax.tick_params(labelsize=10)
+    figure.suptitle(f"von Mises stress (MPa), {scale.label}", fontsize=11, color=GREY)
     return figure
 
 

@@ -12,12 +12,16 @@ from cranktopo.base.formats import PLOTS
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.numerics.bearing_film.orbit import Orbit
-from cranktopo.report.plot import save_figure
+from cranktopo.report.plot import name_above, plain_decades, save_figure
 from cranktopo.runs.destination import check_file
 from cranktopo.tasks.film.stage import LoadedBearing, orbits_at
 
 _UM_PER_MM = 1e3
 _COLUMNS = 4
+_AXES_INCHES = 8.8
+_ORBITS = (
+    "Path of each journal's centre in its clearance; up is along the first cylinder; red: the film is least"
+)
 
 
 def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) -> None:
@@ -33,9 +37,10 @@ def plot_films(scene: DesignLike, path: Path, speed_rpm: float | None = None) ->
     at = scene if speed_rpm is None else at_speed(scene, speed_rpm)
     found = orbits_at(at)
     rows = -(-len(found) // _COLUMNS)
-    figure = Figure(figsize=(10, 6 + 2.6 * rows), layout="constrained")
+    figure = Figure(figsize=(_AXES_INCHES + 1.2, 6 + 2.6 * rows), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(6, 2.6 * rows))
     upper, lower = parts
+    lower.suptitle(_ORBITS, fontsize=9)
     _draw_cycle(upper, found)
     places = list(lower.subplots(rows, _COLUMNS, squeeze=False).flat)
     for axes, (loaded, steady) in zip(places, found, strict=False):
@@ -53,9 +58,10 @@ def _draw_cycle(figure: Any, found: tuple[tuple[LoadedBearing, Orbit], ...]) -> 
         style = {"color": "k", "lw": 1.5} if loaded is found[-1][0] else {"lw": 1.0}
         film.plot(steady.angle_deg, steady.film_mm * _UM_PER_MM, label=loaded.name, **style)
         pressure.plot(steady.angle_deg, steady.pressure_MPa, **style)
-    film.set(yscale="log", ylabel="least film [um]")
-    film.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, frameon=False)
-    pressure.set(ylabel="largest pressure [MPa]", xlabel="crank angle [deg]", ylim=(0, None))
+    film.set(yscale="log", ylabel="least film (µm)")
+    plain_decades(film.yaxis)
+    name_above(film, _AXES_INCHES)
+    pressure.set(ylabel="largest pressure (MPa)", xlabel="crank angle (deg)", ylim=(0, None))
     for axes in (film, pressure):
         axes.set(xlim=(0, steady.angle_deg[-1]))
         axes.grid(alpha=0.3)

@@ -16,6 +16,7 @@ from cranktopo.report.page import (
     Page,
     Section,
     assumed_tables,
+    counted,
     origin_rows,
     pairs,
     versions_section,
@@ -32,6 +33,7 @@ from cranktopo.tasks.fea.quantities import (
     TORSION_PER_MASS,
     Quantity,
     comparison_sentence,
+    quantity_text,
 )
 from cranktopo.tasks.iterate.result import LoopResult, StepRow
 from cranktopo.tasks.iterate.text import best_line, shape_line, steps_estimate, steps_tables
@@ -51,7 +53,10 @@ def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[Sh
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
         headline=_headline(loop),
-        facts=(*_facts(loop), Fact("Ended", f"{loop.done} steps", loop.stop_reason, "neutral")),
+        facts=(
+            *_facts(loop),
+            Fact("Ended", f"after {counted(loop.done, 'step')}", loop.stop_reason, "neutral"),
+        ),
         sections=(
             _steps(loop),
             *bound_sections(loop.bound, "the body-fitted evaluation"),
@@ -92,11 +97,20 @@ def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
     change = step.percent_of_original[quantity.key] - 100
     error = f"{quantity.error}_error_percent"
     estimate = max(getattr(step, error), getattr(original, error)) if quantity.error else 0.0
-    note = f"{step.words} against the original web"
+    now, before = (_value_words(row, quantity) for row in (step, original))
+    note = f"{step.words}: {now} against the original web's {before}"
     if abs(change) < estimate:
         return Fact(label, f"{change:+z.1f} %", f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
     return Fact(label, f"{change:+z.1f} %", note, status)
+
+
+def _ended(loop: LoopResult) -> Fact:
+    return Fact("Ended", f"after {counted(loop.done, 'step')}", loop.stop_reason, "neutral")
+
+
+def _value_words(row: StepRow, quantity: Quantity) -> str:
+    return quantity_text(quantity, row.values()[quantity.key])
 
 
 def _steps(loop: LoopResult) -> Section:
@@ -131,7 +145,7 @@ def save_steps_plot(path: Path, loop: LoopResult) -> None:
 
 
 def _steps_figure(loop: LoopResult) -> Figure:
-    figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
+    figure = Figure(figsize=(5.0, 4.2), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     numbers = [step.number for step in loop.steps]
@@ -148,6 +162,7 @@ def _steps_figure(loop: LoopResult) -> Figure:
         axes.axvline(loop.best.number, color="0.7", linestyle=":", zorder=0)
     axes.set(xlabel="step", ylabel="percent of the original web")
     axes.set_xticks(numbers, names)
-    axes.set_title(f"{loop.design}: {loop.stop_reason}", fontsize=9)
+    axes.set_title(f"{loop.design}: {loop.stop_reason}", fontsize=9, wrap=True)
+    axes.tick_params(labelsize=8)
     figure.legend(fontsize=8, loc="outside lower center", ncols=2, frameon=False)
     return figure

@@ -82,7 +82,10 @@ def best_line(loop: LoopResult) -> str:
     """Tell which web is best and what it gains on the original web."""
     row = loop.best
     if row is None:
-        return "no step beats the original web: no heavier, no softer in bending, stiffer per mass in torsion"
+        return (
+            "no step beats the original web: for that it must be no heavier, no softer in bending, and "
+            "stiffer per mass in torsion"
+        )
     share = row.percent_of_original
     return (
         f"best: {row.words}, "

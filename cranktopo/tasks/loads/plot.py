@@ -14,8 +14,10 @@ from cranktopo.base.formats import PLOTS
 from cranktopo.base.units import stem_and_unit
 from cranktopo.engine.analysis import Cycle, LoadAnalysis
 from cranktopo.engine.performance import piston_motion
-from cranktopo.report.plot import save_figure
+from cranktopo.report.plot import name_above, save_figure
 from cranktopo.runs.destination import check_file
+
+_AXES_INCHES = 7.8
 
 
 def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
@@ -32,10 +34,10 @@ def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
     _cycle(analysis)
     check_file(path, "--plot", PLOTS)
     panels = (*PANELS, _draw_piston)
-    figure = Figure(figsize=(9, 13), layout="constrained")
+    figure = Figure(figsize=(_AXES_INCHES + 1.2, 13), layout="constrained")
     for axes, panel in zip(figure.subplots(len(panels), 1, sharex=True), panels, strict=True):
         panel(axes, analysis)
-        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
+        name_above(axes, _AXES_INCHES)
         axes.label_outer()
     figure.suptitle(title)
     with replacing(path) as temporary:
@@ -49,7 +51,7 @@ def _draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
     axes.plot(angle, forces.gas_force_N / 1000, label="gas")
     axes.plot(angle, forces.inertia_force_N / 1000, label="inertia of the piston")
     axes.plot(angle, forces.small_end_force_N / 1000, "k", lw=1, label="total on the piston pin")
-    _frame(axes, analysis, "force [kN]")
+    _frame(axes, analysis, "force (kN)")
 
 
 def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
@@ -57,7 +59,7 @@ def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
     forces = _cycle(analysis).forces
     axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
     axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label="tangential")
-    _frame(axes, analysis, "force on the crankpin [kN]")
+    _frame(axes, analysis, "force on the crankpin (kN)")
 
 
 def _draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
@@ -67,7 +69,7 @@ def _draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
     axes.plot(angle, cycle.forces.torque_Nm, label="one throw")
     axes.plot(angle, cycle.torque.engine_Nm, label=_engine(analysis))
     axes.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
-    _frame(axes, analysis, "torque [N m]")
+    _frame(axes, analysis, "torque (N m)")
 
 
 def _engine(analysis: LoadAnalysis) -> str:
@@ -82,8 +84,8 @@ def _draw_piston(axes: Any, analysis: LoadAnalysis) -> None:
     for name, curve in vars(piston_motion(analysis.engine, analysis.radius_mm, angle)).items():
         largest = float(np.abs(curve).max())
         unit = stem_and_unit(name)[1]
-        axes.plot(angle, curve / largest, label=f"{units[name]} of the piston, 1 = {largest:.4g} {unit}")
-    _frame(axes, analysis, "over the largest")
+        axes.plot(angle, curve / largest, label=f"{units[name]}, 1 = {largest:.4g} {unit}")
+    _frame(axes, analysis, "piston, over the largest")
 
 
 PANELS: tuple[Callable[[Any, LoadAnalysis], None], ...] = (
@@ -101,6 +103,6 @@ def _cycle(analysis: LoadAnalysis) -> Cycle:
 
 def _frame(axes: Any, analysis: LoadAnalysis, label: str) -> None:
     axes.set_ylabel(label)
-    axes.set_xlabel("crank angle from firing top dead centre [deg]")
+    axes.set_xlabel("crank angle from firing top dead centre (deg)")
     axes.grid(alpha=0.3)
     axes.set_xlim(0, analysis.engine.cycle_deg)

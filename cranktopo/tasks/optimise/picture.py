@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.plot import GREY, plain, png
+from cranktopo.report.plot import GREY, plain, plain_decades, png
 from cranktopo.report.shading import draw, extent_mm, shaded, view_axes
 from cranktopo.report.viewer.scene3d import JOURNAL_SIDE, PIN_SIDE, UP, Direction
 
@@ -145,6 +145,7 @@ def _draw_compliances(axes: Any, history: _History) -> None:
         axes.plot(steps, relative, style, color=colour, linewidth=1.6, label=text)
     if highest > 8 * lowest > 0:
         axes.set_yscale("log")
+        plain_decades(axes.yaxis)
     axes.set_ylabel("compliance over its start (-)", fontsize=9)
 
 

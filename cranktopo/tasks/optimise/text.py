@@ -150,10 +150,10 @@ def _stiffness(metrics: RunMetrics) -> list[Fact]:
             continue
         webs = (metrics, metrics.original_web)
         now, before = (web.load_cases[quantity.key].stiffness / 1000 for web in webs)
-        note = f"{change:+z.1f} % against the original's {before:.1f}"
+        unit = "kN m/rad" if quantity is TORSION else "kN/mm"
+        note = f"{change:+z.1f} % against the original's {before:.1f} {unit}"
         if quantity.key in gains:
             note += f"; per mass {gains[quantity.key]:+z.1f} %"
-        unit = "kN m/rad" if quantity is TORSION else "kN/mm"
         found.append(Fact(quantity.label.capitalize(), f"{now:.1f} {unit}", note, _status(change)))
     return found
 

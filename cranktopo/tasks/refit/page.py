@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cranktopo.report.page import Fact, Page, Section, pairs, versions_section
+from cranktopo.base.units import stem_and_unit
+from cranktopo.report.page import Fact, Page, Section, pairs, versions_section, with_unit
 from cranktopo.report.result_table import Column, ResultTable, labelled, tabulate, terminal
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.extraction.text import release_text, release_verdict
@@ -193,7 +194,7 @@ def _facts(data: RefitResult) -> tuple[Fact, ...]:
 
 def _limits(data: RefitResult) -> Section:
     rows = [
-        (name.replace("_", " "), value if isinstance(value, str) else f"{value:g}")
+        (stem_and_unit(name)[0].replace("_", " "), with_unit(name, value))
         for name, value in vars(data.rules).items()
     ]
     return Section("limits", "Limits of the fit", tables=(("As it was asked for", pairs(rows)),))

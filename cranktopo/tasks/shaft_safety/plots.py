@@ -13,6 +13,7 @@ from cranktopo.report.plot import GREY, Picture, picture, plain
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
 
 _BAR = 0.38
+_LIMIT: dict[str, Any] = {"color": GREY, "ls": "--", "lw": 1.0, "label": "safety of 1"}
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def _by_web(axes: Any, found: ShaftSafety) -> None:
     webs = np.array([web.web for web in found.webs])
     for shift, part in ((-_BAR / 2, "pin_fillet"), (_BAR / 2, "journal_fillet")):
         axes.bar(webs + shift, [getattr(web, part) for web in found.webs], _BAR, label=part.replace("_", " "))
-    axes.axhline(1.0, color="C3", lw=0.8)
+    axes.axhline(1.0, **_LIMIT)
     axes.set_xticks(webs)
     axes.set(xlabel="web, from the free end", ylabel="least safety", ylim=(0, None))
     plain(axes)
@@ -75,19 +76,21 @@ def _over_speed(axes: Any, found: ShaftSafety) -> None:
     for web in found.webs:
         axes.plot(speeds, web.over_speeds, lw=0.9, label=f"web {web.web}")
     axes.plot(speeds, [at.safety for at in found.speeds], "k", lw=1.6, label="shaft")
-    axes.axhline(1.0, color="C3", lw=0.8)
+    axes.axhline(1.0, **_LIMIT)
     axes.set(xlabel="speed (rpm)", ylabel="least safety", ylim=(0, None), xlim=(speeds[0], speeds[-1]))
     plain(axes)
 
 
 def _polar(axes: Any, number: int, force_N: Array, most_kN: float) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     axes.set_position((0.08, 0.08, 0.84, 0.76))
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     x, y = np.hstack([force_N, force_N[:, :1]]) / N_PER_KN
     axes.plot(np.arctan2(x, y), np.hypot(x, y), "C0", lw=1.0)
     axes.set_rlim(0, 1.05 * most_kN)
-    axes.set_rticks([most_kN / 2, most_kN], [f"{most_kN / 2:.3g}", f"{most_kN:.3g}"])
+    axes.yaxis.set_major_locator(MaxNLocator(3, prune="upper"))
     axes.grid(color="0.85", linewidth=0.6)
     axes.tick_params(labelsize=7, colors=GREY)
-    axes.set_title(f"bearing {number}, kN", fontsize=9, loc="left")
+    axes.set_title(f"bearing {number} (kN)", fontsize=9, loc="left")

@@ -17,7 +17,7 @@ from cranktopo.report.page import (
     pairs,
     versions_section,
 )
-from cranktopo.report.plot import picture, plain
+from cranktopo.report.plot import Picture, picture, plain
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
@@ -68,7 +68,7 @@ def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
     change, error = found.change_percent[key], _change_error_percent(found, key)
     original, result, unit = value_words(found, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
-    note = f"{value} against the original's {original}"
+    note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
     shown = f"{change:+z.1f} %" if not error else f"{change:+z.1f} +-{error:.1g} %"
     if abs(change) <= error:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
@@ -129,19 +129,30 @@ def _dimensions(found: ShapeResult) -> Section:
 def _search(found: ShapeResult) -> Section:
     name = found.goal_on_cells.quantity.name
     sought = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
-    stand_in = "" if name == found.goal.quantity.name else sought
+    stand_in, plots = "" if name == found.goal.quantity.name else sought, curves(found)
+    ring = "; a ring marks the best" if plots else ""
     return Section(
         "search",
         "How it was found",
         f"{found.evaluations} webs were solved. Features were tried on cells for what they gain in the "
         "goal, and kept only if they pay; the dimensions were then finished on body-fitted elements with all "
-        f"limits, and each result was evaluated on the default mesh; a ring marks the best.{stand_in}",
+        f"limits, and each result was evaluated on the default mesh{ring}.{stand_in}",
         (("What was tried", feature_trials_table(found)), ("Webs evaluated on the way", rounds_table(found))),
-        (
-            picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, found),
-            picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, found),
-        ),
+        plots,
     )
+
+
+def curves(found: ShapeResult) -> tuple[Picture, ...]:
+    """Return goal and worst limit of every web; of two the table says all."""
+    if len(found.rounds) < _FEWEST:
+        return ()
+    return (
+        picture("convergence", "Goal of every web that was evaluated on the way", draw_goal, found),
+        picture("limits", "By how much each of them misses its worst limit", draw_worst_limit, found),
+    )
+
+
+_FEWEST = 3
 
 
 def _provenance(found: ShapeResult, manifest: Mapping[str, Any]) -> Section:

@@ -9,11 +9,13 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from cranktopo.report.page import quantity_words
 from cranktopo.report.report_file import TEMPLATES
 from cranktopo.report.result_table import ResultTable
+from cranktopo.report.typeset import typeset
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import condition_words, point_words
+from cranktopo.tasks.sweep.text import condition_words
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -51,7 +53,7 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
     return environment.get_template("sweep.html.j2").render(
         data=data,
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives),
-        picks=[(name, point_words(data.points, rows[one])) for name, one in data.picks.items()],
+        picks=[(name, _pick_words(data.points, rows[one])) for name, one in data.picks.items()],
         conditions=condition_words(data),
         style=Markup(_joined(TEMPLATES / "report.css", _TEMPLATES / "sweep.css")),
         script=Markup(_joined(*[SCRIPT] * bool(original), _SCRIPT)),
@@ -60,6 +62,13 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
         original=Markup(original),
         version=metadata.version("cranktopo"),
     )
+
+
+def _pick_words(points: Sequence[PointResult], row: PointResult) -> str:
+    """Return what tells a point from the others in words: `web width 51 mm, web thickness 19 mm`."""
+    told = [quantity_words(key.replace(".", " "), value) for key, value in row.varied.items()]
+    apart = len({point.design for point in points}) > 1 or not told
+    return typeset(", ".join([row.design, *told] if apart else told))
 
 
 def _joined(*files: Path) -> str:
@@ -122,7 +131,7 @@ def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any
     return {
         "name": name,
         "label": label,
-        "unit": unit,
+        "unit": typeset(unit),
         "varied": name in data.varied,
         "sense": sense,
         "error": names.index(error) if error in names else None,

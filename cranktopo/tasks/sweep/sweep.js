@@ -12,7 +12,9 @@
   const numeric = columns.map((_, c) => rows.some((row) => isNumber(row[c])) && rows.every((row) => row[c] === null || isNumber(row[c])));
   const numbers = columns.map((_, c) => c).filter((c) => numeric[c]);
   const nameOf = (c) => columns[c].label + (columns[c].unit ? `, ${columns[c].unit}` : "");
-  const text = (value) => value === null || value === undefined ? "-" : isNumber(value) ? Number(value.toPrecision(5)).toString() : value;
+  // Large numbers without decimals in groups of three; keys of the scene keep what was given.
+  const number = (value, digits) => Math.abs(value) >= 1e4 ? Math.round(Number(value.toPrecision(digits))).toLocaleString("en-US") : Number(value.toPrecision(digits)).toString();
+  const text = (value, c) => value === null || value === undefined ? "-" : isNumber(value) ? number(value, columns[c]?.varied ? 6 : 4) : value;
   const escaped = (value) => String(value).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
   const state = { x: 0, y: 0, colour: -1, sort: -1, up: true, shown: null, kept: null, rows: 60, filters: new Map() };
 
@@ -62,8 +64,8 @@
     const py = (v) => box.bottom - (v - ys[0]) / (ys[1] - ys[0]) * (box.bottom - box.top);
     toScreen = { px, py };
     const parts = [];
-    for (const v of ticks(xs, width / 110)) parts.push(`<line class="grid" x1="${px(v)}" x2="${px(v)}" y1="${box.top}" y2="${box.bottom}"/><text class="tick" x="${px(v)}" y="${box.bottom + 16}" text-anchor="middle">${v}</text>`);
-    for (const v of ticks(ys, height / 60)) parts.push(`<line class="grid" x1="${box.left}" x2="${box.right}" y1="${py(v)}" y2="${py(v)}"/><text class="tick" x="${box.left - 6}" y="${py(v) + 4}" text-anchor="end">${v}</text>`);
+    for (const v of ticks(xs, width / 110)) parts.push(`<line class="grid" x1="${px(v)}" x2="${px(v)}" y1="${box.top}" y2="${box.bottom}"/><text class="tick" x="${px(v)}" y="${box.bottom + 16}" text-anchor="middle">${number(v, 12)}</text>`);
+    for (const v of ticks(ys, height / 60)) parts.push(`<line class="grid" x1="${box.left}" x2="${box.right}" y1="${py(v)}" y2="${py(v)}"/><text class="tick" x="${box.left - 6}" y="${py(v) + 4}" text-anchor="end">${number(v, 12)}</text>`);
     parts.push(`<text x="${(box.left + box.right) / 2}" y="${height - 8}" text-anchor="middle">${escaped(nameOf(x))}</text>`);
     parts.push(`<text transform="translate(13 ${(box.top + box.bottom) / 2}) rotate(-90)" text-anchor="middle">${escaped(nameOf(y))}</text>`);
     for (const v of boundOf(x)) parts.push(`<line class="bound" x1="${px(v)}" x2="${px(v)}" y1="${box.top}" y2="${box.bottom}"/>`);
@@ -92,7 +94,7 @@
     ramp.hidden = !range;
     if (range) {
       const values = drawn.map((row) => row[colour]).filter(isNumber);
-      ramp.innerHTML = `<span class="swatch" style="width:5rem;background:linear-gradient(90deg,${[0, .25, .5, .75, 1].map(hue)})"></span>${escaped(nameOf(colour))}: ${text(Math.min(...values))} to ${text(Math.max(...values))}`;
+      ramp.innerHTML = `<span class="swatch" style="width:5rem;background:linear-gradient(90deg,${[0, .25, .5, .75, 1].map(hue)})"></span>${escaped(nameOf(colour))}: ${text(Math.min(...values), colour)} to ${text(Math.max(...values), colour)}`;
     }
     filterScatter();
   }
@@ -131,7 +133,7 @@
     const parts = order.map((i) => `<path data-i="${i}" class="row${front.has(i) ? " front" : ""}" d="${path(rows[i])}"/>`);
     lanes.forEach((c, n) => {
       const label = columns[c].label.split(".").pop(), [low, high] = extent(c);
-      parts.push(`<line class="axis" x1="${lx(n)}" x2="${lx(n)}" y1="${top}" y2="${bottom}"/><text x="${lx(n)}" y="${22 + 14 * (n % 2)}" text-anchor="middle">${escaped(label)}<title>${escaped(nameOf(c))}</title></text><text class="tick" x="${lx(n)}" y="${top - 5}" text-anchor="middle">${text(Number(high.toPrecision(4)))}</text><text class="tick" x="${lx(n)}" y="${bottom + 16}" text-anchor="middle">${text(Number(low.toPrecision(4)))}</text><rect class="brush" data-brush="${c}" x="${lx(n) - 6}" width="12" height="0"/><rect class="grip" data-lane="${n}" x="${lx(n) - 16}" y="${top}" width="32" height="${bottom - top}"/>`);
+      parts.push(`<line class="axis" x1="${lx(n)}" x2="${lx(n)}" y1="${top}" y2="${bottom}"/><text x="${lx(n)}" y="${22 + 14 * (n % 2)}" text-anchor="middle">${escaped(label)}<title>${escaped(nameOf(c))}</title></text><text class="tick" x="${lx(n)}" y="${top - 5}" text-anchor="middle">${number(high, 4)}</text><text class="tick" x="${lx(n)}" y="${bottom + 16}" text-anchor="middle">${number(low, 4)}</text><rect class="brush" data-brush="${c}" x="${lx(n) - 6}" width="12" height="0"/><rect class="grip" data-lane="${n}" x="${lx(n) - 16}" y="${top}" width="32" height="${bottom - top}"/>`);
     });
     parts.push(`<path class="shown" data-path/>`);
     holder.innerHTML = `<svg viewBox="0 0 ${width} ${height}" style="min-width:${Math.min(width, 46 * 16)}px" role="img" aria-label="Parallel coordinates of ${lanes.length} quantities">${parts.join("")}</svg>`;
@@ -178,7 +180,7 @@
         return `<fieldset><legend>${escaped(nameOf(c))}</legend><select data-filter="${c}" aria-label="${escaped(nameOf(c))}"><option value="">all</option>${values.map((v) => `<option>${escaped(v)}</option>`).join("")}</select></fieldset>`;
       }
       const values = rows.map((row) => row[c]).filter(isNumber);
-      const field = (end, value) => `<input type="number" step="any" data-filter="${c}" data-end="${end}" placeholder="${text(value)}" aria-label="${escaped(nameOf(c))}, ${end ? "at most" : "at least"}">`;
+      const field = (end, value) => `<input type="number" step="any" data-filter="${c}" data-end="${end}" placeholder="${text(value, c)}" aria-label="${escaped(nameOf(c))}, ${end ? "at most" : "at least"}">`;
       return `<fieldset><legend>${escaped(nameOf(c))}</legend>${field(0, Math.min(...values))} to ${field(1, Math.max(...values))}</fieldset>`;
     }).join("");
   }
@@ -222,7 +224,7 @@
     });
   }
   function drawTable() {
-    const cells = (row) => row.map((value, c) => `<td${numeric[c] ? "" : ' class="text"'}>${escaped(text(value))}</td>`).join("");
+    const cells = (row) => row.map((value, c) => `<td${numeric[c] ? "" : ' class="text"'}>${escaped(text(value, c))}</td>`).join("");
     const list = ordered();
     const lines = list.slice(0, state.rows).map((i) => `<tr data-i="${i}" tabindex="0" class="${front.has(i) ? "front" : ""}"><th scope="row">${escaped(about[i][0])}</th>${cells(rows[i])}${withReason ? `<td class="reason">${escaped(about[i][3] ? `${about[i][1]}: ${about[i][3]}` : about[i][1])}</td>` : ""}</tr>`);
     one("[data-table] tbody").innerHTML = `<tr class="base"><th scope="row">original</th>${cells(original)}${withReason ? "<td></td>" : ""}</tr>${lines.join("")}`;
@@ -257,7 +259,7 @@
     markedRow = i === null ? null : one(`[data-table] tr[data-i="${i}"]`);
     markedRow?.classList.add("shown");
     showWeb(i);
-    one("[data-detail]").innerHTML = row ? details(i, row) : '<div class="title">Point at the plots or at a row of the table to see all values of a point.</div>';
+    one("[data-detail]").innerHTML = row ? details(i, row) : '<div class="title screen">Point at the plots or at a row of the table to see all values of a point.</div>';
   }
   let viewed = null;
   async function showWeb(i) {
@@ -282,7 +284,7 @@
     const change = (c) => isNumber(row[c]) && isNumber(original[c]) && original[c] && !columns[c].varied ? ` (${row[c] / original[c] >= 1 ? "+" : ""}${(100 * (row[c] / original[c] - 1)).toFixed(1)} %)` : "";
     const shown = columns.map((_, c) => c).filter((c) => row[c] !== null);
     const title = `${id}, ${status}${front.has(i) ? ", on the front" : ""}${run ? `, ${run}` : ""}${reason ? `: ${reason}` : ""}`;
-    return `<div class="title">${escaped(title)}</div>` + shown.map((c) => `<div><dt>${escaped(nameOf(c))}</dt><dd>${escaped(text(row[c]))}${columns[c].sense ? change(c) : ""}</dd></div>`).join("");
+    return `<div class="title">${escaped(title)}</div>` + shown.map((c) => `<div><dt>${escaped(nameOf(c))}</dt><dd>${escaped(text(row[c], c))}${columns[c].sense ? change(c) : ""}</dd></div>`).join("");
   }
   const show = (i) => { if (state.shown !== i) { state.shown = i; mark(); } };
   const keep = (i) => { state.kept = state.kept === i ? null : i; state.shown = null; mark(); };
@@ -330,7 +332,14 @@
   for (const button of document.querySelectorAll("[data-pick]")) {
     const [, i] = picks[button.dataset.pick];
     const told = numbers.filter((c) => ["mass_kg", "torsion_Nm_per_rad", "bending_N_per_mm", "fatigue_safety"].includes(columns[c].name));
-    button.querySelector("small").textContent = told.filter((c) => isNumber(rows[i][c]) && isNumber(original[c])).map((c) => `${columns[c].label} ${(100 * rows[i][c] / original[c]).toFixed(1)} %`).join(", ");
+    const changes = told.filter((c) => isNumber(rows[i][c]) && isNumber(original[c]) && original[c]).map((c) => {
+      const percent = 100 * (rows[i][c] / original[c] - 1), sign = percent >= 0 ? "+" : "";
+      const value = columns[c].name === "mass_kg" ? `${text(rows[i][c], c)}\u00a0kg, ` : "";
+      return { worse: columns[c].sense * percent < -0.05, words: `${columns[c].label} ${value}${sign}${percent.toFixed(1)}\u00a0%` };
+    });
+    changes.sort((a, b) => b.worse - a.worse); // what got worse comes first
+    button.querySelector("small").innerHTML = changes.map(({ worse, words }) => `<span${worse ? ' class="worse"' : ""}>${escaped(words)}</span>`).join("; ");
+    if (changes.some(({ worse }) => worse)) button.parentElement.className = "neutral";
     button.addEventListener("click", () => { state.kept = null; keep(i); one("#scatter").scrollIntoView(); });
   }
 

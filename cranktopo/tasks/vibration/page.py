@@ -9,6 +9,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     DISKS,
+    WEAK,
     barred_sentence,
     cancelled_sentence,
     critical_table,
@@ -34,8 +35,9 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
             Section(
                 "critical-speeds",
                 "Critical speeds",
-                "Lines are orders of the rotation, blue where all cylinders have the same phase; where one "
-                f"meets a natural frequency the shaft resonates. {cancelled_sentence(study)} "
+                "Lines are orders, multiples of the speed of the shaft: blue where all cylinders have the "
+                "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
+                f"resonates; dots are the critical speeds of the table. {cancelled_sentence(study)} "
                 f"{barred_sentence(study)} {run_up_sentence(study)} {misfire_sentence(study)}".rstrip(),
                 (*_critical(study), *_misfires(study)),
                 (campbell, torque),
@@ -69,17 +71,31 @@ def _misfires(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
 
 def _facts(study: VibrationStudy) -> tuple[Fact, ...]:
     response = study.response
-    facts = [
-        Fact("First natural frequency", f"{study.modes[0].frequency_Hz:.0f} Hz", "", "neutral"),
+    facts = [Fact("Warning", *_warned(line), "bad") for line in study.warnings]
+    facts += [
+        _first_frequency(study),
         Fact(
             "Free end swings by",
-            f"+-{response.free_end_deg.max():.2f} deg",
-            f"at {response.speeds_rpm[int(response.free_end_deg.argmax())]:.0f} rpm, rotation included",
+            f"+-{response.free_end_deg.max():.3g} deg",
+            f"at {response.speeds_rpm[int(response.free_end_deg.argmax())]:.0f} rpm, the uneven rotation of "
+            "the whole shaft included",
             "neutral",
         ),
     ]
     if study.barred_rpm is not None:
         barred = ", ".join(f"{low:.0f} to {high:.0f} rpm" for low, high in study.barred_rpm)
         facts.append(Fact("Barred", barred or "none", barred_sentence(study), "bad" if barred else "good"))
-    facts += [Fact("Warning", line.split(":")[0], line, "bad") for line in study.warnings]
     return tuple(facts)
+
+
+def _warned(line: str) -> tuple[str, str]:
+    """Return what is warned of, and what it means."""
+    about, _, meaning = line.removeprefix("shaft: ").partition(": ")
+    return about, f"{meaning[:1].upper()}{meaning[1:]}"
+
+
+def _first_frequency(study: VibrationStudy) -> Fact:
+    critical = [found.speed_rpm for found in study.critical if found.share >= WEAK]
+    most = study.response.speeds_rpm[-1]
+    met = f"first met at {min(critical):.0f} rpm" if critical else f"met by no order up to {most:.0f} rpm"
+    return Fact("First natural frequency", f"{study.modes[0].frequency_Hz:.0f} Hz", met, "neutral")

@@ -6,12 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
+from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.tasks.vibration.text import WEAK
 
 _MOST = 5
 """Orders that a plot shows by themselves."""
 _MODES = 3
+_OFFSET: dict[str, Any] = {"textcoords": "offset points"}
 
 
 def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
@@ -42,36 +46,42 @@ def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
 
 
 def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
-    speeds = study.response.speeds_rpm[[0, -1]]
-    top = 1.15 * min(study.modes[-1].frequency_Hz, study.response.orders[-1] * speeds[-1] / 60)
+    """Draw orders against natural frequencies: at least the first of these, however far above all orders."""
+    speeds, orders = study.response.speeds_rpm[[0, -1]], study.response.orders
+    highest = orders[-1] * speeds[-1] / 60
+    top = 1.15 * max(min(study.modes[-1].frequency_Hz, highest), study.modes[0].frequency_Hz)
     majors = study.response.harmonics.in_phase()[1:]
-    for order, major in zip(study.response.orders, majors, strict=False):
-        line = order * speeds / 60
-        if line[0] > top or order % 1:
-            continue
-        axes.plot(speeds, line, color="C0" if major else "0.8", lw=1.0 if major else 0.6)
-        at = min(speeds[-1], 60 * top / order)
-        axes.annotate(
-            f"{order:g}",
-            (at, order * at / 60),
-            (2, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=6,
-            color=GREY,
-            annotation_clip=False,
-        )
+    for order, major in zip(orders, majors, strict=False):
+        if order % 1 == 0 and order * speeds[0] / 60 <= top:
+            _draw_order(axes, order, speeds, top, major)
     for number, mode in enumerate(study.modes, start=1):
         if mode.frequency_Hz <= top:
             axes.axhline(mode.frequency_Hz, color="C3", lw=1.2)
-            axes.annotate(
-                f"mode {number}", (speeds[0], mode.frequency_Hz), fontsize=7, color="C3", va="bottom"
-            )
-    shown = [found for found in study.critical if found.major]
-    heights = [found.order * found.speed_rpm / 60 for found in shown]
-    axes.plot([found.speed_rpm for found in shown], heights, "o", color="C3", ms=4)
+            name = f"mode {number}, {mode.frequency_Hz:.0f} Hz"
+            axes.annotate(name, (speeds[0], mode.frequency_Hz), (2, 3), fontsize=7, color="C3", **_OFFSET)
+    for found in study.critical:
+        if found.share >= WEAK:
+            _draw_critical(axes, found, speeds)
     axes.set(xlim=speeds, ylim=(0, top), xlabel="speed (rpm)", ylabel="frequency (Hz)")
     plain(axes)
+
+
+def _draw_order(axes: Any, order: float, speeds: Array, top: float, major: bool) -> None:
+    axes.plot(speeds, order * speeds / 60, color="C0" if major else "0.8", lw=1.0 if major else 0.6)
+    at = min(speeds[-1], 60 * top / order)
+    style: dict[str, Any] = {"va": "center", "fontsize": 6, "color": GREY, "annotation_clip": False}
+    axes.annotate(f"{order:g}", (at, order * at / 60), (2, 0), **_OFFSET, **style)
+
+
+def _draw_critical(axes: Any, found: CriticalSpeed, speeds: Array) -> None:
+    """Mark a critical speed with its order, whose line is drawn where it is a half one."""
+    frequency = found.order * found.speed_rpm / 60
+    if found.order % 1:
+        axes.plot(speeds, found.order * speeds / 60, color="C1", lw=0.8, ls="--", zorder=1)
+    axes.plot([found.speed_rpm], [frequency], "o", color="C3", ms=4)
+    style: dict[str, Any] = {"fontsize": 7, "ha": "right", "va": "top", "zorder": 4}
+    style["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+    axes.annotate(f"{found.order:g}", (found.speed_rpm, frequency), (-3, -4), **_OFFSET, **style)
 
 
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:

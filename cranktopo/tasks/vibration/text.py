@@ -13,7 +13,7 @@ DISKS = (
     "one body by finite elements. An error bound of the stiffness does not cover that."
 )
 """Error of the model itself, as the page of torsional vibration has it."""
-_WEAK = 0.05
+WEAK = 0.05
 """Share of the cylinders that help each other below which a critical speed is not listed."""
 
 
@@ -33,7 +33,7 @@ def critical_table(study: VibrationStudy) -> ResultTable:
     response = study.response
     rows: list[Row] = []
     for found in study.critical:
-        if found.share < _WEAK:
+        if found.share < WEAK:
             continue
         low, high = found.speed_rpm, found.speed_rpm * (1 + study.varying.rise)
         near = (response.speeds_rpm >= low) & (response.speeds_rpm <= high)
@@ -47,13 +47,13 @@ def critical_table(study: VibrationStudy) -> ResultTable:
 
 def cancelled_sentence(study: VibrationStudy) -> str:
     """Return the critical speeds of the first mode that even firing takes away; empty where none is."""
-    weak = [found for found in study.critical if found.share < _WEAK and found.mode == 1]
+    weak = [found for found in study.critical if found.share < WEAK and found.mode == 1]
     if not weak:
         return ""
     places = ", ".join(f"{found.speed_rpm:.0f} rpm (order {found.order:g})" for found in weak)
     silent = study.response.harmonics.misfire
     return (
-        f"Mode 1 is also met at {places}, where the cylinders cancel one another to below {_WEAK:.0%}"
+        f"Mode 1 is also met at {places}, where the cylinders cancel one another to below {WEAK:.0%}"
         f"{'' if silent else ': a cylinder that misfires excites it there'}."
     )
 

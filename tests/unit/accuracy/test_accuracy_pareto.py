@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
@@ -166,6 +167,19 @@ def test_the_report_of_a_run_shows_its_studies(front: StudyResult) -> None:
     assert plain.pictures == (), "one number is no plot"
     assert "'cranktopo accuracy one'" in plain.text
     assert len(full.pictures) == 1
+
+
+def test_names_of_levels_stand_where_no_level_is(front: StudyResult) -> None:
+    (plot,) = study_pictures(front)
+    axes = plot.figure.axes[0]
+    plot.figure.canvas.draw()
+    inner = axes.get_window_extent()
+    points = np.concatenate([axes.transData.transform(line.get_xydata()) for line in axes.lines])
+    assert len(axes.texts) >= 3
+    for text in axes.texts:
+        box = text.get_window_extent()
+        assert not any(box.padded(2).contains(*point) for point in points), text.get_text()
+        assert inner.x0 <= box.x0
 
 
 def test_one_level_has_no_error_and_no_plot() -> None:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
-from cranktopo.report.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes
+from cranktopo.report.shading import JOURNAL_COLOUR, WEB_COLOUR, draw, extent_mm, shaded, view_axes, visible
 from cranktopo.tasks.optimise.picture import run_figure, save_run_picture
 
 WEB_Z = (10.0, 16.0)
@@ -97,6 +97,14 @@ def test_sides_of_a_body_that_lies_off_stay_web(throw: SurfaceMesh, off_mm: floa
     side = (np.isin(corners[:, :, 2], WEB_Z).all(axis=1)) & (corners[:, :, 0] > 8.5).any(axis=1)
     assert side.any()
     assert (body.colours[side] == WEB_COLOUR).all()
+
+
+def test_a_point_is_seen_from_its_own_side_alone(throw: SurfaceMesh) -> None:
+    """Of the free end of the pin, and of the web beside the journal."""
+    body = shaded(throw, WEB_Z)
+    for point, side in (((5.0, 25.0, 30.0), 1.0), ((-8.0, 0.0, 10.0), -1.0)):
+        seen = [visible(body, view_axes((0.2, -0.1, z), UP), np.array(point)) for z in (side, -side)]
+        assert seen == [True, False]
 
 
 def test_what_is_in_front_hides_what_is_behind(throw: SurfaceMesh) -> None:

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
-from cranktopo.report.plot import Picture, picture
+from cranktopo.report.plot import Picture, name_above, picture, plain_decades
 from cranktopo.tasks.balance.plot import _Curve, _emptiest_deg
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
 from cranktopo.tasks.vibration.plots import _draw_modes
@@ -52,6 +54,36 @@ def test_a_plot_is_legible(plot: Picture) -> None:
     assert inner.height > 1.2 * figure.dpi, "the names take no height from the axes"
     ticks = [tick.get_window_extent() for tick in axes.get_yticklabels() if tick.get_text()]
     assert not any(one.overlaps(other) for one, other in pairwise(ticks))
+
+
+def test_names_above_the_axes_leave_these_their_width() -> None:
+    """A name that is too long for one line of three is in the next one."""
+    figure = Figure(figsize=(9, 6), layout="constrained")
+    FigureCanvasAgg(figure)
+    for axes in figure.subplots(2, 1):
+        for number in range(3):
+            axes.plot([0, number], label=f"acceleration of the piston, 1 = 299{number} m/s²")
+        name_above(axes, 7.8)
+    figure.canvas.draw()
+    for axes in figure.axes:
+        inner, names = axes.get_window_extent(), axes.get_legend().get_window_extent()
+        assert inner.width > 0.85 * figure.bbox.width
+        assert names.x1 <= figure.bbox.x1
+        assert not names.overlaps(inner)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [((1.3, 25.0), {"2", "5", "10", "20"}), ((0.056, 1.0), {"0.1", "0.2", "0.5", "1"}), ((3.1, 4.2), set())],
+)
+def test_a_logarithmic_axis_has_plain_numbers(values: tuple[float, float], told: set[str]) -> None:
+    axes = picture("log", "", lambda axes: axes.plot(values)).figure.axes[0]
+    axes.set_yscale("log")
+    plain_decades(axes.yaxis)
+    axes.figure.canvas.draw()
+    labels = {tick.get_text() for tick in axes.get_yticklabels(which="both") if tick.get_text()}
+    assert told <= labels
+    assert not any("10^" in label for label in labels)
 
 
 def test_the_scale_of_a_polar_plot_stands_where_no_curve_goes() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cranktopo.report.plot import picture
-from cranktopo.tasks.shape.page import draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import multiplier_table, multiplier_text
 from tests.unit.shape.shape_results import goal, invented_data
@@ -51,3 +51,8 @@ def test_the_convergence_shows_goal_and_worst_limit_of_every_web(data: dict[str,
     assert np.asarray(drawn.lines[0].get_ydata()) == pytest.approx([90.0, 87.5])
     assert np.asarray(limit.lines[0].get_ydata()) == pytest.approx([0.4, 0.0])
     assert [tick.get_text() for tick in drawn.get_xticklabels()] == ["cells", "finish 1"]
+
+
+def test_two_webs_are_no_curve(data: dict[str, Any]) -> None:
+    assert curves(_found(data)) == ()
+    assert len(curves(_found(data | {"rounds": [*data["rounds"], *data["rounds"]]}))) == 2

@@ -1,0 +1,83 @@
+"""A report as PDF: tables of ruled columns that fit the paper, rows whole, heads again on each page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from cranktopo.report.page import Fact, Page, Section, pairs
+from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, table
+from cranktopo.report.pdf_file import blocks, sheets, write_pdf
+from cranktopo.report.plot import picture
+from cranktopo.report.result_table import ResultTable
+
+_LONG = "the largest radial force of the cycle on the web, and why it is that and no other of them"
+
+
+def rows(count: int) -> ResultTable:
+    cells = tuple(
+        {"effect": f"effect {n}", "size_percent": 18.3, "because": _LONG, "leaving_it_out_changes": _LONG}
+        for n in range(count)
+    )
+    return ResultTable({"effect": 0, "size_percent": 1, "because": 0, "leaving_it_out_changes": 0}, cells)
+
+
+def drawn(block: Block) -> list[tuple[float, float, str]]:
+    """Left and right end in points, and the text, of what a block draws."""
+    figure = Figure(figsize=(595 / 72, 842 / 72), dpi=72)
+    block.draw(figure, HEIGHT - MARGIN)
+    boxes = [(text.get_window_extent(), text.get_text()) for text in figure.texts]
+    return [(box.x0, box.x1, text) for box, text in boxes if text]
+
+
+def test_columns_fit_side_by_side_and_lie_apart() -> None:
+    head, *body = table(rows(2))
+    for block in (head, *body):
+        for left, right, _ in drawn(block):
+            assert MARGIN - 1 <= left < right <= MARGIN + ROOM + 1
+    (row, *_) = body
+    texts = drawn(row)
+    assert " ".join(text for left, _, text in texts if text in _LONG).count("the largest radial") == 2
+    ends = sorted((left, right) for left, right, _ in texts)
+    columns = sorted({round(left) for left, _ in ends})
+    assert len(columns) >= 3
+
+
+def test_a_number_is_not_parted_and_all_heads_are_bold() -> None:
+    columns = {f"bending_of_shape_{n}_MPa": 1 for n in range(9)}
+    head, row = table(
+        ResultTable({"target": 0, **columns}, ({"target": "a-long-name", **dict.fromkeys(columns, 123.4)},))
+    )
+    assert [text for _, _, text in drawn(row)].count("123.4") == 9
+    figure = Figure()
+    head.draw(figure, HEIGHT)
+    weights = {text.get_text(): text.get_weight() for text in figure.texts}
+    assert weights["bending"] == "bold"
+    assert weights["MPa"] == "normal"
+
+
+def test_a_row_stays_whole_and_the_head_stands_on_every_page() -> None:
+    page = Page("T", "t", "h", (), (Section("a", "A", "", (("Table", rows(90)),)),))
+    found = sheets(list(blocks(page)))
+    assert len(found) > 2
+    assert all(sum(block.height for block in sheet) <= HEIGHT - 2 * MARGIN for sheet in found)
+    for sheet in found[1:]:
+        assert "effect" in [text for _, _, text in drawn(sheet[0])]
+
+
+def test_pairs_have_no_head_and_plots_stand_side_by_side(tmp_path: Path) -> None:
+    plots = tuple(picture(name, "alt", lambda axes: axes.plot([0, 1])) for name in "abc")
+    facts = (Fact("Q", "1.1", "at least 1.15", "bad"), Fact("Mesh", "kept", "", "good"))
+    page = Page(
+        "T", "t", "h", facts, (Section("a", "A", "by `it`", (("P", pairs([("mass", "1 kg")])),), plots),)
+    )
+    made = list(blocks(page))
+    texts = [text for block in made[:-2] for _, _, text in drawn(block)]
+    assert "what" not in texts
+    assert "by it" in texts
+    assert "Mesh: kept" in texts
+    assert made[-1].height < 0.6 * ROOM
+    path = tmp_path / "page.pdf"
+    write_pdf(page, path, "D-1")
+    assert path.read_bytes().startswith(b"%PDF")
