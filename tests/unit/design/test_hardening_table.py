@@ -11,6 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 
+FATIGUE = ("fatigue_tension_MPa", "fatigue_bending_MPa")
 GIVEN = {"process": "nitrided", "case_depth_mm": 0.4, "surface_hardness_HV": 700.0}
 
 
@@ -96,4 +97,4 @@ def test_hardness_needs_steel_and_a_core() -> None:
     ):
         scene({}, {"fkm_group": "GJS"})
     with pytest.raises(CranktopoError, match="core_hardness_HV: is missing"):
-        scene({}, {"ultimate_MPa": 200.0})
+        scene({}, dict.fromkeys(("ultimate_MPa", "yield_MPa", *FATIGUE), 200.0))
