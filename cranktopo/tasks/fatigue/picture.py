@@ -116,11 +116,11 @@ def _draw_history(axes: Any, diagram: PlaneDiagram, safety: float) -> None:
     axes.set(
         xlabel=f"{diagram.abscissa}, MPa",
         ylabel="shear stress about the middle of its path, MPa",
-        ylim=(0, 1.15 * max(diagram.limit_MPa, float(shear.max()))),
+        ylim=(0, 1.4 * max(diagram.limit_MPa, float(shear.max()))),
         title="shear and normal stress through the load states",
     )
     axes.grid(color="0.9")
-    axes.legend(loc="lower left")
+    axes.legend(loc="upper right")
 
 
 def _inside(body: ShadedMesh) -> ShadedMesh:
