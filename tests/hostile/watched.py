@@ -16,6 +16,8 @@ import psutil
 PROGRAM = [sys.executable, "-X", "faulthandler", "-c", "from cranktopo.app.launch import main; main()"]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 SILENT_S, ENDLESS_S = 30.0, 900.0
+_BUSY = 8
+"""A machine that has other work to do may take so many times as long."""
 SILENT, ENDLESS = "silent for too long", "does not end in time"
 
 
@@ -43,7 +45,7 @@ class Ended:
 def watched(
     words: list[str], folder: Path, limit: Callable[[], None] | None = None, endless_s: float = ENDLESS_S
 ) -> Ended:
-    """Run a command in a folder to its end, or until it has said nothing for too long."""
+    """Run a command in a folder to its end, or until it has worked or said nothing for too long."""
     process = subprocess.Popen(
         [*PROGRAM, *words],
         stdout=subprocess.DEVNULL,
@@ -63,18 +65,19 @@ def watched(
     listener = threading.Thread(target=listen)
     listener.start()
     began = time.monotonic()
-    fault = _until_its_end(process, began + endless_s, heard)
+    fault = _until_its_end(process, endless_s, heard)
     listener.join()
     return Ended(process.wait(), time.monotonic() - began, b"".join(lines).decode(), fault)
 
 
-def _until_its_end(process: subprocess.Popen[bytes], until: float, heard: list[float]) -> str:
+def _until_its_end(process: subprocess.Popen[bytes], endless_s: float, heard: list[float]) -> str:
+    began = time.monotonic()
     while process.poll() is None:
         time.sleep(0.2)
         now, worked = time.monotonic(), worked_s(process.pid)
         # A machine that has other work to do is no fault: both clocks count.
         silent = min(now - heard[0], worked - heard[1]) > SILENT_S
-        if silent or now > until:
+        if silent or worked > endless_s or now - began > _BUSY * endless_s:
             end_with_children(process.pid)
             return SILENT if silent else ENDLESS
     return ""

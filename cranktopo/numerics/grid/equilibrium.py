@@ -208,7 +208,7 @@ def _reason(
     if limit > _ROUNDED * tolerance and (found is None or found[0] != worst):
         return (
             f" Float64 ends there: rounding of displacements alone may leave {limit:.0e}.",
-            "Stiff parts move far on soft ones: use stiffer bearing springs, a shorter throw or a stiffer web.",
+            "Stiff parts move far on soft ones: take stiffer bearing springs, a shorter throw or more web.",
         )
     return (
         f" In load case {names[found[0]]} {found[1]}." if found else "",

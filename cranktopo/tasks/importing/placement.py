@@ -119,11 +119,15 @@ def misfits(body: Manifold, scene: Scene) -> list[str]:
     end = scene.pitch_mm / 2
     if abs(low) > _EXTENT_MM or abs(high - end) > _EXTENT_MM:
         return [f"reaches from z = {low:.3f} to {high:.3f} mm, the half throw from 0 to {end:g} mm"]
-    return ring_misfits(body, scene) or list(_zones(body, scene))
+    return _ring_misfits(body, scene) or list(_zones(body, scene))
 
 
 def ring_misfits(body: Manifold, scene: Scene) -> list[str]:
-    """Return cross-sections of the journals that are not their rings."""
+    """Return cross-sections of the journals that are not their rings, oil drillings aside."""
+    return _ring_misfits(_undrilled(body, scene), scene)
+
+
+def _ring_misfits(body: Manifold, scene: Scene) -> list[str]:
     return [line for name, journal, y, z in _places(scene) for line in _misfit(body, name, journal, y, z)]
 
 

@@ -19,7 +19,7 @@ from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.importing.placement import misfits
+from cranktopo.tasks.importing.placement import misfits, ring_misfits
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.drilling.moments import drilled
 from cranktopo.throw.drilling.outlet import ring_points
@@ -287,3 +287,14 @@ def test_a_drilled_body_lies_where_the_throw_is(place: float) -> None:
     body = main + pin + (web - web_bores(scene))
     assert not misfits(body, scene)
     assert misfits(body.translate((3.0, 0.0, 0.0)), scene)
+
+
+def test_a_drilling_is_no_bore_of_a_solid_journal() -> None:
+    """Where a section crosses it whole; the import of a crank asks for the rings alone."""
+    scene = load_scene("industrial-gas")
+    (main, pin), (start, end) = journal_halves(scene), scene.web_z_mm
+    web = Manifold.cube((165.0, 285.0, end - start)).translate((-82.5, -95.0, start))
+    body = main + pin + (web - web_bores(scene))
+    plain = scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": ()})})
+    assert any("bore" in line for line in ring_misfits(body, plain))
+    assert not ring_misfits(body, scene)
