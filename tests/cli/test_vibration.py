@@ -235,7 +235,7 @@ def test_an_endless_run_up_is_refused_before_anything_is_solved(
 
 
 def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """By option or key alike; `worst` has the same number for it, one line per cylinder, beside the healthy."""
+    """By option or key alike; `worst` has the same numbers for it, one line a cylinder, beside all firing."""
     table = GIVEN + "flywheel = {inertia_kg_m2 = 0.1}\n"
     path = design(tmp_path, table, MEAN_INERTIA)
     healthy, third = printed([path], capsys), printed([path, "--misfire", "3"], capsys)
