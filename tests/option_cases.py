@@ -168,6 +168,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--method": Acts(MIKRON, "--method fkm"),
         "--fillet-fraction": Refused(f"{MIKRON} --fillet-fraction 0.3", "without --method no stress"),
         "--report": Acts(MIKRON, "--report shaft.html"),
+        "--misfire": Acts(MIKRON, "--misfire 2"),
         "--json": Shown("cli/test_cad_bodies.py::test_the_shaft_of_a_body_is_that_of_its_design"),
     },
     "vibration": {
@@ -177,6 +178,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--report": Acts("given.toml", "--report v.md"),
         "--csv": Acts("given.toml", "--csv v.csv"),
         "--run-up": Acts("given.toml", "--run-up 2s"),
+        "--misfire": Acts("given.toml", "--misfire 2"),
         "--json": Acts("given.toml", "--json"),
     },
     "extract": {

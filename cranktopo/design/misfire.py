@@ -39,7 +39,7 @@ def with_misfire(scene: Scene, cylinders: Sequence[int]) -> Scene:
     try:
         check_misfire(found.engine, "--misfire")
     except CranktopoError as error:
-        raise CranktopoError(str(error), hint=error.hint, code=ExitCode.USAGE) from None
+        raise CranktopoError(error.message, hint=error.hint, code=ExitCode.USAGE) from None
     return found
 
 

@@ -241,3 +241,50 @@ def test_an_endless_run_up_is_refused_before_anything_is_solved(
     monkeypatch.setattr("cranktopo.tasks.vibration.stage.evaluate_shaft", lambda *_: pytest.fail("solved"))
     assert main(["vibration", design(tmp_path, "speed_min_rpm = 2000.0"), "--run-up", "20h"]) == 2
     assert "--run-up 72000 s: must be >=" in capsys.readouterr().err
+
+
+def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """By option or key alike; `worst` has the same numbers for it, one line a cylinder, beside all firing."""
+    table = GIVEN + "flywheel = {inertia_kg_m2 = 0.1}\n"
+    path = design(tmp_path, table, MEAN_INERTIA)
+    healthy, third = printed([path], capsys), printed([path, "--misfire", "3"], capsys)
+    every, page = printed([path, "--misfire", "worst"], capsys), tmp_path / "page.html"
+    assert "misfire" not in healthy
+    assert third["misfire"] == [3]
+    assert [one["cylinder"] for one in every["misfires"]] == [1, 2, 3, 4]
+    same = every["misfires"][2]
+    assert {key: same[key] for key in ("speed_rpm", "torque_amplitude_Nm", "section", "order")} == {
+        key: third["worst"][key] for key in ("speed_rpm", "torque_amplitude_Nm", "section", "order")
+    }
+    assert every["worst"] == healthy["worst"]
+    assert third["worst"]["mean_torque_Nm"] < healthy["worst"]["mean_torque_Nm"]
+    keyed = MEAN_INERTIA.replace("[1, 3, 4, 2]", "[1, 3, 4, 2]\nmisfire = [3]")
+    by_key = printed([design(tmp_path, table, keyed)], capsys)
+    assert {**by_key, "assumed": None} == {**third, "assumed": None}
+    found = [str(tmp_path / "mine.toml"), "--misfire", "worst", "--report", str(page), "--quiet"]
+    assert main(["vibration", *found]) == 0
+    out = capsys.readouterr().out
+    assert "One cylinder that does not fire:" in out
+    assert "does not fire: compression" not in out  # the key gives way to the option
+    worst = max(every["misfires"], key=lambda one: one["torque_amplitude_Nm"])
+    assert f"Misfire of cylinder {worst['cylinder']} is the worst" in out
+    assert "One cylinder that does not fire" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--misfire", "9"], "--misfire = [9]: must be numbers of cylinders, 1 to 4."),
+        (["--misfire", "2", "--misfire", "2"], "names a cylinder twice. Name each once."),
+        (["--misfire", "worst", "--misfire", "2"], "--misfire worst: looks at every cylinder alone."),
+        (["--misfire", "all"], "must be the number of a cylinder, 1 at the free end, or worst."),
+        (["--misfire", "0"], "must be the number of a cylinder"),
+    ],
+)
+def test_cylinders_that_are_none(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["vibration", design(tmp_path, GIVEN), *words, "--quiet"]) == 2
+    found = capsys.readouterr()
+    assert said in found.err
+    assert len(found.err.splitlines()) == 1

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.analysis import analyse, at_speed
-from cranktopo.engine.forces import shaft_torque
+from cranktopo.engine.forces import by_cylinder, shaft_torque
 from cranktopo.engine.gas import combustion_pressure_MPa, fit_combustion
 from cranktopo.engine.kinematics import exact_motion
 
@@ -80,7 +80,8 @@ def test_engine_torque_sums_the_cylinders_at_their_firing_angles():
     """A spike at 30 deg of one throw, firing order 1-3-4-2: what each throw passes on."""
     angle = np.arange(0.0, 720.0, 1.0)
     spike = np.where(angle == 30, 100.0, 0.0)
-    shaft = shaft_torque(angle, spike, MIKRON.engine.firing_angles_deg, 4, 720.0).passed_on_Nm
+    every = by_cylinder(spike, angle, MIKRON.engine.firing_angles_deg, 720.0)
+    shaft = shaft_torque(angle, every, 4).passed_on_Nm
     fires = {1: 30, 3: 210, 4: 390, 2: 570}
     for behind in range(1, 5):
         expected = sorted(fires[k] for k in range(1, behind + 1))
