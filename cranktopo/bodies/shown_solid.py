@@ -6,7 +6,7 @@ Curves are chains of chords; the CAD kernel, which is exact, takes a second and 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from manifold3d import CrossSection, FillRule, Manifold
@@ -26,6 +26,7 @@ from cranktopo.throw.primitives import (
     Extrusion,
     Frustum,
     LineSegment,
+    Point,
     Rectangle,
     Solid,
 )
@@ -65,7 +66,7 @@ def _solid(solid: Solid) -> Manifold:
             rings = [_ring(np.array(ring), r) for ring, r in zip((floor, mouth), radii, strict=True)]
             return Manifold.hull_points(np.concatenate(rings))
         case Extrusion(contour, path):
-            return _swept(np.concatenate([_points(curve) for curve in contour]), np.array(path))
+            return _swept(np.concatenate([_points(curve) for curve in _onward(contour)]), np.array(path))
         case _:
             return Manifold()  # roundings of outlets come with the drillings
 
@@ -91,6 +92,38 @@ def _swept(contour: Array, path: Array) -> Manifold:
 def _area(points: Array) -> float:
     x, y = points.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def _onward(contour: Sequence[Curve]) -> Iterator[Curve]:
+    """Yield the edges of a contour, each from where the last one ends; both flanks are listed upwards."""
+    at = None
+    for curve in contour:
+        ends = _ends(curve)
+        if at is not None and ends and math.dist(ends[1], at) < math.dist(ends[0], at):
+            curve, ends = _reversed(curve), ends[::-1]
+        at = ends[1] if ends else None
+        yield curve
+
+
+def _ends(curve: Curve) -> tuple[Point, Point] | None:
+    """Return where an edge begins and ends; None of a closed one."""
+    match curve:
+        case LineSegment(start, end) | Arc(start, _, end):
+            return start, end
+        case Bezier(points):
+            return points[0], points[-1]
+    return None
+
+
+def _reversed(curve: Curve) -> Curve:
+    match curve:
+        case LineSegment(start, end):
+            return LineSegment(end, start)
+        case Arc(start, centre, end):
+            return Arc(end, centre, start)
+        case Bezier(points):
+            return Bezier(points[::-1])
+    return curve
 
 
 def _points(curve: Curve) -> Array:
