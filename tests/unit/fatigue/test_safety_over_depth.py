@@ -19,6 +19,7 @@ from cranktopo.tasks.fatigue.hardening import (
     least_safety,
     of_nodes,
     over_depth,
+    safety_at,
     told_fillet,
 )
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
@@ -74,6 +75,17 @@ def test_a_straight_fall_of_the_stress_decides_just_below_the_layer() -> None:
     told = told_fillet(by_amplitude, one, local)
     assert (told.depth_mm, told.safety, told.safety_below) == (depth, told.safety_below, told.safety)
     assert told.gain == pytest.approx(1 / (1 - gradient * depth))
+
+
+def test_amplitude_and_mean_stress_both_fall() -> None:
+    """Local stress analysis by hand at 2 mm of a straight fall: 1 / k = share (a / strength + m / Rm)."""
+    gradient, depth, core = 0.02, 2.0, Layer("induction", 9.0, 340.0, 340.0, 340.0, NO_RESIDUAL)
+    share = 1 - gradient * depth
+    there = gradient / share
+    support = 1 + (525 / 495 - 1) / (2 / 7.5) * there
+    notch = 1 + math.sqrt(there) * 10 ** -(0.35 + 900 / 810)
+    used = share * (300 / (495 * 0.89 * 0.75 * support / notch) + 100 / 1100)
+    assert safety_at(judge, fillet(core), points(gradient), depth)[0] == pytest.approx(1 / used, rel=1e-12)
 
 
 def test_a_steep_fall_decides_at_the_surface_and_tells_the_transition_beside_it() -> None:
