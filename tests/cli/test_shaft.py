@@ -239,3 +239,38 @@ def test_safety_of_every_web(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         "Force on main bearing 5",
     ):
         assert part in text
+
+
+def test_a_cylinder_that_does_not_fire(capsys: pytest.CaptureFixture[str]) -> None:
+    """Alone, its throw carries less and the others what they did; in the shaft its neighbours feel it."""
+    found = []
+    for more in ([], ["--misfire", "2"]):
+        assert (
+            main(["shaft", "mikron-iiic-plain", "--element-size-mm", "30", "--json", "--quiet", *more]) == 0
+        )
+        found.append(json.loads(capsys.readouterr().out))
+    healthy, dead = found
+    assert "misfire" not in healthy
+    assert dead["misfire"] == [2]
+    (one,), (other,) = healthy["on_bearings"], dead["on_bearings"]
+    for before, after in zip(one["webs"], other["webs"], strict=True):
+        if before["throw"] == 2:
+            assert after["alone_Nm"] < 0.5 * before["alone_Nm"]
+        else:
+            assert after["alone_Nm"] == before["alone_Nm"]
+    ranges = [{web["web"]: web["range_Nm"] for web in at["webs"]} for at in (one, other)]
+    assert any(ranges[0][web] != ranges[1][web] for web in (1, 2, 5, 6))
+    assert dead["torsion"] == healthy["torsion"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--misfire", "5"], "--misfire = [5]: must be numbers of cylinders, 1 to 4."),
+        (["--misfire", "worst"], "must be the number of a cylinder, 1 at the free end."),
+        (["--misfire", "2", "--bearings", "free"], "--misfire: the forces on all bearings need"),
+    ],
+)
+def test_cylinders_that_are_none(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["shaft", "mikron-iiic-plain", "--quiet", *words]) == 2
+    assert said in capsys.readouterr().err

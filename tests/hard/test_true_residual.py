@@ -26,7 +26,7 @@ from tests.hard.oracle import Array, rigid_motion
 EXTENDED = np.longdouble
 Extended = NDArray[np.longdouble]
 pytestmark = pytest.mark.skipif(
-    np.finfo(EXTENDED).eps > 1e-18, reason="no extended precision on this processor"
+    bool(np.finfo(EXTENDED).eps > 1e-18), reason="no extended precision on this processor"
 )
 
 CELL_MM, TOLERANCE = 6.4, 1e-8

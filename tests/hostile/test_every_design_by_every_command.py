@@ -74,9 +74,11 @@ LEFT = {"import": "throw.step", **dict.fromkeys(["extract", "evaluate RUN", "rep
 LEFT |= {"runs show": RUN, "remodel": RUN}
 """What must be there: a command whose own input another one refused is left out."""
 ENDLESS_S = {"cheap": 900.0, "run": 1800.0, "dear": 7200.0}
-_ENGINE = r"engine = None: must be given|has no \[engine\]"
 REFUSED = {
-    "balance": _ENGINE,
+    "balance": "engine = None: must be given",
+    "vibration": r"\[engine\] is missing|engine\.gas: is missing",
+    "shaft": r"\[engine\] is missing",
+    "fatigue": "engine: is missing",
     "film": r"\[bearings\] is missing",
     "bolts": "has no bolted joint",
     "rod": r"\[rod\] is missing",
