@@ -300,8 +300,9 @@ class Bench:
         self._tell_state()
 
     def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        text, name, command = new_design(dict(asked["answers"]))
+        text, name, command, assumed = new_design(dict(asked["answers"]))
         self.open_text(text, f"{name}.toml", "begun from usual proportions", command)
+        tell({"type": "told", "message": "\n".join(assumed)})
 
     def _open(self, asked: Mapping[str, Any], tell: Tell) -> None:
         name = str(asked["name"])

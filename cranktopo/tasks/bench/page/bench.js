@@ -26,6 +26,7 @@ function hear(message) {
     made: () => hearMade(message),
     busy: () => status(message.what),
     error: () => complain(message.message),
+    told: () => complain(message.message, true),
   }[message.type];
   if (act) act();
 }
