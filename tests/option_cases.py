@@ -244,6 +244,11 @@ TABLE: dict[str, dict[str, Case]] = {
         "--cylinders": Acts("new.toml", "--cylinders 6"),
         "--bore-mm": Acts("new.toml", "--bore-mm 100"),
         "--stroke-mm": Acts("new.toml", "--stroke-mm 70"),
+        "--speed-rpm": Acts("new.toml --bore-mm 100", "--speed-rpm 2000"),
+        "--rod-length-mm": Acts("new.toml --bore-mm 100", "--rod-length-mm 190"),
+        "--peak-pressure-MPa": Acts("new.toml --bore-mm 100", "--peak-pressure-MPa 9"),
+        "--power-kW": Acts("new.toml --bore-mm 100", "--power-kW 20"),
+        "--material": Acts("new.toml --bore-mm 100", "--material 34CrNiMo6"),
         "--force": Acts("given.toml", "--force"),
     },
     "designs sketch": {

@@ -99,7 +99,7 @@ class GasAtSpeed(SceneTable):
     rpm: TurningSpeed = Field(examples=[1000.0])
     """Speed that it belongs to; between two of them pressures are interpolated, beyond the last kept."""
     file: str | None = Field(default=None, examples=["indicator_1000.csv"])
-    """CSV of the measured pressure, as `engine.gas.indicator_csv`."""
+    """CSV of the measured pressure, as `engine.gas.indicator_csv`: 0 deg is firing top dead centre."""
     peak_pressure_MPa: Pressure | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
     """Peak pressure at this speed, in place of a file."""
     peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
@@ -114,10 +114,9 @@ class Gas(SceneTable):
     """
 
     indicator_csv: str | None = Field(default=None, examples=["indicator.csv"])
-    """CSV of the measured absolute pressure over one cycle, instead of the peak; relative to this file.
-
-    Its columns are `crank_angle_deg` and `pressure_bar` or `pressure_MPa`.
-    """
+    """CSV of the measured absolute pressure over one cycle, instead of the peak; relative to this file. Its
+    columns are `crank_angle_deg`, with firing top dead centre at 0 deg, and `pressure_bar` or `pressure_MPa`.
+    A trace that has it at 360 deg is shifted by 360 deg."""
     peak_pressure_MPa: Pressure | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
     """Peak pressure that the combustion model is fitted to."""
     peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)

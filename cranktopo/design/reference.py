@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -187,19 +187,26 @@ in it has another.
 """
 
 
-def template(name: str, values: Mapping[str, Any] | None = None, origin: str = "") -> str:
+Sized = Callable[[str, str, Any], Any]
+"""Gives the example of a key, from the path of its table, its name and the example of the schema."""
+
+
+def template(
+    name: str, values: Mapping[str, Any] | None = None, origin: str = "", sized: Sized | None = None
+) -> str:
     """Return TOML text of a design of that name with every key of a scene; it is valid as it stands.
 
     Args:
         values: by key path; they are switched on with their tables, in place of the examples.
-        origin: where the values are from, for the heading.
+        origin: where the values are from, for the heading; a paragraph a line.
+        sized: gives examples for another size of engine than that of the schema.
     """
     given = {"name": name, **(values or {})}
-    lines = [*_HEADING.format(name=name).splitlines(), *filter(None, [origin])]
+    lines = [*_HEADING.format(name=name).splitlines(), *filter(None, origin.splitlines())]
     heading = "\n".join(map(_prose, lines))
     off: set[str] = set()
     blocks = [heading]
-    for path, group in groupby(scene_reference(), key=lambda table: table.path):
+    for path, group in groupby(_sized_reference(sized), key=lambda table: table.path):
         tables = list(group)
         first = tables[0]
         wanted = any(key.startswith(f"{path}.") for key in given)
@@ -207,6 +214,15 @@ def template(name: str, values: Mapping[str, Any] | None = None, origin: str = "
             off.add(path)
         blocks += _blocks(tables, given, "#" if path in off else "")
     return "\n\n".join(blocks) + "\n"
+
+
+def _sized_reference(sized: Sized | None) -> Iterator[TableReference]:
+    for table in scene_reference():
+        if sized is None:
+            yield table
+            continue
+        keys = (replace(key, example=sized(table.path, key.name, key.example)) for key in table.keys)
+        yield replace(table, keys=tuple(keys))
 
 
 def _blocks(tables: list[TableReference], values: Mapping[str, Any], off: str) -> Iterator[str]:

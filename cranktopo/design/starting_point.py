@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.units import stem_and_unit
 from cranktopo.design.schema import Scene
 
 LayoutName = Literal["single", "in-line", "V", "boxer"]
@@ -58,13 +59,45 @@ _LENGTHS = {
     "web.thickness_mm": 0.22,
     "web.width_mm": 0.87,
 }
-"""Lengths over the bore, within a quarter of those of the built-in `car-diesel`."""
+"""Lengths over a bore of a car, within a quarter of those of the built-in `car-diesel`."""
 _LENGTHS_OF_V = {"throw.crankpin.length_mm": 0.55, "web.thickness_mm": 0.26}
+_LARGE_LENGTHS = {
+    "throw.main_journal.outer_diameter_mm": 0.90,
+    "throw.main_journal.length_mm": 0.44,
+    "throw.main_journal.fillet_mm": 0.045,
+    "throw.crankpin.outer_diameter_mm": 0.80,
+    "throw.crankpin.length_mm": 0.44,
+    "throw.crankpin.fillet_mm": 0.045,
+    "web.thickness_mm": 0.36,
+    "web.width_mm": 1.30,
+}
+"""Lengths over a large bore: charged medium-speed engines have 18 to 20 MPa and the rule's 1.15."""
+_LARGE_LENGTHS_OF_V = {"throw.crankpin.length_mm": 0.80, "web.thickness_mm": 0.40}
+_CAR_MM, _LARGE_MM = 130.0, 250.0
+"""Bores up to which, and from which on, either set of lengths holds; between them they blend."""
 _ROD = 3.5
 """Rod over throw radius."""
 _MASSES_KG = {"piston_group_kg": 1.4e-6, "rod_reciprocating_kg": 0.4e-6, "rod_rotating_kg": 1.0e-6}
 """Masses over the cube of the bore in mm."""
 _PISTON_SPEED_M_S = 10.0
+_EXAMPLE_BORE_MM, _EXAMPLE_RPM = 95.0, 2100.0
+"""Engine of the examples of all keys."""
+_POWERS = {"mm": 1, "N/mm": 1, "N": 2, "kN": 2, "kW": 2, "N m": 3, "N m/rad": 3, "kg": 3, "kg mm": 4}
+_POWERS |= {"kg m²": 5, "N m s/rad": 4}
+"""By which quantities grow with the size of an engine at one piston speed and pressure."""
+_EXAMPLE_WEB = {"web.width_mm": 50.0, "web.thickness_mm": 19.0, "throw.radius_mm": 48.0}
+_WEB_LIKE = dict.fromkeys(("y_mm", "stations_mm", "length_mm"), "throw.radius_mm")
+_WEB_LIKE |= dict.fromkeys(("thickness_mm", "depth_mm", "height_mm"), "web.thickness_mm")
+"""What lengths of a web grow with; all others with its width."""
+_OF_WIDTH = {
+    "web.counterweight.outer_radius_mm": 0.6,
+    "web.counterweight.plug.y_mm": -0.52,
+    "web.counterweight.plug.diameter_mm": 0.12,
+    "web.counterweight.hole.diameter_mm": 0.12,
+}
+"""Lengths over the width of the web: a counterweight reaches beyond it, and holds what is let in."""
+_OF_NO_SIZE = ("bolt", "roller_bearing", "drawing", "published")
+"""Tables whose examples are those of a standard part or of a print."""
 
 
 def usual_firing(layout: LayoutName, cylinders: int) -> Firing:
@@ -83,7 +116,7 @@ def usual_firing(layout: LayoutName, cylinders: int) -> Firing:
 def starting_values(layout: LayoutName, cylinders: int, bore_mm: float, stroke_mm: float) -> dict[str, Any]:
     """Return values of a design of usual proportions, by key path; all of them are assumptions."""
     firing, radius = usual_firing(layout, cylinders), stroke_mm / 2
-    lengths = {**_LENGTHS, **(_LENGTHS_OF_V if layout == "V" else {})}
+    lengths = _lengths(layout, bore_mm)
     arranged: dict[str, Any] = (
         {} if layout in ("single", "in-line") else {"engine.arrangement.layout": layout}
     )
@@ -93,7 +126,8 @@ def starting_values(layout: LayoutName, cylinders: int, bore_mm: float, stroke_m
         arranged["engine.arrangement.throw_angles_deg"] = list(firing.throws_deg)
     return {
         "throw.radius_mm": radius,
-        **{key: _rounded(share * bore_mm) for key, share in lengths.items()},
+        **lengths,
+        **_design_space(lengths["web.width_mm"], radius),
         "engine.bore_mm": bore_mm,
         "engine.rod_length_mm": _rounded(_ROD * radius),
         "engine.speed_rpm": _rounded(30000 * _PISTON_SPEED_M_S / stroke_mm),
@@ -104,6 +138,49 @@ def starting_values(layout: LayoutName, cylinders: int, bore_mm: float, stroke_m
         **{f"engine.masses.{key}": _rounded(share * bore_mm**3) for key, share in _MASSES_KG.items()},
         **arranged,
     }
+
+
+def _lengths(layout: LayoutName, bore_mm: float) -> dict[str, float]:
+    """Return the lengths of throw and web, those of a car and of a large engine blended by the bore."""
+    of_v = layout == "V"
+    car, large = (
+        _LENGTHS | (_LENGTHS_OF_V if of_v else {}),
+        _LARGE_LENGTHS | (_LARGE_LENGTHS_OF_V if of_v else {}),
+    )
+    part = min(max((bore_mm - _CAR_MM) / (_LARGE_MM - _CAR_MM), 0.0), 1.0)
+    return {key: _rounded(((1 - part) * car[key] + part * large[key]) * bore_mm) for key in car}
+
+
+def _design_space(width_mm: float, radius_mm: float) -> dict[str, Any]:
+    """Return a box that leaves room around the proposed web: 1.6 of its width, a fifth beyond its ends."""
+    beyond = round(0.5 * width_mm + 0.2 * radius_mm, 1)
+    return {
+        "envelope.shape": "box",
+        "envelope.half_width_mm": round(0.8 * width_mm, 1),
+        "envelope.y_min_mm": -beyond,
+        "envelope.y_max_mm": round(radius_mm + beyond, 1),
+    }
+
+
+def sized_example(values: Mapping[str, Any], path: str, name: str, example: Any) -> Any:
+    """Return the example of a key of a table for an engine of the size of starting values."""
+    width, unit = values["web.width_mm"], stem_and_unit(name)[1]
+    if (share := _OF_WIDTH.get(f"{path}.{name}")) is not None:
+        return _rounded(share * width)
+    if unit == "rpm":
+        return _times(example, values["engine.speed_rpm"] / _EXAMPLE_RPM)
+    if unit not in _POWERS or any(part in path for part in _OF_NO_SIZE):
+        return example
+    if path.partition(".")[0] in ("web", "second_web"):
+        key = _WEB_LIKE.get(name, "web.width_mm")
+        return _times(example, values[key] / _EXAMPLE_WEB[key])
+    return _times(example, (values["engine.bore_mm"] / _EXAMPLE_BORE_MM) ** _POWERS[unit])
+
+
+def _times(example: Any, factor: float) -> Any:
+    if isinstance(example, list | tuple):
+        return [_times(part, factor) for part in example]
+    return float(f"{example * factor:.3g}") if isinstance(example, int | float) else example
 
 
 def arrangement_line(scene: Scene) -> str:

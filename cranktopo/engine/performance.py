@@ -10,7 +10,9 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, W_PER_KW, angular_speed_rad_s
 from cranktopo.design.engine import Engine
+from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle
+from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.kinematics import exact_motion
 
 LATEST_PEAK_DEG = 30.0
@@ -19,6 +21,7 @@ MOST_OF_CHARGE = 20.0
 """Largest mean pressure over that before compression: a charge with all fuel it can burn gives 12 to 16."""
 EXPONENTS = 1.2, 1.45
 """Range of the polytropic exponent of compression."""
+_TURN_DEG = 360.0
 _COMPRESSION_DEG = -80.0, -40.0
 """Crank angles between which it is taken: inlet closed, nothing burns yet."""
 
@@ -54,22 +57,42 @@ def power_kW(work_J: float, engine: Engine) -> float:
     return work_J * engine.cylinders * turns * 360.0 / engine.cycle_deg / W_PER_KW
 
 
+def pressure_warnings(scene: Scene, cycle: Cycle | None) -> tuple[str, ...]:
+    """Return what is to be known of a scene's cylinder pressure before its loads are believed."""
+    if cycle is None or scene.engine is None:
+        return ()
+    higher = higher_elsewhere(scene)
+    return (*implausible(cycle, scene.engine, scene.throw.radius_mm), *((higher,) if higher else ()))
+
+
 def implausible(cycle: Cycle, engine: Engine, radius_mm: float) -> tuple[str, ...]:
     """Return what no engine's pressure does, one line each: angle of the peak, mean pressure, exponent."""
     rules = (_peak_misplaced, _mean_too_high, _wrong_exponent)
     return tuple(line for rule in rules if (line := rule(cycle, engine, radius_mm)))
 
 
-def _peak_misplaced(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+def _peak_after_firing_deg(cycle: Cycle, engine: Engine) -> float:
+    """Return the crank angle of the largest pressure after firing top dead centre; negative before it."""
     curve = cycle.pressure
     angle = float(curve.angle_deg[int(curve.pressure_MPa.argmax())])
-    after = angle if angle <= engine.cycle_deg / 2 else angle - engine.cycle_deg
+    return angle if angle <= engine.cycle_deg / 2 else angle - engine.cycle_deg
+
+
+def _a_turn_off(after_deg: float, engine: Engine) -> bool:
+    """Tell whether a peak would be where an engine has it if the angles were moved by one turn."""
+    return engine.cycle_deg > _TURN_DEG and 0 <= after_deg % _TURN_DEG <= LATEST_PEAK_DEG < abs(after_deg)
+
+
+def _peak_misplaced(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+    after = _peak_after_firing_deg(cycle, engine)
     if 0 <= after <= LATEST_PEAK_DEG:
         return ""
-    return (
+    found = (
         f"the pressure is largest {abs(after):g} deg {'after' if after > 0 else 'before'} firing top dead "
-        f"centre; an engine that fires has its peak 0 to {LATEST_PEAK_DEG:g} deg after it"
+        f"centre, which is 0 deg; an engine that fires has its peak 0 to {LATEST_PEAK_DEG:g} deg after it"
     )
+    turn = ": the trace counts from gas exchange, shift its angles by 360 deg"
+    return found + (turn if _a_turn_off(after, engine) else "")
 
 
 def _mean_too_high(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
@@ -91,6 +114,8 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     """A trace at wrong angles does not rise with the volume; only where trace and compression are given."""
     gas = engine.gas
     if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
+        return ""
+    if _a_turn_off(_peak_after_firing_deg(cycle, engine), engine):
         return ""
     way = exact_motion(np.radians(_COMPRESSION_DEG), radius_mm, engine.rod_length_mm).displacement_mm
     volume = 2 * radius_mm / (gas.compression_ratio - 1) + way

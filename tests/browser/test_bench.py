@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.browser.bench_page import gauge, set_slider, shown
+from tests.browser.bench_page import Actions, gauge, set_slider, settled, shown
 
 pytest.importorskip("tornado")
 
@@ -66,4 +66,34 @@ def test_a_limit_is_dragged_and_the_section_is_seen(bench: Any) -> None:
     assert "Limit not kept" in page.locator("#worse").inner_text()
     page.get_by_role("button", name="Undo").click()
     page.wait_for_selector("[data-gauge=inertia] .limit", state="detached")
+    assert seen.complaints == []
+
+
+@pytest.mark.slow
+def test_what_is_not_of_the_design_in_hand_is_hidden_and_warnings_come_first(bench: Any) -> None:
+    """The place of the least safety went on to stand beside safeties that wait for the next web."""
+    seen = bench("mikron-iiic-plain")
+    page = seen.page
+    shown(page)
+    settled(page)
+    assert page.locator("#place").inner_text().startswith("Least safety: ")
+    assert page.locator("#warnings").is_hidden()
+    page.get_by_role("button", name="Keep variant").click()
+    page.wait_for_selector("tr[data-variant=v1]")
+    set_slider(page, "web.width_mm", 56, release=True)
+    page.wait_for_selector("#history li.here:has-text('width: 56 mm')")
+    assert page.locator("#place").inner_text() == ""
+    assert page.locator("[data-gauge=fatigue_safety].stale").count() == 1
+    page.get_by_role("button", name="Keep variant").click()
+    page.wait_for_selector("tr[data-variant=v2]:has-text('variant 2'):has-text('web.width_mm: 50 to 56')")
+    table = page.locator("#variants .scroll")
+    assert table.evaluate("(box) => box.scrollWidth <= box.clientWidth"), "nothing is cut"
+    do = Actions(page)
+    do.open("Engine", "gas")
+    do.enter("engine.gas.peak_pressure_MPa", "20")
+    page.wait_for_selector("#warnings li:has-text('give engine.gas.intake_pressure_MPa')")
+    commands = page.locator("#commands").text_content().splitlines()
+    assert commands == [
+        "cranktopo designs copy bench/mikron-iiic-plain/0002.toml mikron-iiic-plain-0002.toml"
+    ]
     assert seen.complaints == []

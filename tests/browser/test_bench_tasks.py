@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -71,8 +72,14 @@ def test_a_motorcycle_twin(bench: Any, tmp_path: Path) -> None:
     page = (tmp_path / "twin-compare.html").read_text(encoding="utf-8")
     assert "twin-original" in page
     commands = do.page.locator("#commands").inner_text()
-    for line in ("designs new twin.toml", "shape design.toml", "export twin.toml twin.step"):
+    for line in (
+        "designs new twin.toml",
+        "designs copy bench/twin/",
+        "shape bench/twin/jobs/001/design.toml",
+    ):
         assert f"cranktopo {line}" in commands
+    assert re.search(r"cranktopo export bench/twin/\d{4}\.toml twin\.step", commands)
+    assert not re.search(r"(?m)^#", commands), "commands, not comments"
 
 
 def test_a_marine_six(bench: Any, tmp_path: Path) -> None:

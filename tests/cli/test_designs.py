@@ -162,14 +162,29 @@ def test_new_design_of_a_layout(tmp_path: Path, capsys: pytest.CaptureFixture[st
     """Firing order, throws and proportions are proposed; every command takes the file."""
     path = tmp_path / "eight.toml"
     assert main(["designs", "new", str(path), "--layout", "V", "--cylinders", "8", "--bore-mm", "86"]) == 0
-    first, second = capsys.readouterr().out.splitlines()
+    first, gas, last = capsys.readouterr().out.splitlines()
     assert first.startswith("assumed: firing order 1-3-7-2-6-5-4-8, every 90 deg")
-    assert second.startswith(str(path))
+    assert gas.startswith("assumed: peak 7 MPa at 12 deg, intake 0.101 MPa")
+    assert last.startswith(str(path))
     engine = load_scene(str(path)).engine
     assert engine is not None
     assert (engine.bore_mm, engine.throws, engine.bank_angle_deg) == (86.0, 4, 90.0)
     assert "all of them assumed" in " ".join(path.read_text(encoding="utf-8").replace("#", "").split())
     assert main(["balance", str(path), "--json"]) == 0
+
+
+def test_new_design_of_a_power(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Whatever gives the power is said, and that nobody looked at strength."""
+    path = tmp_path / "six.toml"
+    size = ["--cylinders", "6", "--bore-mm", "320", "--stroke-mm", "480", "--speed-rpm", "750"]
+    power = ["--peak-pressure-MPa", "20", "--power-kW", "3150", "--material", "34CrNiMo6"]
+    assert main(["designs", "new", str(path), *size, *power]) == 0
+    assert "compression ratio 17, burn duration 30 deg: 3150 kW at 750 rpm" in capsys.readouterr().out
+    scene = load_scene(str(path))
+    assert scene.material.name == "34CrNiMo6"
+    assert "strength is not checked" in " ".join(path.read_text(encoding="utf-8").replace("#", "").split())
+    assert main(["designs", "new", str(tmp_path / "more.toml"), *size, *power[:2], "--power-kW", "9000"]) == 3
+    assert "A peak pressure of about 30 MPa would do" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -146,7 +146,7 @@ def traced(tmp_path):
         (0.0, []),
         (10.0, ["exponent 1.16, where gas has 1.2 to 1.45: the trace is late"]),
         (-10.0, ["exponent 1.46, where gas has 1.2 to 1.45: the trace is early"]),
-        (360.0, ["largest 349 deg before firing top dead centre", "exponent"]),
+        (360.0, ["largest 349 deg before firing top dead centre, which is 0 deg; an engine that fires has"]),
         (22.0, ["largest 33 deg after firing top dead centre", "mean pressure of 1.85 MPa", "exponent"]),
         (-15.0, ["largest 4 deg before firing top dead centre", "exponent"]),
     ],
@@ -159,6 +159,15 @@ def test_a_trace_at_wrong_angles_is_warned_of(capsys, traced, late_deg, told):
     for line, part in zip(warnings, told, strict=True):
         assert part in line
         assert f"warning: mikron-iiic-plain: {line}" in err
+
+
+def test_a_trace_that_counts_from_gas_exchange_is_told_to_be_shifted(capsys, traced):
+    """The exponent, which would call the same trace early, is not told beside it."""
+    (warning,) = json.loads(run(capsys, "loads", traced(360.0), "--json")[1])["warnings"]
+    assert warning.endswith("shift its angles by 360 deg")
+    for late_deg in (22.0, -15.0):
+        told = " ".join(json.loads(run(capsys, "loads", traced(late_deg), "--json")[1])["warnings"])
+        assert "shift" not in told
 
 
 def test_without_a_compression_ratio_only_peak_and_mean_pressure_are_judged(capsys, traced):

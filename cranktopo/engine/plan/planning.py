@@ -109,9 +109,7 @@ def _file_states(scene: Scene) -> tuple[FileState, ...]:
 
 @lru_cache(maxsize=64)
 def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileState, ...]) -> PhysicsPlan:
-    asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
-    costing = Costing(scene, rates, may_mirror(scene, asymmetry))
-    context = PlanningContext(scene, costing, asymmetry, goal)
+    context = _context(scene, rates, goal)
     vibration = _decide(scene.effects, _VIBRATION, _RULES[_VIBRATION](context))
     context = replace(context, vibrating=vibration.state == "on")
     decided = tuple(
@@ -125,6 +123,21 @@ def _plan(scene: Scene, rates: CostRates, goal: Goal | None, _files: tuple[FileS
     else:
         check_goal_cases(context, goal, cases)
     return PhysicsPlan(tuple(_for_all_cases(effect, len(cases)) for effect in decided))
+
+
+def _context(scene: Scene, rates: CostRates, goal: Goal | None) -> PlanningContext:
+    asymmetry = web_asymmetry(scene) or envelope_asymmetry(scene)
+    return PlanningContext(scene, Costing(scene, rates, may_mirror(scene, asymmetry)), asymmetry, goal)
+
+
+def has_vibration(scene: Scene) -> bool:
+    """Tell whether the plan has torsional vibration on, without deciding the other effects.
+
+    Raises:
+        CranktopoError: as `plan`, of this effect.
+    """
+    estimate = _RULES[_VIBRATION](_context(scene, CostRates(), None))
+    return _decide(scene.effects, _VIBRATION, estimate).state == "on"
 
 
 def _check_cases(scene: Scene, cases: Sequence[str]) -> None:

@@ -30,7 +30,12 @@ class Answers:
         self._settled: dict[str, dict[str, Any]] = {}
         self._exact: dict[str, dict[str, float]] = {}
         self._calibrated: tuple[Data, dict[str, float], dict[str, float]] = {}, {}, {}
+        self._factor: float | None = None
         self._now = self._original = ""
+
+    def forget(self) -> None:
+        """Forget what was learned of the design that was on the bench."""
+        self._calibrated, self._factor = ({}, {}, {}), None
 
     def close(self) -> None:
         """End the processes."""
@@ -69,8 +74,8 @@ class Answers:
 
     async def exact(self, data: Data) -> dict[str, float]:
         """Return the exact numbers of a design; none where it is broken."""
-        found = await self._workers["live"].ask("live.live_numbers", data)
-        return dict(found.get("gauges", {}))
+        found = await self._workers["live"].ask("live.live_numbers", data, self._factor)
+        return _known_gauges(found)
 
     def known(self, text: str) -> dict[str, float]:
         """Return all numbers that are known of a design."""
@@ -86,10 +91,11 @@ class Answers:
 
     async def _live_answer(self, data: Data, text: str) -> dict[str, Any]:
         """Return numbers and picture, made side by side."""
-        work = (("live", "live.live_numbers"), ("picture", "live.live_picture"))
+        factor = self._settled.get(text, {}).get("stiffness_factor", self._factor)
         try:
             parts = await asyncio.gather(
-                *(self._workers[name].ask(function, data) for name, function in work)
+                self._workers["live"].ask("live.live_numbers", data, factor),
+                self._workers["picture"].ask("live.live_picture", data),
             )
         except CranktopoError as error:
             return {"broken": [{"key": "", "message": str(error)}]}
@@ -97,7 +103,7 @@ class Answers:
         if "broken" in found:
             return {"broken": found["broken"]}
         if text and "gauges" in found:
-            self._exact[text] = found["gauges"]
+            self._exact[text] = _known_gauges(found)
         return found
 
     async def _answer_coarse(self, question: tuple[Data, int | None, Tell]) -> None:
@@ -119,13 +125,17 @@ class Answers:
     async def _answer_settled(self, question: tuple[Callable[[str], Data], str, str]) -> None:
         data_of, now, original = question
         for text in dict.fromkeys((now, original)):
-            for part in ("stiffness", "safety"):
+            for part in ("stiffness", "shaft", "safety"):
                 if part in self._settled.get(text, {}).get("parts", ()):
                     continue
+                stiffness = self._settled.get(text, {}).get("throw_stiffness_Nm_per_rad")
+                known = (stiffness,) if part == "safety" else ()
                 try:
-                    found = await self._workers["settled"].ask(f"settled.settled_{part}", data_of(text))
+                    found = await self._workers["settled"].ask(
+                        f"settled.settled_{part}", data_of(text), *known
+                    )
                 except CranktopoError as error:
-                    found = {"gauges": {}, "missing": str(error)}
+                    found = {"gauges": {}, **({} if part == "shaft" else {"missing": str(error)})}
                 self._keep(text, part, found)
                 if part == "stiffness" and text == now:
                     await self._calibrate(data_of(text), found["gauges"])
@@ -144,6 +154,8 @@ class Answers:
         before = self._settled.get(text, {"gauges": {}, "parts": ()})
         gauges = {**before["gauges"], **found["gauges"]}
         self._settled[text] = {**before, **found, "gauges": gauges, "parts": (*before["parts"], part)}
+        if text == self._now:
+            self._factor = found.get("stiffness_factor", self._factor)
         self._tell_settled(text, self._tell_all)
 
     def _tell_settled(self, text: str, tell: Tell) -> None:
@@ -151,3 +163,9 @@ class Answers:
         for which, wanted in (("now", self._now), ("original", self._original)):
             if found is not None and text == wanted:
                 tell({"type": "settled", "which": which, **found})
+
+
+def _known_gauges(found: dict[str, Any]) -> dict[str, float]:
+    """Return the gauges of a live answer that may be kept: none that rest on a stiffness in closed form."""
+    unsure = found.get("of_stiffness", ()) if found.get("stiffness") == "closed form" else ()
+    return {name: value for name, value in found.get("gauges", {}).items() if name not in unsure}

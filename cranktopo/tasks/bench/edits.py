@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, MutableMapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,30 @@ def changed_text(text: str, changes: Mapping[str, Any], source: str) -> str:
     except (KeyError, ValueError, TypeError, AttributeError, tomlkit.exceptions.TOMLKitError):
         pass  # a layout of tables that the comment-keeping writer cannot follow
     return tomlkit.dumps(wanted)
+
+
+def difference_words(before: Mapping[str, Any], after: Mapping[str, Any], most: int = 8) -> str:
+    """Return what differs between the tables of two designs, key by key; empty where nothing does."""
+    old, new = dict(_values(before)), dict(_values(after))
+    keys = [key for key in dict.fromkeys((*old, *new)) if old.get(key) != new.get(key)]
+    lines = [f"{key}: {_shown(old.get(key))} to {_shown(new.get(key))}" for key in keys[:most]]
+    return "; ".join([*lines, *([f"and {len(keys) - most} more"] if len(keys) > most else [])])
+
+
+def _values(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield each value of tables with its key path."""
+    if isinstance(tables, Mapping):
+        for name, value in tables.items():
+            yield from _values(value, f"{path}.{name}" if path else name)
+    elif isinstance(tables, list) and tables and all(isinstance(entry, Mapping) for entry in tables):
+        for number, entry in enumerate(tables):
+            yield from _values(entry, f"{path}[{number}]")
+    else:
+        yield path, tables
+
+
+def _shown(value: Any) -> str:
+    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def check_files_inside(data: Mapping[str, Any], folder: Path, trusted: Mapping[str, Any]) -> None:

@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
-from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.errors import invalid
 from cranktopo.base.files import read_text_file
 from cranktopo.design.loading import parse_scene
-from cranktopo.design.reference import scene_reference, template
-from cranktopo.design.schema import Scene
-from cranktopo.design.starting_point import LayoutName, starting_values
+from cranktopo.design.reference import scene_reference
+from cranktopo.design.starting_point import LayoutName
 from cranktopo.design.writing import design_name
-from cranktopo.engine.analysis import analyse
-from cranktopo.engine.performance import power_kW
 from cranktopo.tasks.bench.edits import changed_files
+from cranktopo.tasks.designs.beginning import KNOWN, begun, begun_line
 
-_OWN = {
-    "speed_rpm": "engine.speed_rpm",
-    "rod_length_mm": "engine.rod_length_mm",
-    "peak_pressure_MPa": "engine.gas.peak_pressure_MPa",
-}
-_BETWEEN_MPA = {"engine.gas.peak_pressure_MPa": (1.5, 40.0), "engine.gas.intake_pressure_MPa": (0.6, 0.03)}
-"""Pressures that give a power, from the least power to the most: at one peak, more intake means less heat."""
-_HALVINGS = 14
+_MATERIAL = "material"
 BODIES = (".step", ".stp", ".brep", ".stl", ".3mf", ".obj")
 """Files that may hold a crank from CAD."""
 
@@ -36,8 +26,17 @@ def form_reference() -> list[dict[str, Any]]:
     return [asdict(table) for table in scene_reference()]
 
 
-def new_design(answers: Mapping[str, Any]) -> tuple[str, str, str]:
-    """Return the text of a design of usual proportions, its name, and the command that does nearly the same.
+class Begun(NamedTuple):
+    """A design that six answers gave: text, name, the command that gives the same, and what was assumed."""
+
+    text: str
+    name: str
+    command: str
+    assumed: tuple[str, ...]
+
+
+def new_design(answers: Mapping[str, Any]) -> Begun:
+    """Return a design of usual proportions.
 
     Args:
         answers: layout, cylinders, bore_mm and stroke_mm, and of speed_rpm, rod_length_mm,
@@ -47,33 +46,15 @@ def new_design(answers: Mapping[str, Any]) -> tuple[str, str, str]:
     layout: Any = answers.get("layout")
     if layout not in get_args(LayoutName):
         raise invalid("layout", layout, f"must be one of {', '.join(get_args(LayoutName))}")
-    numbers = {key: _number(answers, key) for key in ("bore_mm", "stroke_mm")}
-    cylinders, name = int(_number(answers, "cylinders")), str(answers.get("name") or "my-engine")
+    size = [_number(answers, key) for key in ("cylinders", "bore_mm", "stroke_mm")]
+    name = str(answers.get("name") or "my-engine")
     name = design_name(Path(f"{name.replace('/', '-')}.toml"))
-    values = starting_values(layout, cylinders, numbers["bore_mm"], numbers["stroke_mm"])
-    values |= _design_space(values)
-    values |= {key: _number(answers, short) for short, key in _OWN.items() if answers.get(short)}
-    values |= {"material.name": str(answers["material"])} if answers.get("material") else {}
-    if answers.get("power_kW"):
-        key = "intake" if answers.get("peak_pressure_MPa") else "peak"
-        values |= _of_power(name, values, _number(answers, "power_kW"), f"engine.gas.{key}_pressure_MPa")
-    text = template(name, values)
-    parse_scene(text, name)
-    words = ["designs", "new", f"{name}.toml", f"--layout={layout}", f"--cylinders={cylinders}"]
-    words += [f"--{key.replace('_', '-')}={value:g}" for key, value in numbers.items()]
-    return text, name, shlex.join(["cranktopo", *words])
-
-
-def _design_space(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a box that leaves room around the proposed web: 1.6 of its width, a fifth beyond its ends."""
-    width, radius = values["web.width_mm"], values["throw.radius_mm"]
-    beyond = round(0.5 * width + 0.2 * radius, 1)
-    return {
-        "envelope.shape": "box",
-        "envelope.half_width_mm": round(0.8 * width, 1),
-        "envelope.y_min_mm": -beyond,
-        "envelope.y_max_mm": round(radius + beyond, 1),
-    }
+    numbers = [key for key in (*KNOWN, "power_kW") if key != _MATERIAL and answers.get(key)]
+    known: dict[str, float | str] = {key: _number(answers, key) for key in numbers}
+    known |= {_MATERIAL: str(answers[_MATERIAL])} if answers.get(_MATERIAL) else {}
+    asked = (layout, int(size[0]), size[1], size[2], known)
+    text, assumed = begun(name, *asked)
+    return Begun(text, name, begun_line(f"{name}.toml", *asked), assumed)
 
 
 def _number(answers: Mapping[str, Any], key: str) -> float:
@@ -81,30 +62,6 @@ def _number(answers: Mapping[str, Any], key: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise invalid(key, value, "must be a number")
     return value
-
-
-def _of_power(name: str, values: Mapping[str, Any], power: float, key: str) -> dict[str, float]:
-    """Return the pressure that gives the power, MPa, by bisection."""
-    scene, (low, high) = parse_scene(template(name, values), name), _BETWEEN_MPA[key]
-    least, most = _power(scene, key, low), _power(scene, key, high)
-    if not least <= power <= most:
-        raise invalid("power_kW", power, f"this engine has {least:.0f} to {most:.0f} kW by {key}")
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if _power(scene, key, middle) < power else (low, middle)
-    return {key: float(f"{(low + high) / 2:.4g}")}
-
-
-def _power(scene: Scene, key: str, pressure_MPa: float) -> float:
-    assert scene.engine is not None
-    assert scene.engine.gas is not None
-    gas = scene.engine.gas.model_copy(update={key.rpartition(".")[2]: pressure_MPa})
-    engine = scene.engine.model_copy(update={"gas": gas})
-    try:
-        found = analyse(scene.model_copy(update={"engine": engine}))
-    except CranktopoError:
-        return 0.0  # compression alone reaches the peak: nothing burns
-    return power_kW(found.cycle.mean_work_J, engine) if found.cycle else 0.0
 
 
 def read_upload(path: Path) -> tuple[str | None, str]:

@@ -25,7 +25,7 @@ from cranktopo.base.files import write_json
 from cranktopo.base.result import Result
 
 JobState = Literal["running", "done", "stopped", "failed"]
-_JOB, _NOTES, _CODE, _OUT = "job.json", "notes.txt", "code", "out"
+_JOB, _NOTES, _CODE, _OUT, _DESIGN = "job.json", "notes.txt", "code", "out", "design.toml"
 _SAVED = "manifest.json"
 """In a run that resumes, whatever else a kill keeps back."""
 _SHELL = '"$@" >stdout.txt 2>>notes.txt; echo $? >code.tmp; mv code.tmp code'
@@ -59,6 +59,7 @@ class _KnownJob(Result):
     started: float
     pid: int = 0
     born: float = 0.0
+    step: str = ""
     variant: str = ""
     found: tuple[str, ...] = ()
 
@@ -102,8 +103,14 @@ class BenchJob:
 
     @property
     def command(self) -> str:
-        """The command line that does the same."""
+        """The command line that it is, in its own folder."""
         return shlex.join(["cranktopo", *self.known.words])
+
+    def line(self, folder: Path) -> str:
+        """Return the command line that does the same in a folder above its own."""
+        design = (self.place / _DESIGN).relative_to(folder).as_posix()
+        names = {_DESIGN: design, _OUT: f"{self.known.kind}-{self.known.id}"}
+        return shlex.join(["cranktopo", *(names.get(word, word) for word in self.known.words)])
 
     @property
     def resumable(self) -> bool:
@@ -112,14 +119,14 @@ class BenchJob:
             return False
         return self.state == "stopped" or (self.state == "failed" and self.out.is_dir())
 
-    def as_json(self) -> dict[str, Any]:
-        """Return what the page shows of it."""
+    def as_json(self, folder: Path | None = None) -> dict[str, Any]:
+        """Return what the page shows of it, with the command as it is typed in a folder."""
         lines = self._notes()
         state = self.state
         return {
             "id": self.known.id,
             "kind": self.known.kind,
-            "command": self.command,
+            "command": self.command if folder is None else self.line(folder),
             "state": state,
             "resumable": self.resumable,
             "notes": lines[-6:],
@@ -182,18 +189,18 @@ class Jobs:
                 return job
         raise CranktopoError("job: there is no such job.")
 
-    def start(self, kind: str, design: str, options: Mapping[str, Any]) -> BenchJob:
-        """Start a command on the text of a design."""
+    def start(self, kind: str, design: str, options: Mapping[str, Any], step: str = "") -> BenchJob:
+        """Start a command on the text of a design, that of a step of the session."""
         if kind not in KINDS:
             raise CranktopoError("job: there is no such command.")
         given = _option_words(kind, options)
         number = 1 + max((int(place.name) for place in self._folder.glob("[0-9][0-9][0-9]")), default=0)
         place = self._folder / f"{number:03d}"
         place.mkdir(parents=True)
-        (place / "design.toml").write_text(design, encoding="utf-8")
-        words = [kind, "design.toml", *given]
+        (place / _DESIGN).write_text(design, encoding="utf-8")
+        words = [kind, _DESIGN, *given]
         words += ["--out", _OUT] if kind in ("optimise", "shape", "sweep") else ["--json"]
-        known = _KnownJob(id=place.name, kind=kind, words=tuple(words), started=time.time())
+        known = _KnownJob(id=place.name, kind=kind, words=tuple(words), started=time.time(), step=step)
         return self._run(place, known, words)
 
     def resume(self, id_: str) -> BenchJob:

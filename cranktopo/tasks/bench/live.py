@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.bodies.shown_solid import shown_half
+from cranktopo.design.checks.engine import shaft_warnings
 from cranktopo.design.clearance import clearances_mm
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import scene_from_dict
@@ -19,26 +20,90 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.histories import load_history
-from cranktopo.engine.performance import mean_pressure_MPa, power_kW
-from cranktopo.engine.throw_compliance import web_lever_mm
+from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
+from cranktopo.engine.plan.planning import has_vibration, left_off, plan_for_stress
+from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad, web_lever_mm
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.report.shading import SHARP_DEGREES, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
 from cranktopo.tasks.bench.front_view import front_view
-from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions, nominal_stresses, outside_validity
+from cranktopo.tasks.fatigue.m53 import (
+    LEAST_FACTOR,
+    concentration_factors,
+    dimensions,
+    nominal_stresses,
+    outside_validity,
+)
 from cranktopo.tasks.fatigue.rule_check import fillet_checks
 from cranktopo.tasks.fatigue.safety_field import load_kinds
+from cranktopo.tasks.shaft.stage import of_stiffness
 
+_SOFT = "live, closed-form stiffness: a throw is up to 36 % too soft"
+_CLOSED_FORM = {
+    "natural_frequency": "live, closed-form stiffness: up to 20 % too low",
+    "m53_pin": _SOFT,
+    "m53_journal": _SOFT,
+}
+"""Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""
+_AS_SETTLED = "live, stiffness of a throw as it settled last"
+_GAS_GAUGES = ("gas_force", "pin_force", "mean_torque", "mean_pressure", "power")
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")
 
 
-def live_numbers(data: dict[str, Any]) -> dict[str, Any]:
-    """Return what is known of a design in closed form, or what of it is broken, by key.
+def live_numbers(data: dict[str, Any], stiffness_factor: float | None = None) -> dict[str, Any]:
+    """Return what is known of a design at once, what it rests on, and warnings; or what is broken, by key.
 
     Args:
         data: tables of the design, file names absolute.
+        stiffness_factor: of a throw, elements over closed form, at a web that has settled.
     """
-    return _of_sound(data, lambda scene: {"gauges": exact_values(scene), "notes": notes(scene)})
+    return _of_sound(data, lambda scene: told_numbers(scene, stiffness_factor))
+
+
+def told_numbers(scene: Scene, stiffness_factor: float | None = None) -> dict[str, Any]:
+    """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings."""
+    resting = of_stiffness_names(scene)
+    shown = with_stiffness(scene, stiffness_factor) if resting and stiffness_factor else scene
+    gauges = exact_values(shown)
+    resting = [name for name in resting if name in gauges]
+    words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factor else _CLOSED_FORM
+    return {
+        "gauges": gauges,
+        "rings": {**_of_gas(scene), **{name: words[name] for name in resting}},
+        "of_stiffness": resting,
+        "stiffness": "" if not resting else "settled" if stiffness_factor else "closed form",
+        "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
+        "notes": notes(scene),
+        "warnings": warnings(shown),
+    }
+
+
+def of_stiffness_names(scene: Scene) -> list[str]:
+    """Return the gauges that depend on the stiffness of a throw, where the design does not give it.
+
+    The rule's are among them where it judges the torque of the vibrating shaft.
+    """
+    if scene.shaft is None or scene.engine is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+        return []
+    try:
+        vibrating = has_vibration(scene)
+    except CranktopoError:
+        vibrating = False
+    return ["natural_frequency", *(["m53_pin", "m53_journal"] if vibrating else [])]
+
+
+def with_stiffness(scene: Scene, factor: float) -> Scene:
+    """Return the scene whose throws are stiffer than in closed form by a factor."""
+    return of_stiffness(scene, [factor * throw_stiffness_Nm_per_rad(scene)])
+
+
+def _of_gas(scene: Scene) -> dict[str, str]:
+    """Tell what the gauges rest on that follow from the cylinder pressure."""
+    gas = scene.engine.gas if scene.engine else None
+    if gas is None:
+        return {}
+    words = "measured trace" if gas.indicator_csv else "map over speed" if gas.map else "combustion model"
+    return dict.fromkeys(_GAS_GAUGES, f"live, {words}")
 
 
 def live_picture(data: dict[str, Any]) -> dict[str, Any]:
@@ -121,12 +186,17 @@ def exact_values(scene: Scene) -> dict[str, float]:
     }
     if balance.balance_factor_percent is not None:
         found["balance_factor"] = balance.balance_factor_percent
-    for part in (_room, _loads, _rule, _vibration):
+    return found | dict(_parts(scene, (_room, _loads, _rule, _vibration)))
+
+
+def _parts(
+    scene: Scene, parts: Sequence[Callable[[Scene], Iterator[tuple[str, float]]]]
+) -> Iterator[tuple[str, float]]:
+    for part in parts:
         try:
-            found |= dict(part(scene))
+            yield from dict(part(scene)).items()
         except CranktopoError:
             continue  # what the design does not say yet has no gauge
-    return found
 
 
 def _room(scene: Scene) -> Iterator[tuple[str, float]]:
@@ -174,5 +244,21 @@ def _vibration(scene: Scene) -> Iterator[tuple[str, float]]:
 
 
 def notes(scene: Scene) -> list[str]:
-    """Return what limits the closed forms: ratios outside the validity of the rule's polynomials."""
-    return [f"IACS UR M53, polynomials: {line}" for line in outside_validity(dimensions(scene))]
+    """Return what limits the closed forms: ratios outside the rule's polynomials, throws that differ."""
+    found = [f"IACS UR M53, polynomials: {line}" for line in outside_validity(dimensions(scene))]
+    if scene.crank is not None and not scene.crank.uniform:
+        found.append("The throws of the crank differ: gauges and pictures are of the throw in this file.")
+    return found
+
+
+def warnings(scene: Scene) -> list[str]:
+    """Return what `loads`, `plan` and `vibration` warn of, and loads that are left out."""
+    found: list[str] = []
+    try:
+        if scene.engine is not None:
+            found += pressure_warnings(scene, analyse(scene).cycle)
+        found += shaft_warnings(scene) if scene.shaft else ()
+        missing = left_off(scene, plan_for_stress(scene))
+    except CranktopoError as error:
+        return [*found, str(error)]
+    return [*found, missing] if missing else found

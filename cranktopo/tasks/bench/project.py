@@ -6,6 +6,7 @@ replaced whole.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from difflib import unified_diff
 from functools import cached_property, lru_cache
@@ -20,8 +21,10 @@ from cranktopo.base.result import Result
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
-from cranktopo.tasks.bench.edits import changed_text, check_files_inside
+from cranktopo.tasks.bench.edits import changed_files, changed_text, check_files_inside, difference_words
 
+_BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
+"""Commands that make the design that a session began with."""
 _FOLDER, _STATE = "bench", "state.json"
 
 
@@ -128,6 +131,33 @@ class Project:
         """Tables of the design as it was opened, whose files are trusted."""
         return self.data(self.text_of(0))
 
+    def runnable(self, number: int) -> str:
+        """Return a file with a step for commands in the folder: its own, or a copy that finds its files.
+
+        The names of files in a step are relative to the folder, and the step lies deeper in it.
+        """
+        file, text = self.place / self._state.steps[number].file, self.text_of(number)
+        moved = changed_files(text, self.folder)
+        if moved != text:
+            file = self.place / "written" / file.name
+            file.parent.mkdir(exist_ok=True)
+            write_text(file, moved)
+        return file.relative_to(self.folder).as_posix()
+
+    def commands(self) -> list[str]:
+        """Return commands that make a file of the design as it stands, with everything that was entered."""
+        first = self._state.steps[0].command
+        begun = [first] if first.startswith(_BEGINNINGS) else []
+        return (
+            begun
+            if begun and self._state.at == 0
+            else [*begun, self._copy_line(self.runnable(self._state.at))]
+        )
+
+    def _copy_line(self, file: str) -> str:
+        source = file if "/" in file else (self.place / file).relative_to(self.folder).as_posix()
+        return shlex.join(["cranktopo", "designs", "copy", source, f"{self.name}-{Path(file).stem}.toml"])
+
     def as_steps(self, first: int, last: int) -> tuple[DesignStep, ...]:
         """Return the steps after one up to another."""
         return self._state.steps[first + 1 : last + 1]
@@ -143,17 +173,16 @@ class Project:
 
     def change(self, changes: Mapping[str, Any], what: str) -> None:
         """Take a step: the design with values at key paths."""
-        lines = [f"{key} = {value}" for key, value in changes.items()]
-        self.replace(changed_text(self._text, changes, "design"), what, f"# in the TOML: {'; '.join(lines)}")
+        self.replace(changed_text(self._text, changes, "design"), what)
 
-    def replace(self, text: str, what: str, command: str) -> None:
+    def replace(self, text: str, what: str) -> None:
         """Take a step to another text; what was undone before is given up."""
         check_files_inside(self.data(text), self.folder, self.opened_data)
         if text == self._text:
             return
         kept = self._state.steps[: self._state.at + 1]
         number = 1 + max(int(Path(step.file).stem) for step in self._state.steps)
-        step = DesignStep(file=f"{number:04d}.toml", what=what, command=command)
+        step = DesignStep(file=f"{number:04d}.toml", what=what, command=self._copy_line(f"{number:04d}.toml"))
         write_text(self.place / step.file, text)
         self._write(steps=(*kept, step), at=len(kept), original=min(self._state.original, len(kept) - 1))
         self._text = text
@@ -168,14 +197,24 @@ class Project:
     def keep(
         self, name: str, gauges: Mapping[str, float], text: str | None = None, what: str = ""
     ) -> Variant:
-        """Keep a variant: the design as it stands, or another text."""
+        """Keep a variant: the design as it stands, or another text; its name and its words are its own."""
         number = 1 + max((int(variant.id[1:]) for variant in self.variants), default=0)
-        id_ = f"v{number}"
+        id_, kept = f"v{number}", self._text if text is None else text
         clean = " ".join(name.split())[:60] or f"variant {number}"
+        clean += f" ({number})" if any(variant.name == clean for variant in self.variants) else ""
+        what = self._words_of_its_own(what, kept)
         variant = Variant(id=id_, name=clean, file=f"{id_}.toml", what=what, gauges=dict(gauges))
-        write_text(self.place / variant.file, self._text if text is None else text)
+        write_text(self.place / variant.file, kept)
         self._write(variants=(*self.variants, variant))
         return variant
+
+    def _words_of_its_own(self, what: str, text: str) -> str:
+        """Return what a variant is, and how it differs from an earlier one of which the same is said."""
+        for other in reversed(self.variants):
+            if other.what == what:
+                differs = difference_words(self.data(self.variant_text(other.id)), self.data(text))
+                return f"{what}; {f'beside {other.name}: {differs}' if differs else f'as {other.name}'}"
+        return what
 
     def update_variant(self, id_: str, **changes: Any) -> None:
         """Change a variant's gauges or pin."""
@@ -202,6 +241,7 @@ class Project:
             "steps": [step.as_json() for step in self._state.steps],
             "variants": [variant.as_json() for variant in self.variants],
             "data": self.data(),
+            "commands": self.commands(),
             "diff": list(
                 unified_diff(self.text_of(0).splitlines(), self._text.splitlines(), n=1, lineterm="")
             )[2:],

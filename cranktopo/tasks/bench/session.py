@@ -22,7 +22,7 @@ from cranktopo.design.loading import builtin_designs, design_text, load_scene, r
 from cranktopo.design.material import material_library
 from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
-from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside
+from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside, difference_words
 from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload
 from cranktopo.tasks.bench.jobs import PARTLY, BenchJob, Jobs, own_command, reap
 from cranktopo.tasks.bench.project import Project, file_in
@@ -91,6 +91,7 @@ class Bench:
 
     def open_text(self, text: str, source: str, what: str, command: str) -> None:
         """Put a design on the bench."""
+        self.answers.forget()
         self.project = Project.opened(self.folder, text, source, what, command)
         self._moved()
 
@@ -158,7 +159,10 @@ class Bench:
         shared = {"type": "state", "designs": builtin_designs(), "files": self._files()}
         if self.project is None:
             return {**shared, "project": None}
-        return {**shared, "project": self.project.as_json(), "jobs": [j.as_json() for j in self._jobs.all()]}
+        return {**shared, "project": self.project.as_json(), "jobs": self._told_jobs(self._jobs.all())}
+
+    def _told_jobs(self, jobs: list[BenchJob]) -> list[dict[str, Any]]:
+        return [job.as_json(self.folder) for job in jobs]
 
     def _files(self) -> list[str]:
         return sorted(path.name for path in self.folder.glob("*.toml"))[:200]
@@ -197,7 +201,8 @@ class Bench:
             if found and not await self.answers.checked(project.data()):
                 tell({"type": "live", "seq": None, "broken": found})
                 return
-        project.change(changes, str(asked.get("what", ""))[:200])
+        besides = [f"{key}: {value:g}" for key, value in changes.items() if key not in asked["changes"]]
+        project.change(changes, "; ".join([str(asked.get("what", ""))[:200], *besides]))
         self._moved()
 
     async def _balance(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -221,7 +226,8 @@ class Bench:
 
     def _keep(self, asked: Mapping[str, Any], tell: Tell) -> None:
         project = self._required
-        changed = " ".join(step.what for step in project.as_steps(project.original, project.at))[:300]
+        original = project.data(project.text_of(project.original))
+        changed = difference_words(original, project.data()) or "as the original"
         project.keep(str(asked.get("name", "")), self.answers.known(project.text), what=changed)
         self._tell_state()
 
@@ -232,7 +238,7 @@ class Bench:
     def _take(self, asked: Mapping[str, Any], tell: Tell) -> None:
         project, id_ = self._required, str(asked["id"])
         name = next((v.name for v in project.variants if v.id == id_), id_)
-        project.replace(project.variant_text(id_), f"took {name}", f"# the file {id_}.toml")
+        project.replace(project.variant_text(id_), f"took {name}")
         self._moved()
 
     def _compare(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -241,7 +247,8 @@ class Bench:
 
     def _job(self, asked: Mapping[str, Any], tell: Tell) -> None:
         design = self._portable(self._required.text, "check").read_text(encoding="utf-8")
-        self._jobs.start(str(asked["kind"]), design, dict(asked.get("options", {})))
+        step = self._required.step.file
+        self._jobs.start(str(asked["kind"]), design, dict(asked.get("options", {})), step)
         self._tell_state()
 
     def _stop(self, asked: Mapping[str, Any], tell: Tell) -> None:
@@ -268,7 +275,8 @@ class Bench:
         if kind.compares:
             original = str(self._portable(project.text_of(project.original), original))
         words = kind.line(str(self._portable(project.text, name)), original, str(path))
-        shown = shlex.join(["cranktopo", *kind.line(f"{name}.toml", f"{name}-original.toml", path.name)])
+        files = project.runnable(project.at), project.runnable(project.original)
+        shown = shlex.join(["cranktopo", *kind.line(*files, path.name)])
         return words, shown + (f" > {path.name}" if kind.printed else "")
 
     async def _write_by(self, words: list[str], printed: bool, path: Path, shown: str, tell: Tell) -> None:
@@ -291,17 +299,20 @@ class Bench:
         except OSError as error:
             tell({"type": "error", "message": f"{path.name}: cannot be written: {error.strerror}."})
         else:
-            self._tell_made(path, shown)
+            self._tell_made(path, shown, _warnings_in(said))
 
     def _save(self, asked: Mapping[str, Any], tell: Tell) -> None:
         path = self._target(asked)
-        write_text(path, self._required.text)
-        self._tell_made(path, f"cranktopo bench {path.name}")
+        project = self._required
+        write_text(path, project.text)
+        words = ["cranktopo", "designs", "copy", project.runnable(project.at), path.name, "--force"]
+        self._tell_made(path, shlex.join(words))
         self._tell_state()
 
     def _start(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        text, name, command = new_design(dict(asked["answers"]))
+        text, name, command, assumed = new_design(dict(asked["answers"]))
         self.open_text(text, f"{name}.toml", "begun from usual proportions", command)
+        tell({"type": "told", "message": "\n".join(assumed)})
 
     def _open(self, asked: Mapping[str, Any], tell: Tell) -> None:
         name = str(asked["name"])
@@ -348,9 +359,9 @@ class Bench:
             raise CranktopoError(f"'{path.name}': is in the folder already.", hint="Choose another name.")
         return path
 
-    def _tell_made(self, path: Path, command: str) -> None:
+    def _tell_made(self, path: Path, command: str, warned: list[str] | None = None) -> None:
         self._made.add(path.name)
-        self._tell_all({"type": "made", "name": path.name, "command": command})
+        self._tell_all({"type": "made", "name": path.name, "command": command, "warnings": warned or []})
 
     async def _watch_jobs(self) -> None:
         """Tell pages how jobs go on, and keep what finished ones found."""
@@ -363,7 +374,7 @@ class Bench:
             for job in jobs:
                 if job.state == "done" and not job.known.variant:
                     await self._keep_result(job)
-            told = [job.as_json() for job in jobs]
+            told = self._told_jobs(jobs)
             if str(told) != self._seen:
                 self._seen = str(told)
                 self._tell_all({"type": "jobs", "jobs": told})
@@ -382,5 +393,11 @@ class Bench:
         except (CranktopoError, OSError, subprocess.SubprocessError) as error:
             found = [f"its result cannot be kept: {error}"]
         job.note_result(id_, found)
-        self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "command": job.command})
+        self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "step": job.known.step})
         self._tell_state()
+
+
+def _warnings_in(said: bytes) -> list[str]:
+    """Return the warnings among the lines that a command wrote beside its result."""
+    lines = said.decode("utf-8", "replace").splitlines()
+    return [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,17 @@ from cranktopo.bodies.shown_solid import shown_half
 from cranktopo.design.halves import difference
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.planning import has_vibration, planned_scene
+from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
+from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
 from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_field
+from cranktopo.tasks.fatigue.stage import yield_warning
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.targets import Target
-from cranktopo.tasks.shaft.stage import with_throw_stiffness
+from cranktopo.tasks.shaft.stage import evaluate_shaft, of_stiffness, with_throw_stiffness
 from cranktopo.tasks.shape.start import kept_features
 
 _METHOD = "lsa"
@@ -41,12 +44,38 @@ def settled_stiffness(data: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def settled_safety(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the least fatigue safety, its place in words and mm, and colours; or why there is none."""
+def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the gauges that rest on the stiffness of a throw, by elements, as `fatigue` and `vibration` do.
+
+    Nothing where the design has no shaft line, or gives that stiffness itself.
+    """
+    began, target = time.perf_counter(), _target(data)
+    names = of_stiffness_names(target.scene)
+    if not names:
+        return {"gauges": {}}
+    throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
+    stiffness = sum(throws) / len(throws)
+    found = exact_values(of_stiffness(target.scene, throws))
+    return {
+        "gauges": {name: found[name] for name in names if name in found},
+        "throw_stiffness_Nm_per_rad": stiffness,
+        "stiffness_factor": stiffness / throw_stiffness_Nm_per_rad(target.scene),
+        "shaft_seconds": time.perf_counter() - began,
+    }
+
+
+def settled_safety(data: dict[str, Any], throw_Nm_per_rad: float | None = None) -> dict[str, Any]:
+    """Return the least fatigue safety, its place in words and mm, and colours; or why there is none.
+
+    Args:
+        throw_Nm_per_rad: stiffness of a throw by elements, for the torque of the vibrating shaft.
+    """
     began, target = time.perf_counter(), _target(data)
     try:
         check_inputs(target, _METHOD, "extremes")
-        field = fatigue_field(with_throw_stiffness(target), _METHOD, fillet_fraction=_FILLET_FRACTION)
+        field = fatigue_field(
+            _with_stiffness(target, throw_Nm_per_rad), _METHOD, fillet_fraction=_FILLET_FRACTION
+        )
     except CranktopoError as error:
         return {"gauges": {}, "missing": str(error)}
     scene, critical = target.scene, field.critical
@@ -58,9 +87,19 @@ def settled_safety(data: dict[str, Any]) -> dict[str, Any]:
         },
         "place": critical.place,
         "point_mm": [round(float(x), 3) for x in critical.point_mm],
+        "warnings": list(filter(None, [yield_warning(field, scene.material.yield_MPa)])),
         "picture": None if difference(scene) else packed(_coloured(scene, field)),
         "seconds": time.perf_counter() - began,
     }
+
+
+def _with_stiffness(target: Target, throw_Nm_per_rad: float | None) -> Target:
+    """Return the target with the stiffness of its throw, solved if unknown, where its loads need one."""
+    if throw_Nm_per_rad is None:
+        return with_throw_stiffness(target)
+    if not has_vibration(target.scene):
+        return target
+    return replace(target, scene=of_stiffness(target.scene, [throw_Nm_per_rad]))
 
 
 def _target(data: dict[str, Any]) -> Target:

@@ -22,10 +22,6 @@ if TYPE_CHECKING:
     from cranktopo.design.starting_point import LayoutName
 
 _FILE = click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
-_ORIGIN = (
-    "Values of engine, throw and web are usual proportions for such an engine, all of them assumed: replace "
-    "what is known."
-)
 _FORCE = click.option("--force", is_flag=True, help="Replace an existing file.")
 
 
@@ -137,6 +133,20 @@ def sketch_command(part: str, file: Path, force: bool) -> None:
     "--bore-mm", type=Number(5, 1500), help="Its bore, which all proportions follow.  [default: 80]"
 )
 @click.option("--stroke-mm", type=Number(5, 5000), help="Its stroke; the bore by default.")
+@click.option("--speed-rpm", type=Number(1, 30000), help="Its speed; by default for 10 m/s of the piston.")
+@click.option(
+    "--rod-length-mm", type=Number(5, 10000), help="Length of its rods; 3.5 throw radii by default."
+)
+@click.option(
+    "--peak-pressure-MPa", "peak_pressure_MPa", type=Number(0.5, 40), help="Its peak pressure; 7 by default."
+)
+@click.option(
+    "--power-kW",
+    "power_kW",
+    type=Number(0.01, 1e6),
+    help="Its indicated power: gives the pressures, and compression and burning where they must be others.",
+)
+@click.option("--material", help="Name of a material of the library.")
 @_FORCE
 def new_command(
     file: Path,
@@ -146,32 +156,35 @@ def new_command(
     bore_mm: float | None,
     stroke_mm: float | None,
     force: bool,
+    **known: float | str | None,
 ) -> None:
     """Write FILE (.toml), a design with every key: meaning, unit, range and default.
 
-    It is valid as it stands: replace the values, switch on what the engine needs. With a layout, a number of
-    cylinders, a bore or a stroke it has an engine, whose values are usual proportions, all assumed.
+    It is valid as it stands: replace the values, switch on what the engine needs. With anything known of its
+    engine it has one, whose other values are usual proportions, all assumed; their strength is not checked.
 
     Example: cranktopo designs new my-engine.toml --layout V --cylinders 8 --bore-mm 86
     """
     from cranktopo.base.files import write_text
     from cranktopo.design.loading import parse_scene
     from cranktopo.design.reference import template
-    from cranktopo.design.starting_point import USUAL_CYLINDERS, arrangement_line, starting_values
+    from cranktopo.design.starting_point import USUAL_CYLINDERS
     from cranktopo.design.writing import design_name
     from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.designs.beginning import begun
 
     check_file(file, "file", (".toml",), replace=force)
     title = name or design_name(file)
-    if layout is None and cylinders is None and bore_mm is None and stroke_mm is None:
+    assumed: tuple[str, ...] = ()
+    if all(given is None for given in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
         text = template(title)
     else:
         layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
-        text = template(title, starting_values(layout, count, size, stroke_mm or size), _ORIGIN)
-    scene = parse_scene(text, str(file))
+        text, assumed = begun(title, layout, count, size, stroke_mm or size, known)
+    parse_scene(text, str(file))
     write_text(file, text)
-    if layout:
-        click.echo(arrangement_line(scene))
+    for line in assumed:
+        click.echo(line)
     click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

@@ -340,14 +340,21 @@ def note_quality(field: FatigueField) -> None:
 
 def note_yielding(field: FatigueField, yield_MPa: float | None) -> None:
     """Warn of a stress that no material carries: the loads, a dimension or a unit may be wrong."""
+    if line := yield_warning(field, yield_MPa):
+        note(f"warning: {line}")
+
+
+def yield_warning(field: FatigueField, yield_MPa: float | None) -> str:
+    """Return a line on a stress above the yield strength; empty where there is none."""
     place = field.critical
     largest = place.amplitude_MPa + abs(place.mean_MPa)
-    if yield_MPa is not None and largest > yield_MPa:
-        note(
-            f"warning: {field.model.name}: {largest:.0f} MPa by linear elasticity at {place.place}, "
-            f"{largest / yield_MPa:.1f} times the yield strength of {yield_MPa:g} MPa: the material yields, "
-            "and no safety here holds. Check loads, dimensions and units."
-        )
+    if yield_MPa is None or largest <= yield_MPa:
+        return ""
+    return (
+        f"{field.model.name}: {largest:.0f} MPa by linear elasticity at {place.place}, "
+        f"{largest / yield_MPa:.1f} times the yield strength of {yield_MPa:g} MPa: the material yields, "
+        "and no safety here holds. Check loads, dimensions and units."
+    )
 
 
 def _write_field(out: Path, field: FatigueField) -> None:

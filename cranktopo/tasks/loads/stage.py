@@ -14,11 +14,10 @@ from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.misfire import all_firing, misfire, misfire_words
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, analyse, at_speed
+from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.crank import crank_mass
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.gas import higher_elsewhere
-from cranktopo.engine.performance import implausible, mean_pressure_MPa, power_kW
+from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states, load_cases
@@ -77,16 +76,9 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
         effects=effects.effects,
-        warnings=_warnings(scene, cycle),
+        warnings=pressure_warnings(scene, cycle),
         assumed=assumed,
     )
-
-
-def _warnings(scene: Scene, cycle: Cycle | None) -> tuple[str, ...]:
-    if cycle is None or scene.engine is None:
-        return ()
-    higher = higher_elsewhere(scene)
-    return (*implausible(cycle, scene.engine, scene.throw.radius_mm), *((higher,) if higher else ()))
 
 
 def write_load_curves(scene: DesignLike, path: Path, speeds_rpm: Sequence[float] | None = None) -> None:

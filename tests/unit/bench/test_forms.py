@@ -9,35 +9,44 @@ import pytest
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import parse_scene
 from cranktopo.engine.analysis import analyse
-from cranktopo.engine.performance import power_kW
+from cranktopo.engine.performance import implausible, power_kW
 from cranktopo.tasks.bench.forms import form_reference, new_design
 
 TWIN: dict[str, Any] = {"layout": "V", "cylinders": 2, "bore_mm": 100, "stroke_mm": 67.5, "speed_rpm": 11500}
+SIX: dict[str, Any] = {
+    "layout": "in-line",
+    "cylinders": 6,
+    "bore_mm": 320,
+    "stroke_mm": 480,
+    "speed_rpm": 750,
+}
 
 
 def test_answers_become_a_design() -> None:
-    text, name, command = new_design({**TWIN, "rod_length_mm": 124, "peak_pressure_MPa": 9.5, "name": "twin"})
+    text, name, command, assumed = new_design(
+        {**TWIN, "rod_length_mm": 124, "peak_pressure_MPa": 9.5, "name": "twin"}
+    )
     scene = parse_scene(text, name)
     assert scene.engine is not None
     assert scene.engine.gas is not None
     assert (scene.engine.rod_length_mm, scene.engine.gas.peak_pressure_MPa) == (124, 9.5)
     assert scene.envelope is not None, "an optimiser has room"
-    assert (
-        command == "cranktopo designs new twin.toml --layout=V --cylinders=2 --bore-mm=100 --stroke-mm=67.5"
+    given = "--bore-mm=100 --stroke-mm=67.5 --speed-rpm=11500 --rod-length-mm=124 --peak-pressure-MPa=9.5"
+    assert command == f"cranktopo designs new twin.toml --layout=V --cylinders=2 {given}", (
+        "all that was entered"
     )
+    assert "compression ratio 9, burn duration 60 deg" in assumed[1], "what nobody asked for is said"
 
 
 def test_power_gives_the_pressure() -> None:
-    answers = {"layout": "in-line", "cylinders": 6, "bore_mm": 320, "stroke_mm": 480, "speed_rpm": 750}
-    text, name, _ = new_design({**answers, "power_kW": 3000})
+    text, name, *_ = new_design({**SIX, "power_kW": 3000})
     found = analyse(parse_scene(text, name))
     assert found.cycle is not None
     assert power_kW(found.cycle.indicated_work_J, found.engine) == pytest.approx(3000, rel=5e-3)
 
 
 def test_power_and_peak_give_the_intake_pressure() -> None:
-    answers = {"layout": "in-line", "cylinders": 6, "bore_mm": 320, "stroke_mm": 480, "speed_rpm": 750}
-    text, name, _ = new_design({**answers, "power_kW": 6000, "peak_pressure_MPa": 20})
+    text, name, *_ = new_design({**SIX, "power_kW": 6000, "peak_pressure_MPa": 20})
     scene = parse_scene(text, name)
     assert scene.engine is not None
     assert scene.engine.gas is not None
@@ -45,6 +54,52 @@ def test_power_and_peak_give_the_intake_pressure() -> None:
     found = analyse(scene)
     assert found.cycle is not None
     assert power_kW(found.cycle.indicated_work_J, found.engine) == pytest.approx(6000, rel=5e-3)
+
+
+def test_a_power_that_the_intake_alone_cannot_give_is_given_by_compression_and_burning() -> None:
+    """3150 kW at 20 MPa: a diesel. With the ratio and the burning of a petrol engine it had 5380 at least."""
+    text, name, _, assumed = new_design({**SIX, "power_kW": 3150, "peak_pressure_MPa": 20})
+    scene = parse_scene(text, name)
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    gas = scene.engine.gas
+    assert (gas.peak_pressure_MPa, gas.compression_ratio > 9, gas.burn_duration_deg < 60) == (20, True, True)
+    found = analyse(scene)
+    assert found.cycle is not None
+    assert power_kW(found.cycle.indicated_work_J, found.engine) == pytest.approx(3150, rel=5e-3)
+    assert implausible(found.cycle, found.engine, scene.throw.radius_mm) == ()
+    for word in ("compression ratio 17", "burn duration 30 deg", "intake 0.29", "3150 kW"):
+        assert word in assumed[1]
+        assert word in " ".join(text.replace("#", "").split()), "the file says it as well"
+
+
+def test_power_alone_charges_an_engine_that_needs_it() -> None:
+    """No pressure is proposed that `loads` would call implausible: 47.7 bar at 0.1 MPa of intake."""
+    for power in (1500, 3000, 6000):
+        text, name, *_ = new_design({**SIX, "power_kW": power})
+        scene = parse_scene(text, name)
+        found = analyse(scene)
+        assert found.cycle is not None
+        assert power_kW(found.cycle.indicated_work_J, found.engine) == pytest.approx(power, rel=5e-3)
+        assert implausible(found.cycle, found.engine, scene.throw.radius_mm) == ()
+
+
+@pytest.mark.parametrize(
+    ("power", "said"),
+    [
+        (
+            9000,
+            r"compression ratio 9 to 17, burn duration 30 to 60 deg .* A peak pressure of about 30 MPa",
+        ),
+        (
+            1000,
+            r"needs an indicated mean pressure of 0\.691 MPa; .* A peak pressure of about 6\.8 MPa would do",
+        ),
+    ],
+)
+def test_a_power_that_nothing_gives_is_refused_with_what_is_assumed(power: float, said: str) -> None:
+    with pytest.raises(CranktopoError, match=said):
+        new_design({**SIX, "power_kW": power, "peak_pressure_MPa": 20})
 
 
 @pytest.mark.parametrize(

@@ -27,9 +27,12 @@ def ended(jobs: Jobs, id_: str) -> BenchJob:
 
 
 def test_a_job_that_fails_says_why_and_is_found_by_the_next_server(tmp_path: Path) -> None:
-    job = Jobs(tmp_path).start("fatigue", TEXT, {"method": "none"})
+    place = tmp_path / "bench" / "mine" / "jobs"
+    job = Jobs(place).start("fatigue", TEXT, {"method": "none"})
     assert job.command == "cranktopo fatigue design.toml --method=none --json"
-    found = ended(Jobs(tmp_path), job.known.id)
+    line = "cranktopo fatigue bench/mine/jobs/001/design.toml --method=none --json"
+    assert Jobs(place).job("001").as_json(tmp_path)["command"] == line, "as it is typed in the folder"
+    found = ended(Jobs(place), job.known.id)
     told = found.as_json()
     assert (told["state"], told["resumable"]) == ("failed", False)
     assert "none" in told["notes"][-1]

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import pytest
 
+from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import builtin_designs, design_text, parse_toml, scene_from_dict
-from cranktopo.tasks.bench.edits import changed_data, changed_text
+from cranktopo.design.loading import (
+    builtin_designs,
+    design_text,
+    load_scene,
+    scene_from_dict,
+    value_at,
+)
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.tasks.bench.edits import changed_data, changed_text, difference_words
 from cranktopo.tasks.bench.project import Project
 
 TEXT = design_text("mikron-iiic")
@@ -83,7 +92,61 @@ def test_a_variant_comes_back_as_a_step(tmp_path: Path) -> None:
     variant = project.keep("  wide\n<b>web</b> ", {})
     assert variant.name == "wide <b>web</b>"
     project.move(-1)
-    project.replace(project.variant_text(variant.id), "took wide", "")
+    project.replace(project.variant_text(variant.id), "took wide")
     assert project.data()["web"]["width_mm"] == 52
     project.drop(variant.id)
     assert project.variants == ()
+
+
+def test_two_variants_of_one_name_and_one_change_are_told_apart(tmp_path: Path) -> None:
+    """A thickness that was typed with and without the pitch kept: the same step, two designs."""
+    project = opened(tmp_path)
+    kept = []
+    for main_mm in (44.0, 40.0):
+        project.change(
+            {"web.thickness_mm": 21.0, "throw.main_journal.length_mm": main_mm}, "thickness: 21 mm"
+        )
+        kept.append(project.keep("thickness: 21 mm", {}, what="thickness: 21 mm"))
+        project.move(-1)
+    assert [one.name for one in kept] == ["thickness: 21 mm", "thickness: 21 mm (2)"]
+    assert kept[1].what.startswith(
+        "thickness: 21 mm; beside thickness: 21 mm: throw.main_journal.length_mm: 44 to 40"
+    )
+    again = project.keep("", {}, project.variant_text("v2"), kept[1].what)
+    assert (again.name, again.what.endswith("as thickness: 21 mm (2)")) == ("variant 3", True)
+    project.drop("v3")
+    assert project.keep("variant 3", {}).name == "variant 3"
+
+
+def test_a_difference_is_told_key_by_key() -> None:
+    data = parse_toml(TEXT, "mine")
+    changes = {"web.width_mm": 52.0, "web.pocket[0]": POCKET, "fatigue": None}
+    told = difference_words(data, changed_data(data, changes))
+    assert "web.width_mm: 50 to 52" in told
+    assert "web.pocket[0].diameter_mm: none to 6" in told
+    assert difference_words(data, data) == ""
+
+
+def test_the_commands_of_a_session_make_the_design_as_it_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Everything that was entered is in the file, the trace that it names is found."""
+    monkeypatch.chdir(tmp_path)
+    begun = "cranktopo designs new mine.toml --bore-mm=80"
+    project = Project.opened(tmp_path, TEXT, "mine.toml", "begun", begun)
+    assert project.commands() == [begun]
+    project.change({"web.width_mm": 52.0}, "width")
+    trace = tmp_path / "trace.csv"
+    trace.write_text("crank_angle_deg,pressure_bar\n", encoding="utf-8")
+    gas = {"engine.gas.indicator_csv": "trace.csv", "engine.gas.peak_pressure_MPa": None}
+    project.change({**gas, "engine.gas.peak_angle_deg": None}, "trace")
+    first, copied = project.commands()
+    assert first == begun
+    assert not any(step.command.startswith("#") for step in project.as_steps(-1, 9))
+    assert main(shlex.split(copied)[1:]) == 0
+    (file,) = (Path(word) for word in shlex.split(copied) if word.endswith("0002.toml") and "/" not in word)
+    scene = load_scene(str(file))
+    assert value_at(scene.model_dump(mode="json"), "web.width_mm") == 52.0
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    assert Path(str(scene.engine.gas.indicator_csv)).resolve() == trace.resolve()

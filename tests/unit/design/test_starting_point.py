@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from functools import partial
 from itertools import pairwise
 
 import pytest
@@ -10,9 +12,16 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene, parse_scene, value_at
 from cranktopo.design.reference import template
 from cranktopo.design.schema import Scene
-from cranktopo.design.starting_point import FIRING, LayoutName, arrangement_line, starting_values
+from cranktopo.design.starting_point import (
+    FIRING,
+    LayoutName,
+    arrangement_line,
+    sized_example,
+    starting_values,
+)
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.whole_engine import engine_balance
+from cranktopo.tasks.bench.live import exact_values
 
 
 def started(layout: LayoutName, cylinders: int, bore_mm: float = 80.0, stroke_mm: float = 80.0) -> Scene:
@@ -62,6 +71,49 @@ def test_line_that_tells_the_proposal() -> None:
     assert arrangement_line(started("V", 8)).startswith(
         "assumed: firing order 1-3-7-2-6-5-4-8, every 90 deg; throws at 0, 90, 270, 180 deg"
     )
+
+
+def test_examples_that_are_off_are_those_of_an_engine_of_that_size() -> None:
+    """A design space of 48 mm beside a web of 420 mm helps nobody; angles and standard parts stay."""
+    values = starting_values("in-line", 6, 320.0, 480.0)
+    text = template("six", values, sized=partial(sized_example, values))
+    shown = {line for line in text.splitlines() if re.match("#*[a-z_]+_(mm|deg|kg_m2|rpm) = ", line)}
+    for line in ("#diameter_mm = 16.8", "#half_angle_deg = 60.0", "##shank_diameter_mm = 8.0"):
+        assert line in shown
+    assert parse_scene(text).envelope is not None
+    width = values["web.width_mm"]
+    assert f"half_width_mm = {0.8 * width:.1f}" in text
+    weight = re.search(r"(?m)^#outer_radius_mm = ([\d.]+)$", text)
+    assert weight is not None
+    assert float(weight[1]) > width / 2, "beyond the web"
+    small = template("mine", starting_values("single", 1, 95.0, 96.0))
+    assert template("mine", starting_values("single", 1, 95.0, 96.0), sized=lambda p, n, e: e) == small
+
+
+@pytest.mark.parametrize(
+    "table",
+    ["second_web", "web.counterweight(.plug)?", "web.pocket", "web.bevel", "throw.drilling", "shaft"],
+)
+def test_a_block_of_that_size_works_when_it_is_switched_on(table: str) -> None:
+    values = starting_values("in-line", 6, 320.0, 480.0)
+    text = template("six", values, sized=partial(sized_example, values))
+    for block in text.split("\n\n"):
+        if re.search(rf"(?m)^#\[+{table}(\.from|\.to)?\]", block):
+            text = text.replace(block, re.sub(r"(?m)^#(?! )", "", block), 1)
+    scene = parse_scene(text, whole=True)
+    assert scene != parse_scene(template("six", values))
+
+
+def test_a_large_engine_is_near_the_rule_at_a_usual_pressure() -> None:
+    """IACS UR M53 asks for 1.15; the proportions of a car gave 0.63 at 18 MPa."""
+    values = starting_values("in-line", 6, 320.0, 480.0) | {
+        "engine.gas.peak_pressure_MPa": 18.0,
+        "engine.gas.compression_ratio": 15.0,
+        "engine.gas.intake_pressure_MPa": 0.35,
+        "engine.gas.exhaust_pressure_MPa": 0.28,
+    }
+    found = exact_values(parse_scene(template("six", values)))
+    assert 1.15 < found["m53_journal"] < found["m53_pin"] < 2.0
 
 
 def test_an_unknown_number_of_cylinders_is_refused() -> None:

@@ -4,7 +4,7 @@ import { beginForm, showBegin, showMaterials } from "./begin.js";
 import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
-import { pick, state } from "./state.js";
+import { OF_STIFFNESS, ofDesign, ofStep, pick, state } from "./state.js";
 import { complain, connect, line, next, say, status } from "./talk.js";
 import { showHistory, showVariants } from "./variants.js";
 import { showGhost, showPicture } from "./view.js";
@@ -26,6 +26,7 @@ function hear(message) {
     made: () => hearMade(message),
     busy: () => status(message.what),
     error: () => complain(message.message),
+    told: () => complain(message.message, true),
   }[message.type];
   if (act) act();
 }
@@ -37,20 +38,24 @@ function hearState(message) {
   $("begin").hidden = Boolean(project);
   $("bench").hidden = !project;
   document.querySelectorAll("header [data-do]").forEach((b) => (b.disabled = !project));
-  if (!project) return showBegin(message);
+  if (!project) {
+    $("warnings").hidden = true;
+    return showBegin(message);
+  }
   complain("");
   $("name").textContent = project.name;
   document.querySelector("[data-do=undo]").disabled = project.at === 0;
   document.querySelector("[data-do=redo]").disabled = project.at + 1 >= project.steps.length;
   if (!before || before.name !== project.name) {
-    Object.assign(state, { settled: {}, original: {}, bound: {}, made: [], picture: null, settledPicture: null, refit: true });
+    Object.assign(state, ofDesign());
+    $("made").replaceChildren();
     $("write").elements.name.value = project.name;
     $("hint").hidden = localStorage.getItem("cranktopo-hint") === "seen";
   }
   if (!before || before.at !== project.at) state.refit = true;
   if (!before || before.name !== project.name || before.at !== project.at || before.steps[before.at].file !== project.steps[project.at].file)
     {
-    Object.assign(state, { fresh: false, settledPicture: null, dragging: false });
+    Object.assign(state, ofStep());
     status("Solving");
   }
   showForms();
@@ -70,6 +75,7 @@ function hearLive(message) {
     return next();
   }
   state.live = message.gauges;
+  for (const name of ["rings", "marks", "stiffness", "warnings"]) state[name] = message[name];
   state.turns = message.turns_deg;
   state.notes = message.notes;
   state.front = message.front;
@@ -83,6 +89,7 @@ function hearLive(message) {
 function hearOriginal(message) {
   if (message.broken) return;
   state.original = { ...state.original, ...message.gauges };
+  state.originalStiffness = message.stiffness;
   state.ghostFront = message.front;
   state.ghostPicture = message.picture;
   showGhost();
@@ -99,9 +106,15 @@ function hearCoarse(message) {
 }
 
 function hearSettled(message) {
-  if (message.which === "original") state.original = { ...state.original, ...pick(message.gauges) };
-  else if (!state.dragging) {
+  const stiff = message.stiffness_factor ? Object.fromEntries(Object.entries(message.gauges).filter(([name]) => OF_STIFFNESS.has(name))) : {};
+  if (message.which === "original") {
+    state.original = { ...state.original, ...pick(message.gauges), ...stiff };
+    if (message.stiffness_factor) state.originalStiffness = "settled";
+  } else if (!state.dragging) {
     state.settled = pick(message.gauges);
+    state.live = { ...state.live, ...stiff };
+    if (message.stiffness_factor) state.stiffness = "settled";
+    state.settledWarnings = message.warnings || [];
     state.errors = message.error_percent || {};
     state.settledParts = message.parts;
     state.place = message.place;
@@ -109,7 +122,7 @@ function hearSettled(message) {
     Object.assign(state, { coarse: {}, tooFar: false });
     state.fresh = true;
     state.settledPicture = message.picture || null;
-    if (!state.broken.length) status(message.parts.includes("safety") ? "Settled" : "Stiffness settled; safety follows");
+    if (!state.broken.length) status(message.parts.includes("safety") ? "Settled" : message.parts.includes("shaft") ? "Stiffness settled; safety follows" : "Stiffness settled; shaft and safety follow");
     if ($("safety").checked) showPicture();
   }
   showGauges();
@@ -117,7 +130,7 @@ function hearSettled(message) {
 
 function hearProof(message) {
   for (const [name, value] of Object.entries(message.gauges))
-    if (name.startsWith("bound_")) state.bound[name.slice(6)] = value;
+    if (name.startsWith("bound_")) state.bound[name.slice(6)] = { value, step: message.step };
   status(`${message.kind} is done`);
   showGauges();
 }
@@ -125,14 +138,14 @@ function hearProof(message) {
 function hearMade(message) {
   state.made.push(message);
   status(`${message.name} is written`);
+  if (message.warnings?.length) complain(`${message.name}:\n${message.warnings.join("\n")}`, true);
   $("made").append(make("li", {}, make("a", { href: `made/${encodeURIComponent(message.name)}`, download: message.name }, message.name)));
   showHistory();
 }
 
 function keep() {
-  const name = `variant ${state.project.variants.length + 1}`;
-  say({ do: "keep", name });
-  status(`${name} is kept`);
+  say({ do: "keep" });
+  status("The design is kept as a variant");
 }
 
 document.querySelectorAll("header [data-do]").forEach((button) => button.addEventListener("click", () => (button.dataset.do === "keep" ? keep() : say({ do: button.dataset.do }))));

@@ -1,34 +1,43 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed } from "./base.js";
-import { GAUGES, SOLVED, errorOf, limitOf, state, valueAt, valueOf } from "./state.js";
+import { GAUGES, SOLVED, comparable, errorOf, limitOf, state, valueAt, valueOf } from "./state.js";
 import { edit } from "./talk.js";
 
 export function showGauges() {
   if (!state.project) return;
-  const worse = [], broken = [];
+  const worse = [], broken = [], below = [];
+  const warned = [...state.warnings, ...(state.fresh && !state.dragging ? state.settledWarnings : [])];
+  showWarnings(warned);
   const rows = GAUGES.map((gauge) => {
     const [name, label] = gauge, [value, ring] = valueOf(name), original = state.original[name];
     if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
     if (value === undefined && original === undefined && state.missing && name.includes("safety")) return null;
-    const percent = value !== undefined && original ? 100 * (value / original - 1) : null, better = gauge[4];
+    const percent = value !== undefined && original && comparable(name) ? 100 * (value / original - 1) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < 0.05 ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limit = limitOf(name), within = errorOf(name) / 100 + 1e-4, least = limit && limit.required * (1 - within * Math.sign(limit.required)), greatest = limit && limit.required * (1 + within * Math.sign(limit.required)), holds = limit && value !== undefined && (limit.sense === ">" ? value >= least : value <= greatest);
     const stale = ring.startsWith("stale") || ring.startsWith("waits");
     if (way < 0 && !stale) worse.push(`${lower(label)} ${signed(percent)}`);
+    if (value < state.marks[name] && !stale) below.push(`${lower(label)} ${plain(value, 3)} of ${state.marks[name]}`);
     if (limit && !holds && !stale) broken.push(`${lower(label)} ${limit.text}`);
     return gaugeRow(gauge, value, ring, percent, way, limit, holds, stale);
   }).filter(Boolean);
   $("dials").replaceChildren(...rows);
-  const line = broken.length ? `Limit not kept: ${broken.join("; ")}.` : "";
+  const line = [broken.length ? `Limit not kept: ${broken.join("; ")}.` : "", below.length ? `Below what the rule asks for: ${below.join("; ")}.` : ""].filter(Boolean).join(" ");
   const same = state.project.at === state.project.original && !state.dragging;
-  $("worse").textContent = same ? "This is the original." : !state.fresh && !worse.length && !broken.length ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
-  $("worse").className = same ? "" : worse.length || broken.length ? "bad" : "good";
-  $("place").textContent = state.place && !state.dragging ? `Least safety: ${state.place}.` : state.missing || "";
+  $("worse").textContent = same ? ["This is the original.", line].filter(Boolean).join(" ") : !state.fresh && !worse.length && !line ? "Nothing known so far is worse than the original." : [line, worse.length ? `Worse than the original: ${worse.join("; ")}.` : "Nothing is worse than the original."].filter(Boolean).join(" ");
+  $("worse").className = line || (!same && worse.length) ? "bad" : same ? "" : "good";
+  $("place").textContent = state.place && state.fresh && !state.dragging ? `Least safety: ${state.place}.` : state.missing || "";
   $("notes").replaceChildren(...(state.notes ?? []).map((text) => make("li", {}, text)));
 }
 
+function showWarnings(texts) {
+  const list = $("warnings"), shown = [...list.children].map((item) => item.textContent), wanted = texts.map((text) => `Warning: ${text}`);
+  list.hidden = !texts.length;
+  if (shown.join("\n") !== wanted.join("\n")) list.replaceChildren(...wanted.map((text) => make("li", {}, text)));
+}
+
 function gaugeRow(gauge, value, ring, percent, way, limit, holds, stale) {
-  const [name, label, unit, digits, , size = 1] = gauge, original = state.original[name], bound = state.bound[name];
+  const [name, label, unit, digits, , size = 1] = gauge, original = state.original[name], bound = boundOf(name), mark = state.marks[name];
   const text = value === undefined ? "…" : `${plain(value / size, digits)} ${unit}`;
   const change = percent === null ? "" : Math.abs(percent) < 0.05 ? "as original" : signed(percent);
   const item = make("li", { class: stale ? "stale" : "", "data-gauge": name, role: "group", "aria-label": `${label}: ${text}, ${change || "no original yet"}, ${ring}${limit ? `, limit ${limit.text} ${holds ? "holds" : "is not kept"}` : ""}` },
@@ -36,10 +45,14 @@ function gaugeRow(gauge, value, ring, percent, way, limit, holds, stale) {
   if (percent !== null && !["unbalance", "balance_factor"].includes(name)) item.append(trackOf(gauge, percent, limit, original, bound));
   const line = make("div", { class: "ring" }, make("span", {}, ring));
   if (limit) line.append(make("span", { class: `limit ${holds ? "holds" : ""}` }, `limit ${limit.text}${holds ? "" : ": not kept"}`));
+  if (mark !== undefined) line.append(make("span", { class: `limit ${value >= mark ? "holds" : ""}` }, `rule: at least ${mark}`));
   if (bound !== undefined) line.append(make("span", {}, `no web beats ${plain(bound / size, digits)} ${unit} (proof)`));
   item.append(line);
   return item;
 }
+
+// A bound holds for the design that it was found for.
+const boundOf = (name) => (state.bound[name]?.step === state.project.steps[state.project.at].file && !state.dragging ? state.bound[name].value : undefined);
 
 // A bar from 70 to 130 % of the original; black: original, red: limit. A limit is set by dragging its mark.
 function trackOf(gauge, percent, limit, original, bound) {
@@ -53,6 +66,11 @@ function trackOf(gauge, percent, limit, original, bound) {
     const line = make("s");
     line.style.left = at(100 * (bound / original - 1));
     track.append(line);
+  }
+  if (state.marks[gauge[0]] !== undefined) {
+    const rule = make("s", { class: "rule", title: `the rule asks for ${state.marks[gauge[0]]}` });
+    rule.style.left = at(100 * (state.marks[gauge[0]] / original - 1));
+    track.append(rule);
   }
   if (limitKeys().has(gauge[0])) track.append(limitMark(gauge, limit, limit ? 100 * (limit.required / original - 1) : 0, track, at));
   return track;

@@ -18,8 +18,19 @@ export const GAUGES = [
 ];
 export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety"]);
 
+const SAFETIES = (name) => name.includes("safety");
+// Gauges that rest on the stiffness of a throw are settled as well.
+export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
+
+// What is known of one design alone: forgotten with every step, or with the design.
+export const ofStep = () => ({ fresh: false, settledPicture: null, dragging: false, place: null, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
+export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, bound: {}, made: [], picture: null, ghostPicture: null, broken: [], refit: true });
+
 export const state = { reference: null, project: null, jobs: [], live: {}, settled: {}, original: {}, bound: {},
-  turns: [0], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [], keepPitch: false };
+  turns: [0], rings: {}, marks: {}, warnings: [], notes: [], settledParts: [], settledWarnings: [], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [], keepPitch: false };
+
+// No change is told between a stiffness in closed form and a settled one.
+export const comparable = (name) => !OF_STIFFNESS.has(name) || [state.stiffness, state.originalStiffness].sort().join() !== "closed form,settled";
 
 export const pick = (gauges) => Object.fromEntries(Object.entries(gauges).filter(([name]) => SOLVED.has(name)));
 
@@ -27,14 +38,18 @@ const parts = (key) => key.split(".").flatMap((word) => [word.split("[")[0], ...
 export const valueAt = (key, data = state.project.data) => parts(key).reduce((at, part) => (at === undefined || at === null ? undefined : at[part]), data);
 
 export function valueOf(name) {
-  if (!SOLVED.has(name)) return [state.live[name], "live, exact"];
+  if (!SOLVED.has(name)) {
+    if (state.broken.length && state.live[name] !== undefined) return [state.live[name], "stale: of the last web that broke no rule"];
+    const settled = OF_STIFFNESS.has(name) && state.settledParts.includes("shaft") && !state.dragging && state.rings[name];
+    return [state.live[name], settled ? "settled stiffness of a throw" : state.rings[name] ?? "live, exact"];
+  }
   const moving = state.dragging || !state.fresh;
   if (moving && state.coarse?.[name] !== undefined) return [state.coarse[name], `coarse, error about ${state.coarseErrors[name].toFixed(1)} %`];
   if (moving && state.tooFar) return [undefined, "waits: too far from the last settled web"];
   const value = state.settled[name], error = (state.errors ?? {})[name.replace("_per_mass", "")];
   if (value === undefined) return [undefined, state.broken.length ? "waits until no rule is broken" : "waits"];
   if (moving) return [value, "stale: of the last settled web"];
-  return [value, name.includes("safety") ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
+  return [value, SAFETIES(name) ? "settled, elements of half a fillet" : `settled${error === undefined ? "" : `, error at most ${error.toFixed(1)} %`}`];
 }
 
 // Percent by which a gauge may be off, as far as that is known.

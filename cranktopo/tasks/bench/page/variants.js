@@ -4,12 +4,12 @@ import { GAUGES, state } from "./state.js";
 import { say } from "./talk.js";
 
 export function showHistory() {
-  const { steps, at, diff } = state.project;
+  const { steps, at, diff, commands } = state.project;
   $("history").querySelector("ol").replaceChildren(...steps.map((step, i) => make("li", { class: i === at ? "here" : i > at ? "undone" : "", "aria-current": i === at ? "step" : undefined }, step.what)));
   const list = $("history").querySelector("ol"), here = list.querySelector("li.here");
   if (here) list.scrollTop = here.offsetTop - list.offsetTop - list.clientHeight / 2;
   $("diff").textContent = diff.length ? diff.join("\n") : "No change.";
-  const lines = [...steps.slice(0, at + 1).map((step) => step.command), ...state.jobs.map((job) => job.command), ...state.made.map((file) => file.command)];
+  const lines = [...commands, ...state.jobs.map((job) => job.command), ...state.made.map((file) => file.command)];
   $("commands").textContent = lines.join("\n");
 }
 

@@ -1,0 +1,210 @@
+"""Gas of a design that begins with its power: pressures, and where these cannot give it compression, too."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.base.units import plain_number
+from cranktopo.design.engine import Gas
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import indicated_work_J
+from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.performance import mean_pressure_MPa, power_kW
+
+_USUAL = 9.0
+_OF_CHARGE = 4.5, 14.0
+"""Mean pressure over that before compression: usual, and the range that a proposal keeps to."""
+_MOST_OF_CHARGE = 12.0
+"""The same where the peak is not known: more is charged."""
+_COMPRESSION = (9.0, 11.0, 13.0, 15.0, 17.0)
+_BURN_DEG = (60.0, 45.0, 30.0)
+_INTAKE_MPA = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6)
+_PEAK_MPA = 1.5, 40.0
+_EXHAUST_SHARE = 0.8
+"""Pressure behind a charged engine over that before it."""
+_HALVINGS = 14
+
+
+@dataclass(frozen=True)
+class _Proposal:
+    """Keys of `[engine.gas]`, and the mean pressure that they give, MPa."""
+
+    keys: dict[str, float]
+    mean_MPa: float
+
+    @property
+    def of_charge(self) -> float:
+        """Mean pressure over that before compression."""
+        return self.mean_MPa / self.keys["intake_pressure_MPa"]
+
+
+def gas_for_power(scene: Scene, wanted_kW: float, peak_MPa: float | None) -> dict[str, float]:
+    """Return keys of `[engine.gas]` with which an engine has a power, but for those at their default.
+
+    Where the peak is known, the intake pressure gives the power; where that alone does not, another
+    compression ratio or a shorter burning does. Else the peak gives the power, and the charge follows it.
+
+    Raises:
+        CranktopoError: no such gas, with what is assumed and what would do.
+    """
+    engine = scene.engine
+    assert engine is not None
+    mean = mean_pressure_MPa(wanted_kW / power_kW(1.0, engine), engine, scene.throw.radius_mm)
+    found = _by_peak(scene, mean) if peak_MPa is None else _at_peak(scene, mean, peak_MPa)
+    if isinstance(found, _Range):
+        raise _refused(scene, wanted_kW, mean, found, peak_MPa)
+    return {key: value for key, value in found.items() if value != Gas.model_fields[key].default}
+
+
+def gas_line(scene: Scene) -> str:
+    """Return the gas of a starting point, all of it assumed, in one line."""
+    engine = scene.engine
+    assert engine is not None
+    assert engine.gas is not None
+    gas = engine.gas
+    work = _work_J(scene)
+    parts = (
+        f"peak {gas.peak_pressure_MPa:g} MPa at {gas.peak_angle_deg:g} deg, intake {gas.intake_MPa:.3g} MPa"
+    )
+    parts += f", exhaust {gas.exhaust_MPa:.3g} MPa, compression ratio {gas.compression_ratio:g}"
+    return (
+        f"assumed: {parts}, burn duration {gas.burn_duration_deg:g} deg: {power_kW(work, engine):.4g} kW at "
+        f"{engine.speed_rpm:g} rpm, indicated mean pressure "
+        f"{mean_pressure_MPa(work, engine, scene.throw.radius_mm):.3g} MPa"
+    )
+
+
+@dataclass(frozen=True)
+class _Range:
+    """Mean pressures that can be had, MPa."""
+
+    least_MPa: float
+    most_MPa: float
+
+
+def _by_peak(scene: Scene, mean: float) -> dict[str, float] | _Range:
+    """Return the peak that gives a mean pressure, and the charge of one that needs it."""
+    ambient = _ambient(scene)
+    charge = _charged(min(max(mean / _MOST_OF_CHARGE, ambient), _INTAKE_MPA[-1]), ambient)
+
+    def at(peak: float) -> float:
+        return _mean_MPa(scene, {**charge, "peak_pressure_MPa": peak}) or 0.0
+
+    low, high = _PEAK_MPA
+    if not at(low) <= mean <= at(high):
+        return _Range(at(low), at(high))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if at(middle) < mean else (low, middle)
+    return {**charge, "peak_pressure_MPa": float(f"{(low + high) / 2:.4g}")}
+
+
+def _at_peak(scene: Scene, mean: float, peak: float) -> dict[str, float] | _Range:
+    """Return the intake pressure that gives a mean pressure, and whatever else it needs."""
+    seen: list[float] = []
+    for burn in _BURN_DEG:
+        fits = []
+        for ratio in _COMPRESSION:
+            fixed = {"peak_pressure_MPa": peak, "compression_ratio": ratio, "burn_duration_deg": burn}
+            found = [one for one in _over_intake(scene, fixed) if _plausible(one)]
+            seen += [one.mean_MPa for one in found]
+            fits += list(_between(scene, fixed, found, mean))
+            if fits and (burn, ratio) == (_BURN_DEG[0], _COMPRESSION[0]):
+                return fits[0].keys  # nothing but the intake is proposed
+        if fits:
+            return min(fits, key=lambda one: abs(math.log(one.of_charge / _USUAL))).keys
+    return _Range(min(seen, default=0.0), max(seen, default=0.0))
+
+
+def _over_intake(scene: Scene, fixed: dict[str, float]) -> Iterator[_Proposal]:
+    """Yield what intake pressures give, the least first; none where compression alone reaches the peak."""
+    for intake in _INTAKE_MPA:
+        keys = {**fixed, **_charged(intake, _ambient(scene))}
+        mean = _mean_MPa(scene, keys)
+        if mean is not None:
+            yield _Proposal({**keys, "intake_pressure_MPa": intake}, mean)
+
+
+def _plausible(one: _Proposal) -> bool:
+    return _OF_CHARGE[0] <= one.of_charge <= _OF_CHARGE[1]
+
+
+def _between(
+    scene: Scene, fixed: dict[str, float], found: list[_Proposal], mean: float
+) -> Iterator[_Proposal]:
+    """Yield proposals of a mean pressure between two neighbours of which it is."""
+    for one, other in pairwise(found):
+        if not min(one.mean_MPa, other.mean_MPa) <= mean <= max(one.mean_MPa, other.mean_MPa):
+            continue
+        low, high = (p.keys["intake_pressure_MPa"] for p in (one, other))
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            now = _mean_MPa(scene, {**fixed, **_charged(middle, _ambient(scene))}) or 0.0
+            low, high = (middle, high) if (now < mean) == (one.mean_MPa < mean) else (low, middle)
+        intake = float(f"{(low + high) / 2:.4g}")
+        yield _Proposal({**fixed, **_charged(intake, _ambient(scene)), "intake_pressure_MPa": intake}, mean)
+
+
+def _charged(intake: float, ambient: float) -> dict[str, float]:
+    """Return intake and exhaust pressure of a charged engine; the intake alone of any other."""
+    if intake <= ambient:
+        return {} if intake == ambient else {"intake_pressure_MPa": intake}
+    exhaust = max(_EXHAUST_SHARE * intake, ambient)
+    return {"intake_pressure_MPa": float(f"{intake:.4g}"), "exhaust_pressure_MPa": float(f"{exhaust:.4g}")}
+
+
+def _ambient(scene: Scene) -> float:
+    assert scene.engine is not None
+    assert scene.engine.gas is not None
+    return scene.engine.gas.ambient_pressure_MPa
+
+
+def _mean_MPa(scene: Scene, keys: dict[str, float]) -> float | None:
+    """Return the indicated mean pressure with keys of `[engine.gas]`; None where nothing can burn so."""
+    engine = scene.engine
+    assert engine is not None
+    assert engine.gas is not None
+    gas = engine.gas.model_copy(update=keys)
+    changed = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
+    try:
+        return mean_pressure_MPa(_work_J(changed), engine, scene.throw.radius_mm)
+    except CranktopoError:
+        return None
+
+
+def _work_J(scene: Scene) -> float:
+    """Return the work of the gas in one cylinder per cycle, J."""
+    curve = pressure_curve(scene)
+    assert curve is not None
+    assert scene.engine is not None
+    return indicated_work_J(curve, scene.engine, scene.throw.radius_mm)
+
+
+def _refused(
+    scene: Scene, wanted_kW: float, mean: float, found: _Range, peak: float | None
+) -> CranktopoError:
+    """Return a refusal with what is assumed and what would do."""
+    engine = scene.engine
+    assert engine is not None
+    per_MPa = wanted_kW / mean
+    assumed = f"compression ratio {_COMPRESSION[0]:g}"
+    at = f"peak pressures of {_PEAK_MPA[0]:g} to {_PEAK_MPA[1]:g} MPa"
+    hint = "Look at bore, stroke, speed and number of cylinders."
+    if peak is not None:
+        assumed += f" to {_COMPRESSION[-1]:g}, burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
+        at = f"the peak pressure of {peak:g} MPa"
+        near = found.most_MPa if mean > found.most_MPa else found.least_MPa
+        needed = peak * mean / near if near else math.inf
+        if _PEAK_MPA[0] <= needed <= _PEAK_MPA[1]:
+            hint = f"A peak pressure of about {needed:.2g} MPa would do; or leave it out."
+    return invalid(
+        "power_kW",
+        wanted_kW,
+        f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at} and assumed "
+        f"{assumed} this engine has {found.least_MPa * per_MPa:.0f} to {found.most_MPa * per_MPa:.0f} kW",
+        hint,
+    )

@@ -1,0 +1,79 @@
+"""A design that begins with what is known of its engine: usual proportions, the rest assumed and told."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+from cranktopo.design.loading import parse_scene
+from cranktopo.design.reference import template
+from cranktopo.design.starting_point import LayoutName, arrangement_line, sized_example, starting_values
+from cranktopo.engine.starting_gas import gas_for_power, gas_line
+
+KNOWN: Mapping[str, str] = {
+    "speed_rpm": "engine.speed_rpm",
+    "rod_length_mm": "engine.rod_length_mm",
+    "peak_pressure_MPa": "engine.gas.peak_pressure_MPa",
+    "material": "material.name",
+}
+"""What may be known beside the size, and its key."""
+_ORIGIN = (
+    "Values of engine, throw and web are usual proportions for such an engine, all of them assumed: replace "
+    "what is known. Their strength is not checked: cranktopo fatigue does, by --method m53 against a rule."
+)
+
+
+class Beginning(NamedTuple):
+    """A design that began: its text, and what was assumed, a line each."""
+
+    text: str
+    assumed: tuple[str, ...]
+
+
+def begun(
+    name: str,
+    layout: LayoutName,
+    cylinders: int,
+    bore_mm: float,
+    stroke_mm: float,
+    known: Mapping[str, Any] | None = None,
+) -> Beginning:
+    """Return a design of usual proportions with what is known of it.
+
+    Args:
+        known: of the keys of `KNOWN` and power_kW.
+
+    Raises:
+        CranktopoError: no usual firing order, or a power that no gas gives such an engine.
+    """
+    given = {key: value for key, value in (known or {}).items() if value is not None}
+    values = starting_values(layout, cylinders, bore_mm, stroke_mm)
+    values |= {key: given[short] for short, key in KNOWN.items() if short in given}
+    if "power_kW" in given:
+        scene, peak = parse_scene(template(name, values), name), given.get("peak_pressure_MPa")
+        found = gas_for_power(scene, given["power_kW"], peak)
+        values |= {f"engine.gas.{key}": value for key, value in found.items()}
+    scene = parse_scene(template(name, values), name)
+    assumed = (arrangement_line(scene), gas_line(scene))
+    text = template(name, values, "\n".join([_ORIGIN, *assumed[1:]]), partial(sized_example, values))
+    parse_scene(text, name)
+    return Beginning(text, assumed)
+
+
+def begun_line(
+    file: str,
+    layout: LayoutName,
+    cylinders: int,
+    bore_mm: float,
+    stroke_mm: float,
+    known: Mapping[str, Any] | None = None,
+) -> str:
+    """Return the command that begins the same design."""
+    words = ["cranktopo", "designs", "new", file, f"--layout={layout}", f"--cylinders={cylinders}"]
+    sizes = {"bore_mm": bore_mm, "stroke_mm": stroke_mm, **(known or {})}
+    for key, value in sizes.items():
+        if value is not None:
+            words.append(f"--{key.replace('_', '-')}={value if isinstance(value, str) else f'{value:.12g}'}")
+    return shlex.join(words)

@@ -1,0 +1,118 @@
+"""Gauges are exact, or say what they rest on; what commands warn of is told with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.design.checks.engine import shaft_warnings
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.toml_text import parse_toml
+from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
+from cranktopo.tasks.bench import settled
+from cranktopo.tasks.bench.edits import changed_data
+from cranktopo.tasks.bench.forms import new_design
+from cranktopo.tasks.bench.live import live_numbers
+from cranktopo.tasks.loads.stage import loads_at_speeds
+
+ANSWERS = {"layout": "in-line", "cylinders": 6, "bore_mm": 320, "stroke_mm": 480, "speed_rpm": 750}
+SIX = parse_toml(new_design({**ANSWERS, "peak_pressure_MPa": 20, "power_kW": 3150})[0], "six")
+LINE = {
+    "shaft.coupling.stiffness_Nm_per_rad": 500000.0,
+    "shaft.coupling.inertia_kg_m2": 100.0,
+    "shaft.driven.inertia_kg_m2": 800.0,
+    "shaft.damper.kind": "viscous",
+    "shaft.damper.damping_Nms_per_rad": 3000.0,
+    "shaft.damper.ring_inertia_kg_m2": 60.0,
+    "shaft.damper.hub_inertia_kg_m2": 10.0,
+    "effects.torsional_vibration": "on",
+    # Light, so that the inertia of the throws hardly varies: less to compute.
+    "engine.masses.piston_group_kg": 1.0,
+    "engine.masses.rod_reciprocating_kg": 1.0,
+}
+SHAFT = changed_data(SIX, LINE)
+RESTING = ["natural_frequency", "m53_pin", "m53_journal"]
+
+
+def closed_form(data: dict[str, Any]) -> float:
+    return throw_stiffness_Nm_per_rad(scene_from_dict(data, "six", whole=True))
+
+
+def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
+    """Elements find a throw up to 1.56 times stiffer: at a resonance the rule's number is another one."""
+    told = live_numbers(SHAFT)
+    assert (told["stiffness"], told["of_stiffness"]) == ("closed form", RESTING)
+    for name in RESTING:
+        assert told["rings"][name].startswith("live, closed-form stiffness: "), "with an error"
+        assert "%" in told["rings"][name]
+    assert told["marks"] == {"m53_pin": 1.15, "m53_journal": 1.15}
+    assert told["rings"]["power"] == "live, combustion model"
+
+
+def test_without_a_shaft_the_rule_rests_on_no_stiffness() -> None:
+    told = live_numbers(SIX)
+    assert (told["stiffness"], told["of_stiffness"]) == ("", [])
+    assert not set(RESTING) & set(told["rings"])
+
+
+def test_a_settled_stiffness_gives_what_the_design_gives_that_states_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """So does `fatigue --method m53`, which puts the stiffness by elements into the design."""
+    factor = 1.4
+    stiffness = factor * closed_form(SHAFT)
+    given = live_numbers(changed_data(SHAFT, {"shaft.throw_stiffness_Nm_per_rad": stiffness}))
+    assert (given["stiffness"], given["of_stiffness"]) == ("", []), "exact where the design says it"
+    by_factor = live_numbers(SHAFT, factor)
+    found = SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=(stiffness,) * 6))
+    monkeypatch.setattr(settled, "evaluate_shaft", lambda *_: found)
+    by_elements = settled.settled_shaft(SHAFT)
+    assert by_elements["stiffness_factor"] == pytest.approx(factor)
+    assert list(by_elements["gauges"]) == RESTING
+    for name in RESTING:
+        assert by_factor["gauges"][name] == pytest.approx(given["gauges"][name], rel=1e-9)
+        assert by_elements["gauges"][name] == pytest.approx(given["gauges"][name], rel=1e-9)
+    assert settled.settled_shaft(SIX) == {"gauges": {}}
+
+
+def test_an_implausible_pressure_is_told_with_the_gauges() -> None:
+    uncharged: dict[str, Any] = {
+        "engine.gas.intake_pressure_MPa": None,
+        "engine.gas.exhaust_pressure_MPa": None,
+    }
+    uncharged |= {"engine.gas.compression_ratio": 9.0, "engine.gas.burn_duration_deg": 60.0}
+    data = changed_data(SIX, uncharged)
+    (line,) = live_numbers(data)["warnings"]
+    assert "no engine has more than 20 times: give engine.gas.intake_pressure_MPa" in line
+    assert loads_at_speeds(scene_from_dict(data, "six"))[0].warnings == (line,)
+    assert live_numbers(SIX)["warnings"] == []
+
+
+def test_a_trace_with_firing_at_360_deg_is_told_with_the_gauges(tmp_path: Path) -> None:
+    angle = np.arange(0, 720, 2.0)
+    bar = 1 + 60 * np.exp(-(((angle - 372) / 25) ** 2))
+    rows = [f"{a},{p:.3f}" for a, p in zip(angle, bar, strict=True)]
+    (tmp_path / "trace.csv").write_text("\n".join(["crank_angle_deg,pressure_bar", *rows]), encoding="utf-8")
+    trace: dict[str, Any] = {"engine.gas.indicator_csv": str(tmp_path / "trace.csv")}
+    trace |= {"engine.gas.peak_pressure_MPa": None, "engine.gas.peak_angle_deg": None}
+    told = live_numbers(changed_data(SIX, trace))
+    assert "shift its angles by 360 deg" in told["warnings"][0]
+    assert told["rings"]["gas_force"] == "live, measured trace"
+
+
+def test_what_plan_and_vibration_warn_of_is_told() -> None:
+    bare = {
+        "shaft.damper": None,
+        "effects.torsional_vibration": "auto",
+        "shaft.coupling": None,
+        "shaft.driven": None,
+    }
+    data = changed_data(SHAFT, bare)
+    told = live_numbers(data)["warnings"]
+    expected = shaft_warnings(scene_from_dict(data, "six", whole=True))
+    assert expected
+    assert set(expected) <= set(told)
