@@ -83,7 +83,7 @@ def of_stiffness_names(scene: Scene) -> list[str]:
 
     The rule's are among them where it judges the torque of the vibrating shaft.
     """
-    if scene.shaft is None or scene.engine is None or scene.shaft.throw_stiffness_Nm_per_rad is not None:
+    if scene.shaft is None or scene.engine is None or scene.shaft.gives_stiffness:
         return []
     try:
         vibrating = has_vibration(scene)
@@ -94,7 +94,7 @@ def of_stiffness_names(scene: Scene) -> list[str]:
 
 def with_stiffness(scene: Scene, factor: float) -> Scene:
     """Return the scene whose throws are stiffer than in closed form by a factor."""
-    return of_stiffness(scene, [factor * throw_stiffness_Nm_per_rad(scene)])
+    return of_stiffness(scene, [factor * throw_stiffness_Nm_per_rad(scene)] * len(scene.shaft_angles_deg))
 
 
 def _of_gas(scene: Scene) -> dict[str, str]:
