@@ -99,7 +99,9 @@ def _with_stiffness(target: Target, throw_Nm_per_rad: float | None) -> Target:
         return with_throw_stiffness(target)
     if not has_vibration(target.scene):
         return target
-    return replace(target, scene=of_stiffness(target.scene, [throw_Nm_per_rad] * len(target.scene.shaft_angles_deg)))
+    return replace(
+        target, scene=of_stiffness(target.scene, [throw_Nm_per_rad] * len(target.scene.shaft_angles_deg))
+    )
 
 
 def _target(data: dict[str, Any]) -> Target:
