@@ -19,7 +19,7 @@ import pytest
 from cranktopo.base.errors import ExitCode
 from cranktopo.design.loading import builtin_designs
 from tests.every_command import every_command
-from tests.hostile.watched import Ended, watched
+from tests.hostile.watched import ENVIRONMENT, Ended, watched
 
 DESIGNS = tuple(builtin_designs())
 D, RUN = "DESIGN", "run"
@@ -158,6 +158,7 @@ if __name__ == "__main__":
     found = list[Row]()
     print("| design | command | exit code | s | last line | fault |\n|---|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory() as where:
+        ENVIRONMENT["XDG_CACHE_HOME"] = str(Path(where) / "cache")  # `accuracy` keeps its studies there
         for one in chosen_designs:
             for row in rows(one, chosen_commands, Path(where) / one):
                 print(row, flush=True)

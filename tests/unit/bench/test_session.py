@@ -1,0 +1,57 @@
+"""What a page asks of a session and is told: variants, commands, warnings; no process answers here."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+from unittest.mock import AsyncMock, MagicMock
+
+import pytest
+
+pytest.importorskip("tornado")
+from cranktopo.design.loading import design_text
+from cranktopo.tasks.bench.session import Bench
+
+THICKNESS, MAIN = "web.thickness_mm", "throw.main_journal.length_mm"
+
+
+def asked(folder: Path, *messages: dict[str, Any]) -> list[dict[str, Any]]:
+    """Say something to a bench; return all that it tells."""
+    bench = Bench(folder)
+    told: list[dict[str, Any]] = []
+    bench.answers = MagicMock(checked=AsyncMock(return_value=[]), known=lambda text: {})
+
+    async def talk() -> None:
+        bench.open_text(design_text("mikron-iiic-plain"), "mine.toml", "opened", "cranktopo bench mine")
+        bench.enter(told.append)
+        for message in messages:
+            await bench.hear(message, told.append)
+        bench.close()
+
+    asyncio.run(talk())
+    assert [message for message in told if message["type"] == "error"] == []
+    return told
+
+
+def test_a_thickness_with_and_without_the_pitch_kept_are_two_variants(tmp_path: Path) -> None:
+    """Both steps were typed alike: both variants were named by that alone."""
+    edit = {"do": "edit", "changes": {THICKNESS: 21.0}, "what": "thickness: 21 mm"}
+    keep = {"do": "keep"}
+    told = asked(tmp_path, edit, keep, {"do": "undo"}, {**edit, "keep_pitch": True}, keep)
+    project = told[-1]["project"]
+    first, second = project["variants"]
+    assert (first["name"], second["name"]) == ("variant 1", "variant 2")
+    assert first["what"] == f"{THICKNESS}: 19 to 21"
+    assert MAIN in second["what"]
+    assert project["steps"][1]["what"].startswith(f"thickness: 21 mm; {MAIN}: "), "the step says it, too"
+
+
+def test_what_is_told_as_commands_runs_in_the_folder(tmp_path: Path) -> None:
+    edit = {"do": "edit", "changes": {THICKNESS: 21.0}, "what": "thickness: 21 mm"}
+    told = asked(tmp_path, edit, {"do": "save", "name": "own.toml"})
+    (made,) = (message for message in told if message["type"] == "made")
+    assert made["command"] == "cranktopo designs copy bench/mine/0001.toml own.toml --force"
+    commands = told[-1]["project"]["commands"]
+    assert commands == ["cranktopo designs copy bench/mine/0001.toml mine-0001.toml"]
+    assert (tmp_path / "bench" / "mine" / "0001.toml").is_file()
