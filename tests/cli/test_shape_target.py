@@ -24,6 +24,7 @@ from cranktopo.tasks.designs.run_webs import web_target
 from cranktopo.tasks.refit.family import Layout, web_of
 from cranktopo.tasks.shape import run as shape
 from cranktopo.tasks.shape.stage import ShapeSettings
+from cranktopo.throw.bevel import FittedBevel
 from tests.physics.shape.shape_cases import Array, full_web
 
 COARSE = ShapeSettings(cell_mm=9.0, rounds=1, element_size_mm=14.0)
@@ -140,10 +141,15 @@ def test_an_unfinished_run_is_refused(tmp_path: Path, web: Scene, capsys: Any) -
 
 
 def forged_start() -> tuple[Layout, Array]:
-    """The web without its last two features: pockets from a face, which hold a die that parts in x = 0."""
+    """The web as a die that parts in x = 0 leaves it: without its last two features, pockets from a face, and
+    with the draft of the die on its bevels."""
     _, layout, values = full_web()
     lost = sum(len(part.names) for part in layout.parts[3:])
-    return replace(layout, parts=layout.parts[:3]), values[:-lost]
+    first, second, groove = layout.parts[:3]
+    assert isinstance(first, FittedBevel)
+    assert isinstance(second, FittedBevel)
+    parts = (replace(first, draft_deg=5.0), replace(second, draft_deg=5.0), groove)
+    return replace(layout, parts=parts), values[:-lost]
 
 
 class AskedError(Exception):
