@@ -49,12 +49,14 @@ class SafetyMethod:
         needs: keys of the material that must have a value.
         load_packages: loads the optional packages that it takes; fails before any solve where one is missing.
         check: checks what else it needs of a scene.
+        title: in words, after "by"; its name where it gives none.
     """
 
     name: str
     needs: tuple[str, ...]
     load_packages: Callable[[], object] = field(default=lambda: None, kw_only=True)
     check: Callable[[Scene], None] = field(default=lambda _: None, kw_only=True)
+    title: str = field(default="", kw_only=True)
 
 
 @dataclass(frozen=True)

@@ -95,4 +95,5 @@ DANG_VAN = PlaneCriterion(
     _diagram,
     "hydrostatic stress",
     check=check_scene,
+    title="Dang Van's criterion",
 )

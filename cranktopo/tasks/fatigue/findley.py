@@ -79,4 +79,5 @@ FINDLEY = PlaneCriterion(
     _diagram,
     "normal stress",
     check=check_scene,
+    title="Findley's criterion",
 )

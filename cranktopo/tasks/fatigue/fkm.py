@@ -129,4 +129,11 @@ def _haigh_limit_MPa(scene: Scene, strength_MPa: float, gradient_per_mm: float, 
     return amplitude
 
 
-FKM = FatigueCriterion("fkm", ("ultimate_MPa",), _point_safety, _haigh_limit_MPa, load_packages=load_rules)
+FKM = FatigueCriterion(
+    "fkm",
+    ("ultimate_MPa",),
+    _point_safety,
+    _haigh_limit_MPa,
+    load_packages=load_rules,
+    title="the FKM guideline",
+)

@@ -108,4 +108,5 @@ LSA = FatigueCriterion(
     (*NEEDS, "ultimate_MPa"),
     _point_safety,
     _haigh_limit_MPa,
+    title="local stress analysis",
 )

@@ -13,7 +13,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.files import write_bytes
 from cranktopo.design.halves import halves
 from cranktopo.report.plot import png
-from cranktopo.tasks.fatigue.criteria import criterion
+from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.plane_criterion import PlaneDiagram
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.vtu import throw_surface
@@ -28,7 +28,6 @@ _VIEWS = (
 )
 _QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 _LINES = {"lsa": "line of Goodman", "fkm": "line of the FKM guideline"}
-_METHODS = {"lsa": "local stress analysis", "fkm": "the FKM guideline"}
 _TOP = 4.0
 """Safety above which the picture's colours stay the same, over the least safety."""
 
@@ -44,9 +43,10 @@ def save_fatigue_picture(path: Path, field: FatigueField) -> None:
 
     figure = Figure(figsize=(15, 5.4), dpi=150, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
-    c = field.critical
+    c, method = field.critical, safety_method(field.method)
     figure.suptitle(
-        f"{field.model.name}: least safety {c.safety:.3f} by {_METHODS[field.method]}, {c.place}", fontsize=13
+        f"{field.model.name}: least safety {c.safety:.3f} by {method.title or method.name}, {c.place}",
+        fontsize=13,
     )
     left, middle, right = figure.subplots(1, 3)
     _draw_sides(figure, (left, middle), field)
