@@ -67,7 +67,9 @@ class FatigueCriterion(SafetyMethod):
         point_safety: safety of points of a scene whose material is checked.
         haigh_limit_MPa: amplitude that a point endures at given mean stresses (n,), from its fully reversed
             strength in MPa and its related stress gradient in 1/mm.
+        line_of: whose line that is; that of the method where it gives none.
     """
 
     point_safety: Callable[[Scene, LocalStress], PointSafety]
     haigh_limit_MPa: Callable[[Scene, float, float, Array], Array]
+    line_of: str = field(default="", kw_only=True)

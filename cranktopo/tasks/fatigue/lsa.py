@@ -109,4 +109,5 @@ LSA = FatigueCriterion(
     _point_safety,
     _haigh_limit_MPa,
     title="local stress analysis",
+    line_of="Goodman",
 )

@@ -27,7 +27,6 @@ _VIEWS = (
     ("journal fillet", (0.45, 0.55, -0.9)),
 )
 _QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
-_LINES = {"lsa": "line of Goodman", "fkm": "line of the FKM guideline"}
 _TOP = 4.0
 """Safety above which the picture's colours stay the same, over the least safety."""
 
@@ -132,13 +131,13 @@ def _inside(body: ShadedMesh) -> ShadedMesh:
 
 def _draw_haigh(axes: Any, field: FatigueField) -> None:
     """Amplitude over mean stress: the critical point, every node that counts, and the line of safety 1."""
-    c, scene = field.critical, field.model.scene
+    c, scene, found = field.critical, field.model.scene, criterion(field.method)
     on = field.model.judged
     axes.plot(field.mean_MPa[:, on].ravel(), field.amplitude_MPa[:, on].ravel(), ",", color="0.6")
     means = np.linspace(
         min(0.0, float(field.mean_MPa[:, on].min())), scene.material.ultimate_MPa or np.nan, 200
     )
-    limit = criterion(field.method).haigh_limit_MPa(scene, c.strength_MPa, c.gradient_per_mm, means)
+    limit = found.haigh_limit_MPa(scene, c.strength_MPa, c.gradient_per_mm, means)
     axes.plot(means, limit, color="#1f6fb4", label="safety 1 at the critical point")
     scale = c.safety
     axes.plot([0, c.mean_MPa * scale], [0, c.amplitude_MPa * scale], "--", color="0.4", lw=1)
@@ -147,7 +146,7 @@ def _draw_haigh(axes: Any, field: FatigueField) -> None:
         xlabel="mean stress (MPa)",
         ylabel="stress amplitude (MPa)",
         ylim=(0, 1.15 * c.strength_MPa * max(1.0, c.amplitude_MPa / c.strength_MPa)),
-        title=f"Haigh diagram, {_LINES[field.method]}",
+        title=f"Haigh diagram, line of {found.line_of or found.title or found.name}",
     )
     axes.grid(color="0.9")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
