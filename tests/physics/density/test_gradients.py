@@ -123,8 +123,9 @@ def test_largest_single_cell_derivative(setting: tuple[ThrowModel, MaterialInter
     assert float(by_x[cell]) == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_compliance_of_a_forged_web(float64: None, mikron: Scene) -> None:
-    """Through filter, die, projection and penalty."""
+    """Through filter, die, projection and penalty: `pytest -m slow` of this file, 12 s."""
     scene = forged(mikron, filter_radius_mm=FILTER_MM)
     domain = build_domain(scene, CELL_MM)
     model, density_chain = (

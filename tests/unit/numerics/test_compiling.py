@@ -139,7 +139,9 @@ def test_the_memory_of_compilers_is_given_back() -> None:
     assert known["after"] < known["before"] - 100
 
 
+@pytest.mark.slow
 def test_kernels_ahead_are_those_of_a_solve(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`pytest -m slow` of this file, 10 s."""
     made: list[tuple[str, str]] = []
     register = processor._register
 
