@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 from unittest.mock import AsyncMock, MagicMock
@@ -29,7 +30,8 @@ def asked(folder: Path, *messages: dict[str, Any]) -> list[dict[str, Any]]:
             await bench.hear(message, told.append)
         bench.close()
 
-    asyncio.run(talk())
+    with ThreadPoolExecutor(1) as pool:  # the thread of a browser's tests has a loop that runs
+        pool.submit(asyncio.run, talk()).result()
     assert [message for message in told if message["type"] == "error"] == []
     return told
 
