@@ -228,6 +228,7 @@ def centre(place: Any) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
+@pytest.mark.slow
 def test_the_web_under_the_cursor_is_drawn_at_once(opened: Any) -> None:
     """As wide as it is, in the original's scale; within the limit for most of a dozen points."""
     page = opened()

@@ -74,7 +74,12 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+LONG = "moduli from 1e-12 to 1"  # 16 s: `pytest -m slow` of this file
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == LONG else name for name in CASES]
+)
 def test_told_is_true(float64: None, name: str) -> None:
     case = CASES[name]
     scene, domain = case.scene(), build_domain(case.scene(), CELL_MM)

@@ -77,6 +77,7 @@ def coarse() -> tuple[Scene, MeshModel, StressModel]:
     return model.scene, model, stress_model(model.scene, model.moved.mesh)
 
 
+@pytest.mark.slow
 def test_the_search_has_the_safety_of_the_assessment(coarse: tuple[Scene, MeshModel, StressModel]) -> None:
     scene, search, model = coarse
     values = full_web()[2]

@@ -56,6 +56,7 @@ print(json.dumps({**known, "after": resident_MiB()}))
 """
 
 
+@pytest.mark.slow
 def test_a_solve_compiles_nothing_more(float64: None) -> None:
     model, _ = cantilever((8, 4, 6))
     tables = build_tables(model.lattice, model.levels)
