@@ -14,6 +14,7 @@ import click
 
 from cranktopo.base.errors import CranktopoError, ExitCode, lacks_memory, quoted
 from cranktopo.base.interruption import cut_off
+from cranktopo.base.machine import check_addresses
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.cli.group import LazyGroup, found_commands
 from cranktopo.cli.verbosity import coloured
@@ -152,6 +153,10 @@ _EPILOG = (
 )
 
 
+_LEAST_MIB = 700.0
+"""Addresses without which nothing begins: with few, the libraries that every command loads abort or hang."""
+
+
 @click.group(
     cls=LazyGroup,
     entries=COMMANDS,
@@ -167,6 +172,7 @@ def cli() -> None:
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
+    check_addresses("cranktopo", _LEAST_MIB)
     time_of_writing()  # a bad date is refused here, before libraries that read it, too, fail on it
 
 
