@@ -7,3 +7,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 """Of 64-bit floating-point numbers."""
+Complex = NDArray[np.complex128]
+"""Of 128-bit complex numbers."""
+Index = NDArray[np.intp]
+"""Of positions in other arrays."""

@@ -23,6 +23,7 @@ from cranktopo.base.table import (
     Torque,
     TurningSpeed,
     WholeNumber,
+    not_given,
 )
 
 Turn = Annotated[float, Field(ge=0, lt=360, allow_inf_nan=False)]
@@ -172,10 +173,6 @@ class Masses(SceneTable):
     """Distance of the whole rod's centre of mass from the crankpin's axis, along `engine.rod_length_mm`."""
 
 
-def _none(values: Sequence[object]) -> bool:
-    return not values
-
-
 class Engine(SceneTable):
     """The engine that loads the throw.
 
@@ -197,7 +194,9 @@ class Engine(SceneTable):
     """Number of cylinders, one throw each; in a `V` one for two."""
     firing_order: tuple[int, ...] = ()
     """Cylinder numbers in the order of firing; needed for more than one cylinder."""
-    misfire: tuple[Annotated[int, WholeNumber], ...] = Field(default=(), examples=[(3,)], exclude_if=_none)
+    misfire: tuple[Annotated[int, WholeNumber], ...] = Field(
+        default=(), examples=[(3,)], exclude_if=not_given
+    )
     """Cylinders that do not fire: they compress and expand their charge, and their inertia acts as ever."""
     gas: Gas | None = None
     masses: Masses = Masses()

@@ -15,6 +15,8 @@ Hardness = Annotated[float, Field(ge=80, le=1500, allow_inf_nan=False)]
 """Vickers, HV 0.5 to HV 5."""
 _Depth = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 _Residual = Annotated[float, Field(ge=-5000, le=5000, allow_inf_nan=False)]
+NITRIDED_HV = 50.0
+"""Hardness above the core that defines the nitriding depth (IACS UR M53, Appendix V, 5)."""
 _DROP = 0.9
 """Hardness of the transition zone of induction hardening over that of the core (Appendix V, 4)."""
 TENSILE_OF_HV = (
@@ -39,7 +41,7 @@ class CaseHardening(SceneTable):
     """The treatment of a fillet as the workshop specifies it: minimum depth, minimum hardness."""
 
     process: Process = Field(examples=["nitrided"])
-    """What is done to the fillet: gas nitriding, induction hardening, or cold rolling."""
+    """Treatment of the fillet: gas nitriding, induction hardening, or cold rolling."""
     case_depth_mm: Length = Field(examples=[0.4])
     """Least depth: nitrided to 50 HV above the core, induction to 80 % of the surface's hardness (IACS UR
     M53, Appendix V), rolled as far as the residual stress is compressive."""
@@ -58,7 +60,7 @@ class CaseHardening(SceneTable):
     residual_scatter_MPa: float = Field(default=0.0, ge=0, le=2000)
     """Scatter of the measured residual stress: added to every point, to the safe side."""
     source: str = Field(default="", max_length=500, examples=["hardness run of the forge, 12/2025"])
-    """Where depth, hardness and residual stress come from."""
+    """Origin of depth, hardness and residual stress."""
 
     def core_HV(self, ultimate_MPa: float | None) -> float | None:
         """Return the core's hardness, given or from the tensile strength; None where neither is known."""

@@ -10,7 +10,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from cranktopo.base.table import SHOWN, UNLESS_IN_LIBRARY, Length, SceneTable, Strength, filled_in
+from cranktopo.base.table import SHOWN, UNLESS_IN_LIBRARY, Length, SceneTable, Strength, filled_in, not_given
 from cranktopo.design.hardening import CaseHardening, Fillet, Hardening
 
 _FkmGroup = Literal[
@@ -72,15 +72,13 @@ class Material(SceneTable):
     """Fatigue strength (amplitude) of a polished specimen in alternating tension."""
     fatigue_bending_MPa: Strength | None = Field(default=None, examples=[525.0])
     """Fatigue strength (amplitude) of a polished specimen in alternating bending."""
-    fatigue_torsion_MPa: Strength | None = Field(
-        default=None, examples=[303.0], exclude_if=lambda strength: strength is None
-    )
+    fatigue_torsion_MPa: Strength | None = Field(default=None, examples=[303.0], exclude_if=not_given)
     """Fatigue strength (amplitude) of a polished round specimen in alternating torsion, for `fatigue --method
     findley` and `dang_van`; without it that in bending over the square root of 3."""
     fkm_group: _FkmGroup = "Steel"
     """Material group of the FKM guideline, for `fatigue --method fkm`."""
     heat_treatment: str = Field(
-        default="", max_length=200, examples=["quenched and tempered"], exclude_if=lambda text: not text
+        default="", max_length=200, examples=["quenched and tempered"], exclude_if=not_given
     )
     """Heat treatment of the forging, for the dossier of `fatigue --method m53`."""
     source: str = ""
@@ -119,11 +117,6 @@ def _in_proportion(data: Any, filled: Any) -> Any:
 M53Factors = Literal["lower", "polynomials", "elements"]
 
 
-def _absent(value: object) -> bool:
-    """Tell whether a table is left out of a stored scene."""
-    return value is None
-
-
 class Fatigue(SceneTable):
     """Surface, size and rule factors of the fatigue methods.
 
@@ -152,9 +145,9 @@ class Fatigue(SceneTable):
     m53_factors: M53Factors = "lower"
     """Concentration factors that govern at the fillets by IACS UR M53: those of its polynomials, those of
     elements (Appendix III), or those with the lower acceptability where the polynomials are valid."""
-    hardening: Hardening | None = Field(default=None, exclude_if=_absent)
+    hardening: Hardening | None = Field(default=None, exclude_if=not_given)
     """Hardened, nitrided or rolled fillets by hardness and residual stress over depth."""
-    journal_hardening: CaseHardening | None = Field(default=None, exclude_if=_absent)
+    journal_hardening: CaseHardening | None = Field(default=None, exclude_if=not_given)
     """The fillets of the main journals where their treatment differs from `[fatigue.hardening]`."""
 
     def hardening_at(self, fillet: Fillet) -> CaseHardening | None:

@@ -88,7 +88,7 @@ _POWERS |= {"kg m²": 5, "N m s/rad": 4}
 _EXAMPLE_WEB = {"web.width_mm": 50.0, "web.thickness_mm": 19.0, "throw.radius_mm": 48.0}
 _WEB_LIKE = dict.fromkeys(("y_mm", "stations_mm", "length_mm"), "throw.radius_mm")
 _WEB_LIKE |= dict.fromkeys(("thickness_mm", "depth_mm", "height_mm"), "web.thickness_mm")
-"""What lengths of a web grow with; all others with its width."""
+"""Key with which lengths of a web grow; all others grow with its width."""
 _OF_WIDTH = {
     "web.counterweight.outer_radius_mm": 0.6,
     "web.counterweight.plug.y_mm": -0.52,

@@ -1,4 +1,4 @@
-"""What the strengths of a material are worth in a crank of this size: remarks beside every safety."""
+"""Worth of the strengths of a material in a crank of this size: remarks beside every safety."""
 
 from __future__ import annotations
 

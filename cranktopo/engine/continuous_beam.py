@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.arrays import Complex
 from cranktopo.base.frames import about_z_deg
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.halves import halves
@@ -21,7 +22,7 @@ from cranktopo.engine.cylinders import cylinders
 from cranktopo.engine.forces import ThrowForces, by_throw
 from cranktopo.engine.histories import every_degree
 from cranktopo.engine.throw_compliance import throw_compliance
-from cranktopo.numerics.stepped_beam import Beam, Complex, bend
+from cranktopo.numerics.stepped_beam import Beam, bend
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -97,10 +97,7 @@ def _by_peak(scene: Scene, mean: float) -> dict[str, float] | _Range:
     low, high = _PEAK_MPA
     if not at(low) <= mean <= at(high):
         return _Range(at(low), at(high))
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if at(middle) < mean else (low, middle)
-    return {**charge, "peak_pressure_MPa": float(f"{(low + high) / 2:.4g}")}
+    return {**charge, "peak_pressure_MPa": _halved(at, _PEAK_MPA, mean)}
 
 
 def _at_peak(scene: Scene, mean: float, peak: float) -> dict[str, float] | _Range:
@@ -140,13 +137,24 @@ def _between(
     for one, other in pairwise(found):
         if not min(one.mean_MPa, other.mean_MPa) <= mean <= max(one.mean_MPa, other.mean_MPa):
             continue
-        low, high = (p.keys["intake_pressure_MPa"] for p in (one, other))
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            now = _mean_MPa(scene, {**fixed, **_charged(middle, _ambient(scene))}) or 0.0
-            low, high = (middle, high) if (now < mean) == (one.mean_MPa < mean) else (low, middle)
-        intake = float(f"{(low + high) / 2:.4g}")
+
+        def at(intake: float) -> float:
+            return _mean_MPa(scene, {**fixed, **_charged(intake, _ambient(scene))}) or 0.0
+
+        ends = one.keys["intake_pressure_MPa"], other.keys["intake_pressure_MPa"]
+        intake = _halved(at, ends, mean, rising=one.mean_MPa < mean)
         yield _Proposal({**fixed, **_charged(intake, _ambient(scene)), "intake_pressure_MPa": intake}, mean)
+
+
+def _halved(
+    at: Callable[[float], float], between: tuple[float, float], wanted: float, *, rising: bool = True
+) -> float:
+    """Return where a curve has a value between two places, to four digits."""
+    low, high = between
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if (at(middle) < wanted) == rising else (low, middle)
+    return float(f"{(low + high) / 2:.4g}")
 
 
 def _charged(intake: float, ambient: float) -> dict[str, float]:

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
-
-ComplexArray = NDArray[np.complex128]
+from cranktopo.base.arrays import Array, Complex
 
 _RIGID = 1e-12
 """Square of a frequency over that of the highest below which a motion is rigid."""
@@ -42,7 +40,7 @@ class DampedMode:
 
     frequency_Hz: float
     damping_ratio: float
-    shape: ComplexArray
+    shape: Complex
 
 
 @dataclass(frozen=True)
@@ -104,14 +102,14 @@ class DiskChain:
         scale = 1.0 / np.sqrt(self.inertia_kg_m2)
         return np.asarray(_joined(np.array(self.stiffness_Nm_per_rad)) * np.outer(scale, scale))
 
-    def section_stiffness_Nm_per_rad(self, frequency_rad_s: Array) -> ComplexArray:
+    def section_stiffness_Nm_per_rad(self, frequency_rad_s: Array) -> Complex:
         """Return complex stiffness of each spring with its damping, shape (*frequencies, springs)."""
         stiffness = np.array(self.stiffness_Nm_per_rad)
         lossy = stiffness * (1 + 1j * _filled(self.loss_factor, len(stiffness)))
         viscous = _filled(self.relative_damping_Nms_per_rad, len(stiffness))
         return np.asarray(lossy + 1j * np.asarray(frequency_rad_s)[..., None] * viscous)
 
-    def response_rad(self, frequency_rad_s: Array, torque_Nm: ComplexArray) -> ComplexArray:
+    def response_rad(self, frequency_rad_s: Array, torque_Nm: Complex) -> Complex:
         """Return complex amplitudes of the disks under harmonic torques of shape (*frequencies, disks)."""
         frequency = np.asarray(frequency_rad_s)
         inertia = np.array(self.inertia_kg_m2)
@@ -122,7 +120,7 @@ class DiskChain:
         matrix[..., disks, disks] += own
         return np.asarray(np.linalg.solve(matrix, torque_Nm[..., None])[..., 0])
 
-    def section_torque_Nm(self, frequency_rad_s: Array, twist_rad: ComplexArray) -> ComplexArray:
+    def section_torque_Nm(self, frequency_rad_s: Array, twist_rad: Complex) -> Complex:
         """Return the torque that each spring passes on toward the last disk, complex amplitudes."""
         relative = twist_rad[..., :-1] - twist_rad[..., 1:]
         return np.asarray(self.section_stiffness_Nm_per_rad(frequency_rad_s) * relative)
@@ -140,7 +138,7 @@ class DiskChain:
         }
 
 
-def _damped_mode(eigenvalue: complex, vector: ComplexArray) -> DampedMode:
+def _damped_mode(eigenvalue: complex, vector: Complex) -> DampedMode:
     shape = vector / vector[np.abs(vector).argmax()]
     size = abs(eigenvalue)
     return DampedMode(size / (2 * math.pi), -eigenvalue.real / size, -shape if shape[0].real < 0 else shape)

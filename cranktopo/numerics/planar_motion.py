@@ -10,12 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex, Index
 
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 Slope = Callable[[Array, Complex, Index], Complex]
 """Velocity at times, in steps of the grid, of points, of the motions with these numbers."""
 
@@ -44,9 +41,8 @@ def motions(slope: Slope, start: Complex, steps: int, tolerance: float) -> Compl
         moved, error = _rodas3(slope, now, at[active], step, active)
         good = (error <= tolerance) | (step <= _LEAST)
         change = np.clip(_SAFE * np.cbrt(tolerance / np.maximum(error, 1e-30)), _SLOWEST, _FASTEST)
-        kept = np.where(
-            good & (change >= 1), length[active], 0.0
-        )  # a step cut short at the grid tells no limit
+        # A step cut short at the grid tells no limit.
+        kept = np.where(good & (change >= 1), length[active], 0.0)
         length[active] = np.maximum(step * change, kept)
         ended = good & (step == goal - now)
         done = active[good]

@@ -11,11 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
-
-Complex = NDArray[np.complex128]
+from cranktopo.base.arrays import Array, Complex
 
 
 @dataclass(frozen=True)

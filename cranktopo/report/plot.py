@@ -47,7 +47,7 @@ _SIDES = (
     (5, -1, "left", "top"),
     (-5, 1, "right", "bottom"),
 )
-"""Where a name may stand beside its point: shift in points of the font, and which of its corners is there."""
+"""Places of a name beside its point: shift in points of the font, and its corner that is there."""
 _POINT_PIXELS = 5.0
 
 

@@ -40,7 +40,7 @@ LARGEST_DRAFT_DEG = 30.0
 _SAMPLES = 401
 """Places along the outline at which a bevel with draft is looked at."""
 _ROUNDED_MM = 0.0051
-"""By how much rounding may change a dimension."""
+"""Most that rounding changes of a dimension."""
 _EVERY = 2
 """Of how many points of the outline one keeps a wall over a bevel with draft."""
 _TURNS = 13

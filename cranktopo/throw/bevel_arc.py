@@ -94,7 +94,7 @@ class BevelArc:
 
     @property
     def fall(self) -> Any:
-        """How far the arc lies deeper at right angles to its chord, per mm from x = 0.
+        """Depth that the arc gains at right angles to its chord, per mm from x = 0.
 
         At both ends, where the arc leaves its chord's direction most, the surface has the draft, else more.
         """
@@ -104,7 +104,7 @@ class BevelArc:
 
     @property
     def inward(self) -> Any:
-        """How far its edge on the face lies inward of the start, per mm from x = 0."""
+        """Distance of its edge on the face inward of the start, per mm from x = 0."""
         start, _ = self.end_angles
         return math.tan(math.radians(self.draft_deg)) / np.maximum(np.sin(start), _LEAST_SINE)
 

@@ -1,4 +1,4 @@
-"""What bevels take from a web: an arc swept across it, with a draft obliquely to both sides of x = 0."""
+"""Bodies that bevels take from a web: an arc swept across it, with a draft obliquely to either side."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class DraftedBevelTool(BevelTool):
 
     @override
     def z_breaks_mm(self, y_mm: Array, half_width_mm: Array) -> list[Array]:
-        """Where its surface meets x = 0 and the outline, and where its arc ends in the tangents."""
+        """Heights at which its surface meets x = 0 and the outline, and its arc ends in the tangents."""
         arc, reach = self.arc, self.arc.outward * y_mm
         depths = [arc.depth_at_mm(reach), arc.depth_at_mm(reach, half_width_mm)]
         if not math.isinf(arc.radius_mm):

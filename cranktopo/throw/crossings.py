@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.throw.feature import Body
 
 _INSIDE = 1e-7
-"""How far inside an interval of heights its ends are looked at, over its size."""
+"""Distance inside an interval of heights at which its ends are looked at, over its size."""
 _STEPS = 14
 _TINY = 1e-300
 _Gap = Callable[[Array, Array], Array]

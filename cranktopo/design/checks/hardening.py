@@ -6,12 +6,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.design.hardening import CaseHardening, Fillet
+from cranktopo.design.hardening import NITRIDED_HV, CaseHardening, Fillet
 from cranktopo.design.schema import Scene
 
 _STEELS = ("Steel", "Forg_Steel", "CaseHard_Steel")
-_NITRIDED_HV = 50.0
-"""Hardness above the core that defines the nitriding depth (IACS UR M53, Appendix V, 5)."""
 
 
 def check_hardening(scene: Scene) -> None:
@@ -51,7 +49,7 @@ def _check_hardness(scene: Scene, key: str, one: CaseHardening) -> None:
             "have one in ISO 18265).",
             hint="Give the hardness of the core.",
         )
-    least = core + _NITRIDED_HV if one.process == "nitrided" else core
+    least = core + NITRIDED_HV if one.process == "nitrided" else core
     surface = one.surface_hardness_HV
     if surface < core or (one.process == "nitrided" and surface <= least):
         how = f"more than {least:.4g}" if one.process == "nitrided" else f"at least {core:.4g}"

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
@@ -24,7 +23,6 @@ from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_ve
 from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
 
-Complex = NDArray[np.complex128]
 ORDERS = (1, 2, 4, 6)
 """Orders of the oscillating masses; odd ones above 1 do not exist, those above 6 are below lam^7."""
 _NOTHING = 1e-12

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import invalid
 from cranktopo.base.units import MM_PER_M
 from cranktopo.design.engine import Engine, Gas
@@ -16,7 +16,6 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.balancer_shafts import SizedShaft, needed_shafts, size_shafts
 from cranktopo.engine.balance.free_forces import (
     ORDERS,
-    Complex,
     FreeForce,
     InnerMoment,
     NeededCounterweight,

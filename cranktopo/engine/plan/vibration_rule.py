@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.checks.engine import is_damped, speed_range_rpm
 from cranktopo.design.schema import Scene
@@ -19,7 +19,6 @@ from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import ORDERS
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, torque_harmonics
-from cranktopo.numerics.disk_chain import ComplexArray
 
 _NEAR = np.linspace(0.5, 1.3, 81)
 """Frequencies looked at, over the natural one; a damper's ring lowers the peak's."""
@@ -141,7 +140,7 @@ def _on_mode_Nm(harmonics: TorqueHarmonics, swing: Array, speeds_rpm: Array, rad
         rad_s: the same speeds.
     """
 
-    def each(at: Callable[[Array], ComplexArray]) -> ComplexArray:
+    def each(at: Callable[[Array], Complex]) -> Complex:
         return np.stack([at(speeds)[:, order] for order, speeds in enumerate(speeds_rpm, start=1)])
 
     one = each(harmonics.gas_at_Nm) + rad_s**2 * harmonics.inertia_Nm_s2[1 : ORDERS + 1, None]

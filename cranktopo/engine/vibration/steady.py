@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
 from cranktopo.engine.vibration.torque_harmonics import (
@@ -16,7 +16,7 @@ from cranktopo.engine.vibration.torque_harmonics import (
     coupled_response_rad,
     curve_of,
 )
-from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
+from cranktopo.numerics.disk_chain import DampedMode
 
 ORDERS = 24
 _SPEEDS = 200
@@ -69,8 +69,8 @@ class Vibration:
     harmonics: TorqueHarmonics
     speeds_rpm: Array
     orders: Array
-    twist_rad: ComplexArray
-    torque_Nm: ComplexArray
+    twist_rad: Complex
+    torque_Nm: Complex
     mean_torque_Nm: Array
     torque_amplitude_Nm: Array
     twist_amplitude_deg: Array
@@ -142,7 +142,7 @@ def vibration(
     harmonics: TorqueHarmonics,
     speeds_rpm: Array,
     orders: int = ORDERS,
-    varying_kg_m2: ComplexArray | None = None,
+    varying_kg_m2: Complex | None = None,
 ) -> Vibration:
     """Return the steady vibration of a shaft at each speed.
 
@@ -175,14 +175,14 @@ def vibration(
     return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, amplitude, twisted, free_end)
 
 
-def on_disks(shaft: ShaftChain, throws_Nm: ComplexArray) -> ComplexArray:
+def on_disks(shaft: ShaftChain, throws_Nm: Complex) -> Complex:
     """Torques on the throws as torques on the disks of the chain, shape (orders, disks)."""
     torque = np.zeros((len(throws_Nm), len(shaft.names)), dtype=complex)
     torque[:, shaft.driven] = throws_Nm
     return torque
 
 
-def section_curves_Nm(shaft: ShaftChain, excited: ComplexArray, solved: ComplexArray) -> Array:
+def section_curves_Nm(shaft: ShaftChain, excited: Complex, solved: Complex) -> Array:
     """Return the torque of every section over the cycle, its mean included, shape (sections, angles).
 
     Args:
@@ -195,13 +195,13 @@ def section_curves_Nm(shaft: ShaftChain, excited: ComplexArray, solved: ComplexA
     return curve_of(every.T, 2 * len(every))
 
 
-def _rigid_torque_Nm(shaft: ShaftChain, excited: ComplexArray) -> ComplexArray:
+def _rigid_torque_Nm(shaft: ShaftChain, excited: Complex) -> Complex:
     """Torque of every section if the shaft did not twist: the disks take it up by their inertia."""
     share = np.cumsum(shaft.chain.inertia_kg_m2) / np.sum(shaft.chain.inertia_kg_m2)
     return np.asarray(np.cumsum(excited, axis=1) - share * excited.sum(axis=1)[:, None])[:, :-1]
 
 
-def _summed(solved: ComplexArray) -> Array:
+def _summed(solved: Complex) -> Array:
     """Curves over the cycle of the solved orders alone."""
     mean = np.zeros((solved.shape[-1], 1))
     return curve_of(np.hstack([mean, solved.T]), _POINTS_PER_ORDER * len(solved))

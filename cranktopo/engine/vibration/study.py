@@ -173,7 +173,7 @@ class VibrationStudy:
 
     @property
     def cylinders(self) -> int:
-        """How many cylinders the engine has."""
+        """Number of cylinders of the engine."""
         return len(self.response.harmonics.firing_deg)
 
     @property

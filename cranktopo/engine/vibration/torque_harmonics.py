@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import MM2_PER_M2, angular_speed_rad_s
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
@@ -23,7 +23,7 @@ from cranktopo.engine.forces import INERTIA_EFFECTS, throw_forces
 from cranktopo.engine.gas import PressureCurve, mapped_curves, pressure_curve
 from cranktopo.engine.motored import motored_curve, motored_map
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
-from cranktopo.numerics.disk_chain import ComplexArray, DampedMode
+from cranktopo.numerics.disk_chain import DampedMode
 
 _ANY_SPEED_RPM = 1000.0
 """Inertia torque goes with the square of the speed, whatever speed it is computed at."""
@@ -45,25 +45,25 @@ class TorqueHarmonics:
     """
 
     orders: Array
-    gas_Nm: ComplexArray
-    inertia_Nm_s2: ComplexArray
+    gas_Nm: Complex
+    inertia_Nm_s2: Complex
     firing_deg: tuple[float, ...]
     throw_of: tuple[int, ...]
-    gas_map: tuple[tuple[float, ComplexArray], ...] = ()
+    gas_map: tuple[tuple[float, Complex], ...] = ()
     misfire: tuple[int, ...] = ()
-    lost_Nm: ComplexArray | None = None
-    lost_map: tuple[tuple[float, ComplexArray], ...] = ()
+    lost_Nm: Complex | None = None
+    lost_map: tuple[tuple[float, Complex], ...] = ()
 
-    def gas_at_Nm(self, speed_rpm: float | Array) -> ComplexArray:
+    def gas_at_Nm(self, speed_rpm: float | Array) -> Complex:
         """Return `gas_Nm` at speeds, between the entries of a map, shape (*speeds, orders)."""
         return _over_speed(self.gas_Nm, self.gas_map, speed_rpm)
 
-    def lost_at_Nm(self, speed_rpm: float | Array) -> ComplexArray:
+    def lost_at_Nm(self, speed_rpm: float | Array) -> Complex:
         """Return what a cylinder that does not fire lacks at speeds, shape (*speeds, orders); 0 if all do."""
         lost = np.zeros_like(self.gas_Nm) if self.lost_Nm is None else self.lost_Nm
         return _over_speed(lost, self.lost_map, speed_rpm)
 
-    def of_throws_Nm(self, speed_rpm: float) -> ComplexArray:
+    def of_throws_Nm(self, speed_rpm: float) -> Complex:
         """Complex amplitudes of the torque on every throw at a speed, one clock for all, (orders, throws)."""
         single = self.gas_at_Nm(speed_rpm) + angular_speed_rad_s(speed_rpm) ** 2 * self.inertia_Nm_s2
         every = single[:, None] * self.shifts
@@ -77,17 +77,17 @@ class TorqueHarmonics:
         return np.asarray(np.abs(self.shifts.sum(axis=1)) > (1 - 1e-9) * count)
 
     @cached_property
-    def shifts(self) -> ComplexArray:
+    def shifts(self) -> Complex:
         """Factor of each order for the times at which the cylinders of a throw fire, (orders, throws)."""
         return self._by_throw(self._each)
 
     @cached_property
-    def misfire_shifts(self) -> ComplexArray:
+    def misfire_shifts(self) -> Complex:
         """The same of the cylinders that do not fire, for the times at which they should."""
         return self._by_throw(self._each * self._silent)
 
-    def adding_up(self, swing: ComplexArray, speeds_rpm: Array) -> Array:
-        """How far the cylinders' torques add up in a motion of the throws: 1 where all of them help.
+    def adding_up(self, swing: Complex, speeds_rpm: Array) -> Array:
+        """Return the share to which the cylinders' torques add up in a motion of the throws: all help at 1.
 
         Args:
             speeds_rpm: one for each order from the first, shape (orders,).
@@ -105,11 +105,11 @@ class TorqueHarmonics:
         return np.isin(np.arange(1, len(self.firing_deg) + 1), self.misfire)
 
     @cached_property
-    def _each(self) -> ComplexArray:
+    def _each(self) -> Complex:
         """Factor of each order for the time at which a cylinder fires, (orders, cylinders)."""
         return np.asarray(np.exp(-1j * self.orders[:, None] * np.radians(self.firing_deg)))
 
-    def _by_throw(self, cylinders: ComplexArray) -> ComplexArray:
+    def _by_throw(self, cylinders: Complex) -> Complex:
         throws = np.array(self.throw_of)
         return np.stack([cylinders[:, throws == t].sum(axis=1) for t in range(max(throws) + 1)], axis=1)
 
@@ -147,8 +147,8 @@ def torque_harmonics(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) ->
 
 
 def _over_speed(
-    gas_Nm: ComplexArray, gas_map: tuple[tuple[float, ComplexArray], ...], speed_rpm: float | Array
-) -> ComplexArray:
+    gas_Nm: Complex, gas_map: tuple[tuple[float, Complex], ...], speed_rpm: float | Array
+) -> Complex:
     """Amplitudes at speeds, between the entries of a map if there is one, shape (*speeds, orders)."""
     if not gas_map:
         return np.broadcast_to(gas_Nm, (*np.shape(speed_rpm), gas_Nm.size))
@@ -157,13 +157,13 @@ def _over_speed(
     return np.asarray(shares @ np.stack([gas for _, gas in gas_map]))
 
 
-def curve_of(amplitudes: ComplexArray, points: int) -> Array:
+def curve_of(amplitudes: Complex, points: int) -> Array:
     """Values at evenly spaced angles of a cycle from complex amplitudes of its orders, (..., points)."""
     parts = amplitudes * np.where(np.arange(amplitudes.shape[-1]) == 0, 1.0, 0.5)
     return np.asarray(np.fft.irfft(parts, n=points, axis=-1) * points)
 
 
-def _amplitudes(torque: Array) -> ComplexArray:
+def _amplitudes(torque: Array) -> Complex:
     """Complex amplitudes of the orders below the highest that the points resolve."""
     found = np.fft.rfft(torque) / len(torque)
     return np.asarray(np.where(np.arange(len(found)) == 0, 1.0, 2.0) * found)[: len(torque) // 2]
@@ -182,7 +182,7 @@ class VaryingPart:
         share_percent: of the inertia that swings in a natural vibration; the estimate of what it changes.
     """
 
-    harmonics_kg_m2: ComplexArray
+    harmonics_kg_m2: Complex
     share_percent: float
     included: bool
 
@@ -213,7 +213,7 @@ def varying_part(
     return VaryingPart(varying, share, included)
 
 
-def varying_inertia_kg_m2(scene: Scene, harmonics: TorqueHarmonics) -> ComplexArray:
+def varying_inertia_kg_m2(scene: Scene, harmonics: TorqueHarmonics) -> Complex:
     """Harmonics J_k of every throw's inertia from the inertia torque, shape (HARMONICS + 1, throws).
 
     J_0 is only what the exact mean adds to half the reciprocating mass at the throw radius. At dead centre a
@@ -228,9 +228,7 @@ def varying_inertia_kg_m2(scene: Scene, harmonics: TorqueHarmonics) -> ComplexAr
     return np.asarray(every[:, None] * harmonics.shifts[whole][: HARMONICS + 1])
 
 
-def varying_share_percent(
-    shaft: ShaftChain, modes: Sequence[DampedMode], varying_kg_m2: ComplexArray
-) -> float:
+def varying_share_percent(shaft: ShaftChain, modes: Sequence[DampedMode], varying_kg_m2: Complex) -> float:
     """Largest harmonic of the varying inertia over the inertia that swings with it, of all modes, percent.
 
     All disks count with the square of the mode shape; the throws' parts count as if in phase.
@@ -246,8 +244,8 @@ def varying_share_percent(
 
 
 def coupled_response_rad(
-    shaft: ShaftChain, orders: Array, speed_rad_s: float, torque_Nm: ComplexArray, varying_kg_m2: ComplexArray
-) -> ComplexArray:
+    shaft: ShaftChain, orders: Array, speed_rad_s: float, torque_Nm: Complex, varying_kg_m2: Complex
+) -> Complex:
     """Return the complex amplitude of every disk with the varying inertia of the throws, (orders, disks).
 
     Orders with and without a half do not act on each other; order 0 is not among them.
@@ -269,10 +267,10 @@ def _acting_Nm(
     shaft: ShaftChain,
     orders: Array,
     speed_rad_s: float,
-    twist: ComplexArray,
-    by_throw: ComplexArray,
-    varying: ComplexArray,
-) -> ComplexArray:
+    twist: Complex,
+    by_throw: Complex,
+    varying: Complex,
+) -> Complex:
     """Torques of the varying inertia on the throws, (orders, throws), by elimination of all other disks.
 
     With twist x of the throws they are P x + Q conj(x): Q is the negative orders of a real motion.
@@ -297,7 +295,7 @@ def _acting_Nm(
     )
 
 
-def _at(two_sided: ComplexArray, places: Array) -> ComplexArray:
+def _at(two_sided: Complex, places: Array) -> Complex:
     """Harmonics by their number, zero beyond the last; (*places, throws)."""
     last = len(two_sided) // 2
     number = np.rint(places).astype(int)

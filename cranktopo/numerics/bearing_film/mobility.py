@@ -14,14 +14,11 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex, Index
 from cranktopo.numerics.bearing_film.reynolds import film
 
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
 MAP_FILE = Path(__file__).with_name("mobility_map.npz")
 WIDTHS = (0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4)
 """Width over diameter."""

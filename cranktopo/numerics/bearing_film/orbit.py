@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex, Index
 from cranktopo.base.errors import solver_error
-from cranktopo.numerics.bearing_film.mobility import THICKNESS, Complex, Index, Mobility, mobility
+from cranktopo.numerics.bearing_film.mobility import THICKNESS, Mobility, mobility
 from cranktopo.numerics.planar_motion import motions
 
 _TOLERANCE = 1e-6

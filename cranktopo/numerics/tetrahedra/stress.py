@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import at_work
 from cranktopo.numerics.tetrahedra.elasticity import (
     STIFFNESS_ORDER,
@@ -107,8 +107,6 @@ def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
     stress[..., :3] += lame * strain[..., :3].sum(axis=-1, keepdims=True)
     return np.asarray(stress)
 
-
-Index = NDArray[np.intp]
 
 _CORNERS = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 _PLANE_MM = 1e-6

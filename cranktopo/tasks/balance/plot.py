@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import number_text
-from cranktopo.engine.balance.free_forces import ORDERS, Complex
+from cranktopo.engine.balance.free_forces import ORDERS
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, WITH_SHAFTS, EngineBalance
 from cranktopo.report.plot import GREY, Picture, picture
 

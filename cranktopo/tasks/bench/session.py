@@ -24,16 +24,15 @@ from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
 from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside, difference_words
 from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload
-from cranktopo.tasks.bench.jobs import PARTLY, BenchJob, Jobs, own_command, reap
+from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.project import Project, file_in
 from cranktopo.tasks.bench.proposals import with_pitch_kept
 from cranktopo.tasks.bench.results import job_numbers, job_words, variant_of
-from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, Written
+from cranktopo.tasks.bench.writes import ENDINGS, WRITTEN, Written, written_by
 
 Tell = Callable[[dict[str, Any]], None]
 _WATCH_S = 1.0
 _REMARKS = 8
-_WRITE_S = 900.0
 _UPLOADS = (".toml", ".csv", *BODIES)
 _GIVEN = (".toml", *ENDINGS)
 _ACTIONS = re.compile(
@@ -280,26 +279,12 @@ class Bench:
         return words, shown + (f" > {path.name}" if kind.printed else "")
 
     async def _write_by(self, words: list[str], printed: bool, path: Path, shown: str, tell: Tell) -> None:
-        process = await asyncio.create_subprocess_exec(
-            *own_command(*words), stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
-        )
         try:
-            text, said = await asyncio.wait_for(process.communicate(), _WRITE_S)
-        except TimeoutError:
-            process.kill()
-            tell({"type": "error", "message": f"{path.name}: took longer than {_WRITE_S / 60:.0f} min."})
-            return
-        if process.returncode not in PARTLY:
-            lines = said.decode("utf-8", "replace").strip().splitlines() or ["failed"]
-            tell({"type": "error", "message": f"{path.name}: {lines[-1].removeprefix('error: ')}"})
-            return
-        try:
-            if printed:
-                write_bytes(path, text)
-        except OSError as error:
-            tell({"type": "error", "message": f"{path.name}: cannot be written: {error.strerror}."})
+            warned = await written_by(words, printed, path)
+        except CranktopoError as error:
+            tell({"type": "error", "message": str(error)})
         else:
-            self._tell_made(path, shown, _warnings_in(said))
+            self._tell_made(path, shown, warned)
 
     def _save(self, asked: Mapping[str, Any], tell: Tell) -> None:
         path = self._target(asked)
@@ -395,9 +380,3 @@ class Bench:
         job.note_result(id_, found)
         self._tell_all({"type": "proof", "kind": job.known.kind, "gauges": numbers, "step": job.known.step})
         self._tell_state()
-
-
-def _warnings_in(said: bytes) -> list[str]:
-    """Return the warnings among the lines that a command wrote beside its result."""
-    lines = said.decode("utf-8", "replace").splitlines()
-    return [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]

@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import write_bytes
+from cranktopo.tasks.bench.jobs import PARTLY, own_command
+
+_LONGEST_S = 900.0
 
 
 @dataclass(frozen=True)
@@ -48,3 +56,28 @@ WRITTEN: Mapping[str, Written] = {
     "table": Written("-table.md", (*_COMPARED, "--format=markdown"), printed=True),
 }
 ENDINGS = tuple({f".{kind.ending.rpartition('.')[2]}": None for kind in WRITTEN.values()})
+
+
+async def written_by(words: list[str], printed: bool, path: Path) -> list[str]:
+    """Have a command write a file, or keep what it prints as one; return what it warned of.
+
+    Raises:
+        CranktopoError: it failed, took too long, or the file cannot be written.
+    """
+    process = await asyncio.create_subprocess_exec(
+        *own_command(*words), stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
+    )
+    try:
+        text, said = await asyncio.wait_for(process.communicate(), _LONGEST_S)
+    except TimeoutError:
+        process.kill()
+        raise CranktopoError(f"{path.name}: took longer than {_LONGEST_S / 60:.0f} min.") from None
+    lines = said.decode("utf-8", "replace").strip().splitlines()
+    if process.returncode not in PARTLY:
+        raise CranktopoError(f"{path.name}: {(lines or ['failed'])[-1].removeprefix('error: ')}")
+    try:
+        if printed:
+            write_bytes(path, text)
+    except OSError as error:
+        raise CranktopoError(f"{path.name}: cannot be written: {error.strerror}.") from None
+    return [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]

@@ -1,4 +1,4 @@
-"""Whether the uniform first web carries load until steps have made members of it."""
+"""Check that the uniform first web carries load until steps have made members of it."""
 
 from __future__ import annotations
 

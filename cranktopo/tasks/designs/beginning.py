@@ -18,7 +18,7 @@ KNOWN: Mapping[str, str] = {
     "peak_pressure_MPa": "engine.gas.peak_pressure_MPa",
     "material": "material.name",
 }
-"""What may be known beside the size, and its key."""
+"""Option of what may be known beside the size, and its key."""
 _ORIGIN = (
     "Values of engine, throw and web are usual proportions for such an engine, all of them assumed: replace "
     "what is known. Their strength is not checked: cranktopo fatigue does, by --method m53 against a rule."
@@ -51,11 +51,11 @@ def begun(
     given = {key: value for key, value in (known or {}).items() if value is not None}
     values = starting_values(layout, cylinders, bore_mm, stroke_mm)
     values |= {key: given[short] for short, key in KNOWN.items() if short in given}
-    if "power_kW" in given:
-        scene, peak = parse_scene(template(name, values), name), given.get("peak_pressure_MPa")
-        found = gas_for_power(scene, given["power_kW"], peak)
-        values |= {f"engine.gas.{key}": value for key, value in found.items()}
     scene = parse_scene(template(name, values), name)
+    if "power_kW" in given:
+        found = gas_for_power(scene, given["power_kW"], given.get("peak_pressure_MPa"))
+        values |= {f"engine.gas.{key}": value for key, value in found.items()}
+        scene = parse_scene(template(name, values), name)
     assumed = (arrangement_line(scene), gas_line(scene))
     text = template(name, values, "\n".join([_ORIGIN, *assumed[1:]]), partial(sized_example, values))
     parse_scene(text, name)

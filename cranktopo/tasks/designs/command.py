@@ -178,12 +178,12 @@ def new_command(
     assumed: tuple[str, ...] = ()
     if all(given is None for given in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
         text = template(title)
+        parse_scene(text, str(file))
     else:
         layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
         text, assumed = begun(title, layout, count, size, stroke_mm or size, known)
-    parse_scene(text, str(file))
     write_text(file, text)
     for line in assumed:
         click.echo(line)

@@ -12,7 +12,7 @@ from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.primitives import Point
 
 _ROUNDED_DEG = 0.0051
-"""How much less draft rounding may leave."""
+"""Draft that rounding may take."""
 
 
 def shaped_undercuts(half_throw: SurfaceMesh, scene: Scene) -> ShapedUndercuts:

@@ -12,23 +12,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.hardening import CaseHardening, Fillet, Process
+from cranktopo.design.hardening import NITRIDED_HV, CaseHardening, Fillet, Process
 from cranktopo.design.schema import Scene
 
 TENSILE_PER_HV = 3.3
 """Tensile strength over Vickers hardness, MPa: FKM guideline, 5.5.50."""
-_NITRIDED_HV = 50.0
-"""Hardness above the core at the nitriding depth: Appendix V, 5."""
 _ZONE = 1.2
 """Depth to which stresses must be known, over that of the treatment: Appendix V, 3."""
 _STEPS, _DEEPEST = 40, 2.0
 """Depths that are looked at, and the deepest over the depth of the treatment."""
-_INDUCTION_MPA, _BELOW_INDUCTION_MPA = -200.0, 300.0
+_INDUCTION_MPA, BELOW_INDUCTION_MPA = -200.0, 300.0
 """Residual stress in the layer and in the transition zone where it is not known: Appendix V, 4."""
 _CORE_SHARE = 0.3
 """Tension that balances the compression of the layer, of that compression: FKM guideline, 5.5.2."""
-_RULE_LOSS_PER_MPA = 0.2 / 300.0
-"""Strength that tension costs below a layer: 20 % for 300 MPa, Appendix V, 4 (1)."""
+LOSS_PER_MPA = 0.2 / BELOW_INDUCTION_MPA
+"""Strength that tension costs below a layer: 20 % for 300 MPa, Appendix V, 4 (1) (E)."""
 _CYCLIC_YIELD = 0.6
 """Cyclic yield strength over tensile strength: FKM guideline, 5.5.1.2."""
 
@@ -84,11 +82,9 @@ class Layer:
 
         Of rolled fillets it falls linearly to that of the core, for which the rule has no formula.
         """
-        share, gain = depth_mm / self.depth_mm, self.surface_HV - self.core_HV
-        if self.process == "nitrided":
-            return np.asarray(self.core_HV + gain * (_NITRIDED_HV / gain) ** share**2)
-        if self.process == "rolled":
-            return np.asarray(self.core_HV + gain * np.maximum(1 - share, 0.0))
+        if self.process != "induction":
+            return self.core_HV + (self.surface_HV - self.core_HV) * self._case_share(depth_mm)
+        share = depth_mm / self.depth_mm
         below = np.where(share < _ZONE, self.transition_HV, self.core_HV)
         return np.where(share < 1, self.surface_HV, below)
 
@@ -104,7 +100,7 @@ class Layer:
             return np.interp(depth_mm, depths, stress, right=max(stress[-1], 0.0))
         share = depth_mm / self.depth_mm
         if self.process == "induction":
-            return np.where(share < 1, _INDUCTION_MPA, _BELOW_INDUCTION_MPA)
+            return np.where(share < 1, _INDUCTION_MPA, BELOW_INDUCTION_MPA)
         hard = self._case_share(depth_mm)
         return layer_residual_MPa(self) * (hard - _CORE_SHARE * (1 - hard))
 
@@ -130,9 +126,7 @@ class Layer:
         sensitivity, stress = self.sensitivity(depth_mm), self.residual_MPa(depth_mm)
         yielding = _CYCLIC_YIELD * TENSILE_PER_HV * hardness
         kept = np.maximum(stress, np.minimum((strength - yielding) / (1 + sensitivity), 0.0))
-        loss = np.where(
-            stress > 0, np.maximum(sensitivity / strength, _RULE_LOSS_PER_MPA), sensitivity / strength
-        )
+        loss = np.where(stress > 0, np.maximum(sensitivity / strength, LOSS_PER_MPA), sensitivity / strength)
         return np.maximum(1 - loss * kept, 1e-6)
 
     def sensitivity(self, depth_mm: Array) -> Array:
@@ -146,7 +140,7 @@ class Layer:
         share = depth_mm / self.depth_mm
         if self.process == "nitrided":
             gain = self.surface_HV - self.core_HV
-            return np.asarray((_NITRIDED_HV / gain) ** share**2)
+            return np.asarray((NITRIDED_HV / gain) ** share**2)
         return np.maximum(1 - share, 0.0) if self.process == "rolled" else np.where(share < 1, 1.0, 0.0)
 
 

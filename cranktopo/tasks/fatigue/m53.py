@@ -50,6 +50,11 @@ class Dimensions:
         """Overlap s of pin and journal over the pin diameter."""
         return ((self.pin + self.journal) / 2 - self.throw) / self.pin
 
+    @property
+    def fillet_distance(self) -> float:
+        """Distance of pin and journal fillet, sqrt(W^2 + S^2) with the overlap S in mm: Appendix V, 3 (1)."""
+        return math.hypot(self.web_thickness, self.overlap * self.pin)
+
 
 def dimensions(scene: Scene) -> Dimensions:
     """Return a scene in the symbols of the rule; the web is as wide as half-way between its axes."""

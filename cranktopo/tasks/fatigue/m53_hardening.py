@@ -11,17 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.tasks.fatigue.hardened_layer import Layer
+from cranktopo.tasks.fatigue.hardened_layer import BELOW_INDUCTION_MPA, LOSS_PER_MPA, Layer
 from cranktopo.tasks.fatigue.m53 import Dimensions, Factors, FilletCheck, Nominal, RuleHardening
 
 _NITRIDED_MPA = 450.0
 """Strength of a nitrided surface of 600 HV or more, residual stress included: section 5 (1) (B)."""
 _ARTIFICIAL = 1.2
 """Depth of the artificial transition point over the nitriding depth: section 5 (1) (E)."""
-_LOSS_PER_MPA = 0.2 / 300.0
-"""Strength that residual tension costs below an induction-hardened layer: section 4 (1) (E)."""
-_TENSION_MPA = 300.0
-"""That tension where it is not known: section 4."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,7 @@ def pin_stresses(size: Dimensions, factors: Factors, nominal: Nominal) -> Fillet
         factors.alpha_torsion,
         size.pin_fillet,
         size.pin,
-        _web_mm(size),
+        size.fillet_distance,
     )
 
 
@@ -90,12 +86,8 @@ def journal_stresses(size: Dimensions, factors: Factors, nominal: Nominal) -> Fi
         factors.beta_torsion,
         size.journal_fillet,
         size.journal,
-        _web_mm(size),
+        size.fillet_distance,
     )
-
-
-def _web_mm(size: Dimensions) -> float:
-    return math.hypot(size.web_thickness, size.overlap * size.pin)
 
 
 def surface_strength_MPa(layer: Layer) -> float:
@@ -119,11 +111,11 @@ def transition_strength_MPa(layer: Layer, core_MPa: float) -> float:
     """
     if layer.process == "nitrided":
         return core_MPa
-    tension = _TENSION_MPA
+    tension = BELOW_INDUCTION_MPA
     if layer.residual:
         tension = max(float(layer.residual_MPa(np.array(transition_mm(layer)))), 0.0)
     drop = layer.transition_HV / layer.core_HV
-    return core_MPa * drop * max(1 - _LOSS_PER_MPA * tension, 0.0)
+    return core_MPa * drop * max(1 - LOSS_PER_MPA * tension, 0.0)
 
 
 def treated_check(plain: FilletCheck, layer: Layer, stress: FilletStress, added_MPa: float) -> FilletCheck:

@@ -1,4 +1,4 @@
-"""A fatigue method of stress histories: its needs, how severe a history is, and what bounds that."""
+"""A fatigue method of stress histories: its needs, the severity of a history, and what bounds that."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VON_MISES_RATIO = 1 / math.sqrt(3)
 
 @dataclass(frozen=True)
 class HistoryBounds:
-    """What the stresses of points do not exceed over their load states; arrays of shape (n,).
+    """Bounds of the stresses of points over their load states; arrays of shape (n,).
 
     Attributes:
         shear_MPa: radius of the smallest circle around the shear stress on any plane, and largest shear
@@ -33,7 +33,7 @@ class HistoryBounds:
 
 @dataclass(frozen=True)
 class Severity:
-    """How severe the stress histories of points are; arrays of shape (n,).
+    """Severity of the stress histories of points; arrays of shape (n,).
 
     Attributes:
         equivalent_MPa: amplitude of the fully reversed tension that is as severe.

@@ -173,7 +173,7 @@ class FieldFatigue(_TargetFatigue):
     at_sharp_edges: CriticalPoint | None
     """The point of least safety at sharp inner edges, which the mesh decides; null without any."""
     judged_as: JudgedAs
-    """Whether the safety is that of a throw alone, or of one in its shaft on all main bearings."""
+    """Body of that safety: a throw alone, or one in its shaft on all main bearings."""
     load_states: int
     """Number of load states."""
     unit_loads: tuple[str, ...]

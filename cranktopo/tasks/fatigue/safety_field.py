@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
@@ -33,7 +33,7 @@ from cranktopo.tasks.fatigue.plane_criterion import PlaneCriterion, PlaneDiagram
 from cranktopo.tasks.fatigue.plane_field import histories, least_safety
 from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
-from cranktopo.tasks.fatigue.superposition import Index, SignedVonMisesRange, signed_von_mises_ranges
+from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 

@@ -7,7 +7,6 @@ surface is the related gradient that the elements have there.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +22,7 @@ _CONCENTRATION = 1.5, 4.0
 
 @dataclass(frozen=True)
 class NotchShape:
-    """What the stress below a fillet depends on beside its gradient.
+    """Shape of a fillet, on which the stress below it depends beside its gradient.
 
     Attributes:
         concentration: factor in bending of the fillet.
@@ -45,7 +44,7 @@ def notch_shape(half: Scene, fillet: Fillet) -> NotchShape:
 
 def web_middle_mm(size: Dimensions) -> float:
     """Return half the distance between pin and journal fillet: sqrt(W^2 + S^2) / 2 with the overlap S."""
-    return math.hypot(size.web_thickness, size.overlap * size.pin) / 2
+    return size.fillet_distance / 2
 
 
 def stress_share(shape: NotchShape, gradient_per_mm: Array, depth_mm: float) -> tuple[Array, Array]:

@@ -10,13 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 from cranktopo.numerics.tetrahedra.stress import DEVIATOR, SurfaceStress, von_mises
 from cranktopo.tasks.fatigue.criterion import LocalStress
-
-Index = NDArray[np.intp]
 
 _VALUES = 2**18
 """Values of nodes in states at a time: they stay in the cache of a core."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.assumed import Assumption, assumptions
@@ -19,7 +19,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.plain_bearings import PlainBearings
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, engine_of
-from cranktopo.engine.balance.free_forces import Complex, turning_masses
+from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.engine.gas import pressure_curve

@@ -53,10 +53,7 @@ def iterate_page(loop: LoopResult, manifest: Mapping[str, Any], bodies: tuple[Sh
         title=f"Loop over the crank web of {loop.design}",
         subtitle=f"Loop {manifest['run']}, {manifest['started'][:10]}",
         headline=_headline(loop),
-        facts=(
-            *_facts(loop),
-            Fact("Ended", f"after {counted(loop.done, 'step')}", loop.stop_reason, "neutral"),
-        ),
+        facts=(*_facts(loop), _ended(loop)),
         sections=(
             _steps(loop),
             *bound_sections(loop.bound, "the body-fitted evaluation"),

@@ -325,15 +325,13 @@ def _with_films(
     found: Sequence[tuple[ContinuousShaft, ShaftCycle, Scene]],
 ) -> tuple[ContinuousShaft, ...]:
     """Return shafts with the oil films of their bearings, where the scene has bearings and turns."""
-    turning = [one for one in found if one[2].bearings is not None and engine_of(one[2]).speed_rpm]
-    films = films_of(
-        [(scene, _loaded(shaft, cycle, scene), cycle.angle_deg) for shaft, cycle, scene in turning]
-    )
-    filled = iter(films)
-    return tuple(
-        shaft if scene.bearings is None or not engine_of(scene).speed_rpm else _filled(shaft, next(filled))
-        for shaft, _, scene in found
-    )
+    shafts, cases = [shaft for shaft, _, _ in found], {}
+    for place, (shaft, cycle, scene) in enumerate(found):
+        if scene.bearings is not None and engine_of(scene).speed_rpm:
+            cases[place] = scene, _loaded(shaft, cycle, scene), cycle.angle_deg
+    for place, films in zip(cases, films_of(list(cases.values())), strict=True):
+        shafts[place] = _filled(shafts[place], films)
+    return tuple(shafts)
 
 
 def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[LoadedBearing]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -148,8 +148,7 @@ def evaluate_shaft(
         condensed = _condensed_throws(throws, meshed, loaded=loaded)
     else:
         meshed = {name: body.meshed for name, body in bodies.items()}
-        own = {throw.name: _of_body(bodies[throw.name], throw.scene) for throw in dict.fromkeys(throws)}
-        condensed = [own[throw.name] for throw in throws]
+        condensed = _once_each(throws, lambda throw: _of_body(bodies[throw.name], throw.scene))
     stiffness, error = _on_meshes(condensed, scene, bearings, spring)
     if resolved.triangles:
         coarser = {resolved.name: mesh_target(resolved, size * RATIO)}
@@ -157,16 +156,12 @@ def evaluate_shaft(
         error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
     inertias = tuple(throw_inertia_kg_mm2(meshed[throw.name], throw.scene) for throw in throws)
     disks = bare_chain(scene, inertias, stiffness.throws_Nm_per_rad)
-    count = Counter(throw.name for throw in throws)
-    first = {throw.name: throw for throw in reversed(throws)}
-    mass = sum(count[name] * meshed_throw_kg(meshed[name], first[name].scene) for name in count)
-    mass += sum(end_mass(scene, side).mass_kg for side in SIDES)
     assumed = filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded))
     return ShaftEvaluation(
         design=resolved.name,
         throw_angles_deg=angles,
         bearings=bearings,
-        mass_kg=mass,
+        mass_kg=_mass_kg(scene, throws, meshed),
         weighed="mass of the throws" if scene.crank is None else "mass of the crank",
         stiffness=stiffness,
         error_estimate_percent=TorsionError(torsion=error),
@@ -186,6 +181,14 @@ def evaluate_shaft(
         assumed=assumed,
         throw_inertias_kg_mm2=inertias,
     )
+
+
+def _mass_kg(scene: Scene, throws: Sequence[Target], meshed: Mapping[str, MeshedThrow]) -> float:
+    """Return the mass of all throws and of the ends of the crank."""
+    count = Counter(throw.name for throw in throws)
+    first = {throw.name: throw for throw in reversed(throws)}
+    mass = sum(count[name] * meshed_throw_kg(meshed[name], first[name].scene) for name in count)
+    return mass + sum(end_mass(scene, side).mass_kg for side in SIDES)
 
 
 def with_throw_stiffness(target: Target) -> Target:
@@ -287,9 +290,11 @@ def _condensed_throws(
     throws: Sequence[Target], meshed: Mapping[str, MeshedThrow], *, loaded: bool = False
 ) -> list[_Condensed]:
     """Condense the throws, equal ones once; `meshed` has the mesh of each by its name."""
-    found = {
-        throw.name: _condensed(meshed[throw.name], throw.scene, loaded) for throw in dict.fromkeys(throws)
-    }
+    return _once_each(throws, lambda throw: _condensed(meshed[throw.name], throw.scene, loaded))
+
+
+def _once_each(throws: Sequence[Target], condense: Callable[[Target], _Condensed]) -> list[_Condensed]:
+    found = {throw.name: condense(throw) for throw in dict.fromkeys(throws)}
     return [found[throw.name] for throw in throws]
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Index
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.free_dimensions import move_journals
 from cranktopo.design.schema import Scene
@@ -25,7 +25,6 @@ from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.shape.throw_faces import Contact, FilletFace, WebFace
 from cranktopo.tasks.shape.web_faces import web_faces
 
-Index = NDArray[np.intp]
 _ON_FACE_MM = 1e-3
 """Nodes of a mesh lie on the exact surface to the accuracy of the CAD kernel's edges."""
 _OUTSIDE_MM = 1e-6

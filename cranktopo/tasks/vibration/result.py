@@ -132,7 +132,7 @@ class ShaftVibration(Result):
     misfire: tuple[int, ...] | None = UNLESS_NONE
     """Cylinders that do not fire, where there are any."""
     misfires: tuple[MisfireWorst, ...] | None = UNLESS_NONE
-    """What the misfire of each cylinder would do, with `--misfire worst`."""
+    """Worst torque with the misfire of each cylinder alone, with `--misfire worst`."""
     warnings: tuple[str, ...]
     assumed: tuple[Assumption, ...]
 

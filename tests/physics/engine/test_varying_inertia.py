@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cranktopo.base.arrays import Array
+from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.loading import load_scene
 from cranktopo.engine.vibration.shaft_chain import ShaftChain
@@ -22,7 +22,7 @@ from cranktopo.engine.vibration.torque_harmonics import (
     varying_part,
     varying_share_percent,
 )
-from cranktopo.numerics.disk_chain import ComplexArray, DiskChain
+from cranktopo.numerics.disk_chain import DiskChain
 from tests.physics.engine.dissipation import dissipated_J
 
 SCENE = load_scene("mikron-iiic-plain")
@@ -109,7 +109,7 @@ def test_non_linear_motion_settles_to_the_same_torque(
     assert (np.abs(mean / in_time - 1) > 0.03).all()
 
 
-def two_throws(rpm: float) -> tuple[ShaftChain, Array, ComplexArray, ComplexArray, ComplexArray]:
+def two_throws(rpm: float) -> tuple[ShaftChain, Array, Complex, Complex, Complex]:
     """Shaft, orders, torques, harmonics of the inertia, and the twist with them."""
     shaft, harmonics = engine_of(TWO, (0.0, 250.0))
     varying = varying_inertia_kg_m2(SCENE, harmonics)

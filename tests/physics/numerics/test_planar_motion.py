@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cranktopo.base.arrays import Array
-from cranktopo.numerics.planar_motion import Complex, Index, motions
+from cranktopo.base.arrays import Array, Complex, Index
+from cranktopo.numerics.planar_motion import motions
 
 TURN = 2 * np.pi / 40
 RATES = np.array([0.0, 0.3, 30.0, 3e5])

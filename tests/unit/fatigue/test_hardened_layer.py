@@ -18,9 +18,8 @@ from cranktopo.tasks.fatigue.hardened_layer import (
     reversed_MPa,
     support_factor,
 )
+from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
-NITRIDED = Layer("nitrided", 0.4, 700.0, 340.0, 340.0)
-INDUCTION = Layer("induction", 2.0, 600.0, 340.0, 306.0)
 ROLLED = Layer("rolled", 1.5, 380.0, 340.0, 340.0)
 GUIDELINE = {"nitrided": "Nitriding", "induction": "Inductive hardening", "rolled": "Cold rolling"}
 

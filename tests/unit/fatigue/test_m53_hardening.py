@@ -30,9 +30,7 @@ from cranktopo.tasks.fatigue.m53_hardening import (
 )
 from cranktopo.tasks.fatigue.rule_check import fillet_checks
 from cranktopo.tasks.fatigue.safety_field import check_method
-
-NITRIDED = Layer("nitrided", 0.4, 700.0, 340.0, 340.0)
-INDUCTION = Layer("induction", 2.0, 600.0, 340.0, 306.0)
+from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
 
 def hardened(**table: Any) -> Scene:

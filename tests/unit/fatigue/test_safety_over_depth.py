@@ -25,11 +25,10 @@ from cranktopo.tasks.fatigue.hardening import (
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
 from cranktopo.tasks.fatigue.m53 import concentration_factors, dimensions
 from cranktopo.tasks.fatigue.stress_below import NotchShape, notch_shape, stress_share, web_middle_mm
+from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
 STRENGTH = LsaStrength(495, 525, 900, 1100)
 SHAPE = NotchShape(3.0, 10.0)
-NITRIDED = Layer("nitrided", 0.4, 700.0, 340.0, 340.0)
-INDUCTION = Layer("induction", 2.0, 600.0, 340.0, 306.0)
 NO_RESIDUAL = ((0.0, 0.0),)
 
 

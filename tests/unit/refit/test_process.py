@@ -23,8 +23,9 @@ def pockets(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Kinds that the re-model tries where the body has a recess in the pin face."""
     monkeypatch.setattr(select, "model_fill", lambda *_: None)
     monkeypatch.setattr(select, "residual_regions", lambda *_: [select.ResidualRegion(**REGION)])
-    problem = FitProblem(None, np.zeros(0), scene, fit_limits(scene, usual_limits(scene)))  # type: ignore[arg-type]
-    return [part for part, _ in select._pockets(problem, None)]  # type: ignore[arg-type]
+    unread: Any = None
+    problem = FitProblem(unread, np.zeros(0), scene, fit_limits(scene, usual_limits(scene)))
+    return [part for part, _ in select._pockets(problem, unread)]
 
 
 def test_pockets_of_a_mould_have_its_draft_and_radii(mikron: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,8 +26,7 @@ export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequenc
 export const ofStep = () => ({ fresh: false, settledPicture: null, dragging: false, place: null, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
 export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, bound: {}, made: [], picture: null, ghostPicture: null, broken: [], refit: true });
 
-export const state = { reference: null, project: null, jobs: [], live: {}, settled: {}, original: {}, bound: {},
-  turns: [0], rings: {}, marks: {}, warnings: [], notes: [], settledParts: [], settledWarnings: [], fresh: false, front: null, ghostFront: null, picture: null, settledPicture: null, dragging: false, broken: [], made: [], keepPitch: false };
+export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };
 
 // No change is told between a stiffness in closed form and a settled one.
 export const comparable = (name) => !OF_STIFFNESS.has(name) || [state.stiffness, state.originalStiffness].sort().join() !== "closed form,settled";

@@ -1,0 +1,8 @@
+"""Layers of treated fillets for tests, on a core of 340 HV."""
+
+from __future__ import annotations
+
+from cranktopo.tasks.fatigue.hardened_layer import Layer
+
+NITRIDED = Layer("nitrided", 0.4, 700.0, 340.0, 340.0)
+INDUCTION = Layer("induction", 2.0, 600.0, 340.0, 306.0)
