@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -115,14 +115,21 @@ class Row:
         return f"| {' | '.join(cells)} |"
 
 
-def rows(design: str, names: list[str], folder: Path) -> Iterator[Row]:
-    """Run the commands on a design in a folder, one after the other."""
+def rows(
+    design: str, names: Sequence[str], folder: Path, more: Mapping[str, Sequence[str]] | None = None
+) -> Iterator[Row]:
+    """Run the commands on a design in a folder, one after the other.
+
+    Args:
+        more: options of some commands, by name.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         needed = LEFT.get(name)
         if needed and not (folder / needed).exists():
             continue
         words = [design if word == D else word for word in COMMANDS[name]]
+        words += (more or {}).get(name, ())
         group = next(group for group, commands in GROUPS.items() if name in commands)
         yield Row(design, name, watched(words, folder, endless_s=ENDLESS_S[group]))
 

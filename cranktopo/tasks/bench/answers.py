@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
@@ -30,12 +30,12 @@ class Answers:
         self._settled: dict[str, dict[str, Any]] = {}
         self._exact: dict[str, dict[str, float]] = {}
         self._calibrated: tuple[Data, dict[str, float], dict[str, float]] = {}, {}, {}
-        self._factor: float | None = None
+        self._factors: Sequence[float] = ()
         self._now = self._original = ""
 
     def forget(self) -> None:
         """Forget what was learned of the design that was on the bench."""
-        self._calibrated, self._factor = ({}, {}, {}), None
+        self._calibrated, self._factors = ({}, {}, {}), ()
 
     def close(self) -> None:
         """End the processes."""
@@ -74,7 +74,7 @@ class Answers:
 
     async def exact(self, data: Data) -> dict[str, float]:
         """Return the exact numbers of a design; none where it is broken."""
-        found = await self._workers["live"].ask("live.live_numbers", data, self._factor)
+        found = await self._workers["live"].ask("live.live_numbers", data, self._factors)
         return _known_gauges(found)
 
     def known(self, text: str) -> dict[str, float]:
@@ -91,10 +91,10 @@ class Answers:
 
     async def _live_answer(self, data: Data, text: str) -> dict[str, Any]:
         """Return numbers and picture, made side by side."""
-        factor = self._settled.get(text, {}).get("stiffness_factor", self._factor)
+        factors = self._settled.get(text, {}).get("stiffness_factors", self._factors)
         try:
             parts = await asyncio.gather(
-                self._workers["live"].ask("live.live_numbers", data, factor),
+                self._workers["live"].ask("live.live_numbers", data, factors),
                 self._workers["picture"].ask("live.live_picture", data),
             )
         except CranktopoError as error:
@@ -128,8 +128,8 @@ class Answers:
             for part in ("stiffness", "shaft", "safety"):
                 if part in self._settled.get(text, {}).get("parts", ()):
                     continue
-                stiffness = self._settled.get(text, {}).get("throw_stiffness_Nm_per_rad")
-                known = (stiffness,) if part == "safety" else ()
+                stiffnesses = self._settled.get(text, {}).get("throw_stiffnesses_Nm_per_rad", ())
+                known = (stiffnesses,) if part == "safety" else ()
                 try:
                     found = await self._workers["settled"].ask(
                         f"settled.settled_{part}", data_of(text), *known
@@ -155,7 +155,7 @@ class Answers:
         gauges = {**before["gauges"], **found["gauges"]}
         self._settled[text] = {**before, **found, "gauges": gauges, "parts": (*before["parts"], part)}
         if text == self._now:
-            self._factor = found.get("stiffness_factor", self._factor)
+            self._factors = found.get("stiffness_factors", self._factors)
         self._tell_settled(text, self._tell_all)
 
     def _tell_settled(self, text: str, tell: Tell) -> None:

@@ -50,28 +50,28 @@ _GAS_GAUGES = ("gas_force", "pin_force", "mean_torque", "mean_pressure", "power"
 _BROKEN = re.compile(r"(?:^|(?<=[\s:]))((?:[a-z_]\w*(?:\[\d+\])*\.)*[a-z_]\w*(?:\[\d+\])*) = ")
 
 
-def live_numbers(data: dict[str, Any], stiffness_factor: float | None = None) -> dict[str, Any]:
+def live_numbers(data: dict[str, Any], stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
     """Return what is known of a design at once, what it rests on, and warnings; or what is broken, by key.
 
     Args:
         data: tables of the design, file names absolute.
-        stiffness_factor: of a throw, elements over closed form, at a web that has settled.
+        stiffness_factors: of each throw, elements over closed form, at a web that has settled.
     """
-    return _of_sound(data, lambda scene: told_numbers(scene, stiffness_factor))
+    return _of_sound(data, lambda scene: told_numbers(scene, stiffness_factors))
 
 
-def told_numbers(scene: Scene, stiffness_factor: float | None = None) -> dict[str, Any]:
+def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[str, Any]:
     """Return gauges, what those rest on that are not exact, marks of the rule, notes and warnings."""
     resting = of_stiffness_names(scene)
-    shown = with_stiffness(scene, stiffness_factor) if resting and stiffness_factor else scene
+    shown = with_stiffness(scene, stiffness_factors) if resting and stiffness_factors else scene
     gauges = exact_values(shown)
     resting = [name for name in resting if name in gauges]
-    words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factor else _CLOSED_FORM
+    words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factors else _CLOSED_FORM
     return {
         "gauges": gauges,
         "rings": {**_of_gas(scene), **{name: words[name] for name in resting}},
         "of_stiffness": resting,
-        "stiffness": "" if not resting else "settled" if stiffness_factor else "closed form",
+        "stiffness": "" if not resting else "settled" if stiffness_factors else "closed form",
         "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},
         "notes": notes(scene),
         "warnings": warnings(shown),
@@ -92,9 +92,14 @@ def of_stiffness_names(scene: Scene) -> list[str]:
     return ["natural_frequency", *(["m53_pin", "m53_journal"] if vibrating else [])]
 
 
-def with_stiffness(scene: Scene, factor: float) -> Scene:
-    """Return the scene whose throws are stiffer than in closed form by a factor."""
-    return of_stiffness(scene, [factor * throw_stiffness_Nm_per_rad(scene)] * len(scene.shaft_angles_deg))
+def with_stiffness(scene: Scene, factors: Sequence[float]) -> Scene:
+    """Return the scene whose throws are stiffer than in closed form, each by its factor.
+
+    A throw that has been added since has the mean of all.
+    """
+    count = len(scene.shaft_angles_deg)
+    each = factors if len(factors) == count else [sum(factors) / len(factors)] * count
+    return of_stiffness(scene, [factor * throw_stiffness_Nm_per_rad(scene) for factor in each])
 
 
 def _of_gas(scene: Scene) -> dict[str, str]:

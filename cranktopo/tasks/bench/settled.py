@@ -54,27 +54,26 @@ def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
     if not names:
         return {"gauges": {}}
     throws = evaluate_shaft(target, "rigid").stiffness.throws_Nm_per_rad
-    stiffness = sum(throws) / len(throws)
     found = exact_values(of_stiffness(target.scene, throws))
     return {
         "gauges": {name: found[name] for name in names if name in found},
-        "throw_stiffness_Nm_per_rad": stiffness,
-        "stiffness_factor": stiffness / throw_stiffness_Nm_per_rad(target.scene),
+        "throw_stiffnesses_Nm_per_rad": list(throws),
+        "stiffness_factors": [throw / throw_stiffness_Nm_per_rad(target.scene) for throw in throws],
         "shaft_seconds": time.perf_counter() - began,
     }
 
 
-def settled_safety(data: dict[str, Any], throw_Nm_per_rad: float | None = None) -> dict[str, Any]:
+def settled_safety(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()) -> dict[str, Any]:
     """Return the least fatigue safety, its place in words and mm, and colours; or why there is none.
 
     Args:
-        throw_Nm_per_rad: stiffness of a throw by elements, for the torque of the vibrating shaft.
+        throws_Nm_per_rad: stiffness of each throw by elements, for the torque of the vibrating shaft.
     """
     began, target = time.perf_counter(), _target(data)
     try:
         check_inputs(target, _METHOD, "extremes")
         field = fatigue_field(
-            _with_stiffness(target, throw_Nm_per_rad), _METHOD, fillet_fraction=_FILLET_FRACTION
+            _with_stiffness(target, throws_Nm_per_rad), _METHOD, fillet_fraction=_FILLET_FRACTION
         )
     except CranktopoError as error:
         return {"gauges": {}, "missing": str(error)}
@@ -93,15 +92,13 @@ def settled_safety(data: dict[str, Any], throw_Nm_per_rad: float | None = None) 
     }
 
 
-def _with_stiffness(target: Target, throw_Nm_per_rad: float | None) -> Target:
-    """Return the target with the stiffness of its throw, solved if unknown, where its loads need one."""
-    if throw_Nm_per_rad is None:
+def _with_stiffness(target: Target, throws_Nm_per_rad: Sequence[float]) -> Target:
+    """Return the target with the stiffness of its throws, solved if unknown, where its loads need them."""
+    if not throws_Nm_per_rad:
         return with_throw_stiffness(target)
     if not has_vibration(target.scene):
         return target
-    return replace(
-        target, scene=of_stiffness(target.scene, [throw_Nm_per_rad] * len(target.scene.shaft_angles_deg))
-    )
+    return replace(target, scene=of_stiffness(target.scene, throws_Nm_per_rad))
 
 
 def _target(data: dict[str, Any]) -> Target:

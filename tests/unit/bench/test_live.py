@@ -62,16 +62,16 @@ def test_without_a_shaft_the_rule_rests_on_no_stiffness() -> None:
 def test_a_settled_stiffness_gives_what_the_design_gives_that_states_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """So does `fatigue --method m53`, which puts the stiffness by elements into the design."""
-    factor = 1.4
-    stiffness = factor * closed_form(SHAFT)
-    given = live_numbers(changed_data(SHAFT, {"shaft.throw_stiffness_Nm_per_rad": stiffness}))
+    """So does `fatigue --method m53`: the stiffness by elements goes into the design, throw by throw."""
+    factors = [1.4, 1.2, 1.4, 1.4, 1.1, 1.4]
+    stiffnesses = [factor * closed_form(SHAFT) for factor in factors]
+    given = live_numbers(changed_data(SHAFT, {"shaft.throw_stiffnesses_Nm_per_rad": stiffnesses}))
     assert (given["stiffness"], given["of_stiffness"]) == ("", []), "exact where the design says it"
-    by_factor = live_numbers(SHAFT, factor)
-    found = SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=(stiffness,) * 6))
+    by_factor = live_numbers(SHAFT, factors)
+    found = SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=tuple(stiffnesses)))
     monkeypatch.setattr(settled, "evaluate_shaft", lambda *_: found)
     by_elements = settled.settled_shaft(SHAFT)
-    assert by_elements["stiffness_factor"] == pytest.approx(factor)
+    assert by_elements["stiffness_factors"] == pytest.approx(factors)
     assert list(by_elements["gauges"]) == RESTING
     for name in RESTING:
         assert by_factor["gauges"][name] == pytest.approx(given["gauges"][name], rel=1e-9)

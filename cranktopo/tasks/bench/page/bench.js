@@ -106,14 +106,14 @@ function hearCoarse(message) {
 }
 
 function hearSettled(message) {
-  const stiff = message.stiffness_factor ? Object.fromEntries(Object.entries(message.gauges).filter(([name]) => OF_STIFFNESS.has(name))) : {};
+  const stiff = message.stiffness_factors ? Object.fromEntries(Object.entries(message.gauges).filter(([name]) => OF_STIFFNESS.has(name))) : {};
   if (message.which === "original") {
     state.original = { ...state.original, ...pick(message.gauges), ...stiff };
-    if (message.stiffness_factor) state.originalStiffness = "settled";
+    if (message.stiffness_factors) state.originalStiffness = "settled";
   } else if (!state.dragging) {
     state.settled = pick(message.gauges);
     state.live = { ...state.live, ...stiff };
-    if (message.stiffness_factor) state.stiffness = "settled";
+    if (message.stiffness_factors) state.stiffness = "settled";
     state.settledWarnings = message.warnings || [];
     state.errors = message.error_percent || {};
     state.settledParts = message.parts;
