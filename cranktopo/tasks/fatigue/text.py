@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
+from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
 from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
@@ -51,7 +52,7 @@ class FatigueComparison:
     """Fatigue of several targets beside a baseline.
 
     Attributes:
-        verdicts: what is not judged, then one line for each target but the baseline.
+        verdicts: answers of the rule, what it does not judge, then one line for each target but the baseline.
         result: what `fatigue --json` prints.
     """
 
@@ -65,9 +66,14 @@ def compare_fatigue(
 ) -> FatigueComparison:
     """Return what a comparison shows of the fatigue of its targets."""
     safeties = tuple(_summary(result).safety for result in results)
-    remarks = rule_remarks([result for result in results if isinstance(result, RuleCheck)])
+    checks = [result for result in results if isinstance(result, RuleCheck)]
+    remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
     remarks += hardening_remarks([result for result in results if isinstance(result, FatigueField)])
     return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
+
+
+def _acceptance(check: RuleCheck) -> str:
+    return f"{check.name}: {check.verdict} by UR M53, least Q {check.safety:.3f}, {LEAST_FACTOR:g} asked."
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:

@@ -16,10 +16,10 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
 )
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, unchecked_journal_outlets
-from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table
-from cranktopo.tasks.fatigue.text import outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table
 from cranktopo.tasks.fea.targets import Target
 
 ALLOWED = FilletCheck(200.0, 240.0)
@@ -75,6 +75,16 @@ def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
     (line,) = rule_remarks([check(WEAK, ALLOWED)])
     assert "pin fillet: Q 1.130 by polynomials, 1.200 by elements (+6.2 %" in line
     assert rule_remarks([check(ALLOWED, FilletCheck(200.0, 244.0))]) == []
+
+
+def test_a_comparison_says_first_what_the_rule_answers() -> None:
+    weak, sound = check(WEAK, ALLOWED), check(ALLOWED, ALLOWED)
+    nothing = FatigueResult(
+        method="m53", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
+    )
+    told = compare_fatigue([sound, weak], 0, nothing).verdicts
+    assert told[0].endswith(f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked.")
+    assert told[1].endswith(": not accepted by UR M53, least Q 1.130, 1.15 asked.")
 
 
 def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_unjudged() -> None:
