@@ -117,6 +117,22 @@ def _in_proportion(data: Any, filled: Any) -> Any:
 M53Factors = Literal["lower", "polynomials", "elements"]
 
 
+class Scatter(SceneTable):
+    """Scatter of what the fatigue safety follows from, each by its standard deviation.
+
+    `fatigue` then tells the probability of failure beside the safety. The given loads and radii are means;
+    the mean strength is that at a survival factor of one.
+    """
+
+    strength_percent: float = Field(default=8.0, ge=0.1, le=50)
+    """Of the fatigue strength, of its mean: 8 % is behind the reliability factors of Shigley's Mechanical
+    Engineering Design, 0.753 at a survival of 99.9 %."""
+    load_percent: float = Field(default=0.0, ge=0, le=50, examples=[5.0])
+    """Of the loads, which rise and fall together, of their mean."""
+    fillet_radius_mm: float = Field(default=0.0, ge=0, le=50, examples=[0.1])
+    """Of the radii of the fillets."""
+
+
 class Fatigue(SceneTable):
     """Surface, size and rule factors of the fatigue methods.
 
@@ -149,6 +165,9 @@ class Fatigue(SceneTable):
     """Hardened, nitrided or rolled fillets by hardness and residual stress over depth."""
     journal_hardening: CaseHardening | None = Field(default=None, exclude_if=not_given)
     """The fillets of the main journals where their treatment differs from `[fatigue.hardening]`."""
+
+    scatter: Scatter | None = Field(default=None, exclude_if=not_given)
+    """Scatter of strength, load and fillets: the probability of failure beside the safety (`lsa`)."""
 
     def hardening_at(self, fillet: Fillet) -> CaseHardening | None:
         """Return how a fillet is hardened over its depth; None where it is not."""

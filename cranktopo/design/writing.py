@@ -67,10 +67,10 @@ def toml_text(scene: Scene, heading: str) -> str:
     return f"# {heading}\n{tomlkit.dumps(data)}"
 
 
-def save_scene(scene: DesignLike, path: Path) -> None:
+def save_scene(scene: DesignLike, path: Path | str) -> None:
     """Write a scene as a TOML file that every command takes; raises CranktopoError where it cannot."""
     scene = as_scene(scene)
-    write_text(path, toml_text(scene, f"{scene.name}, written by cranktopo"))
+    write_text(Path(path), toml_text(scene, f"{scene.name}, written by cranktopo"))
 
 
 def new_run(

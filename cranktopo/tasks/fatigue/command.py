@@ -111,7 +111,8 @@ def _text(found: FatigueAssessment) -> str:
     baseline = found.baseline
     if found.fields:
         parts = [terminal(tables.field_table(found.fields, baseline))]
-        parts += ["\n".join(lines)] if (lines := tables.hardening_remarks(found.fields)) else []
+        lines = tables.hardening_remarks(found.fields) + tables.scatter_remarks(found.fields)
+        parts += ["\n".join(lines)] if lines else []
     else:
         outside = "".join(
             f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."

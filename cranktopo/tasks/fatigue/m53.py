@@ -16,6 +16,8 @@ from cranktopo.design.free_dimensions import M53_FILLET
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import SafetyMethod
 
+RADIUS_EXPONENT = {"pin": 0.5231, "journal": 0.5568}
+"""Concentration factors of bending fall by these powers of the fillet's radius (2.1.1 and 2.2.1)."""
 LEAST_FACTOR = 1.15
 """Least acceptability factor."""
 
@@ -265,7 +267,8 @@ def _alpha_bending(s: float, w: float, b: float, r: float, bores: tuple[float, f
     breadth = _poly(b, 0.6840, -0.0077, 0.1473)
     journal_bore = _poly(bores[0], 0.9993, 0.27, -1.0211, 0.5306)
     pin_bore = _poly(bores[1], 0.9978, 0.3145, -1.5241, 2.4147)
-    return 2.6914 * sw * 2.1790 * w**0.7171 * breadth * 0.2081 * r**-0.5231 * journal_bore * pin_bore
+    radius = 0.2081 * r ** -RADIUS_EXPONENT["pin"]
+    return 2.6914 * sw * 2.1790 * w**0.7171 * breadth * radius * journal_bore * pin_bore
 
 
 def _torsion(s: float, w: float, b: float, r: float) -> float:
@@ -282,7 +285,8 @@ def _beta_bending(s: float, w: float, b: float, r: float, bores: tuple[float, fl
     breadth = _poly(b, 0.5616, 0.1197, 0.1176)
     journal_bore = _poly(bores[0], 1.0012, -0.6441, 1.2265)
     pin_bore = _poly(bores[1], 1.0022, -0.1903, 0.0073)
-    return 2.7146 * sw * 2.2422 * w**0.7548 * breadth * 0.1908 * r**-0.5568 * journal_bore * pin_bore
+    radius = 0.1908 * r ** -RADIUS_EXPONENT["journal"]
+    return 2.7146 * sw * 2.2422 * w**0.7548 * breadth * radius * journal_bore * pin_bore
 
 
 def _beta_shear(s: float, w: float, b: float, r: float, pin_bore: float) -> float:

@@ -152,6 +152,17 @@ class HardenedFillet(Result):
     """Safety over that without the treatment: the factor of the surface treatment that this is."""
 
 
+class PointScatter(Result):
+    """Probability of failure of a point by the scatter of `[fatigue.scatter]`, to first order."""
+
+    failure_probability: float
+    """Probability that the strength is exceeded."""
+    reliability_index: float
+    """Distance of the most likely failure from the mean, in standard deviations."""
+    shares: dict[str, float]
+    """Parts of "strength", "load" and "fillet_radius" in that distance; they sum to one."""
+
+
 class _TargetFatigue(Result):
     target: str
     """Name of the target."""
@@ -186,6 +197,8 @@ class FieldFatigue(_TargetFatigue):
     """Treatment of the fillets' surface."""
     hardening: dict[str, HardenedFillet] | None = UNLESS_NONE
     """Fillets hardened by `[fatigue.hardening]`, "pin" and "journal"."""
+    scatter: dict[str, PointScatter] | None = UNLESS_NONE
+    """By `[fatigue.scatter]`: points of least safety of the "pin" and "journal" fillets and "elsewhere"."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,8 @@ from cranktopo.tasks.fatigue.hardening import (
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
 from cranktopo.tasks.fatigue.plane_criterion import PlaneCriterion, PlaneDiagram
 from cranktopo.tasks.fatigue.plane_field import histories, least_safety
-from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet
+from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, PointScatter
+from cranktopo.tasks.fatigue.scatter import check_scatter, point_scatter
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
@@ -60,6 +61,7 @@ class FatigueField:
         web_safety: least safety of the first and of the second web where the halves differ.
         hardening: treated fillets by `[fatigue.hardening]`, each at its point of least safety.
         on_bearings: whether the states are those of the throw in its shaft on all main bearings.
+        scatter: probability of failure by `[fatigue.scatter]`, of the fillets and elsewhere.
         diagram: stresses of the critical point in every state, where the method judges these.
     """
 
@@ -75,6 +77,7 @@ class FatigueField:
     web_safety: dict[str, float]
     on_bearings: bool = False
     hardening: dict[str, HardenedFillet] = field(default_factory=dict)
+    scatter: dict[str, PointScatter] = field(default_factory=dict)
     diagram: PlaneDiagram | None = None
 
 
@@ -95,6 +98,7 @@ def check_method(scene: Scene, method: str) -> None:
                 hint=f"Give material.{key}, or name a material of the library.",
             )
     found.check(scene)
+    check_scatter(scene, method)
 
 
 def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
@@ -192,6 +196,7 @@ def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple
         fillet,
         {web: float(safety[:, nodes].min()) for web, nodes in webs.items()},
         hardening=_hardening(model, method, found, safety),
+        scatter=judged.scatter(),
         diagram=judged.diagram(),
     )
 
@@ -314,6 +319,26 @@ class _Judged:
         """Return what is told of the treated fillet that a node lies on."""
         treated = _treated_at(self.model, node)
         return None if treated is None else told_fillet(judge(self.model.scene, self.method), treated, one)
+
+    def scatter(self) -> dict[str, PointScatter]:
+        """Return the probability of failure where each fillet, and all else, is least safe."""
+        model = self.model
+        if model.scene.fatigue.scatter is None:
+            return {}
+        parts = {
+            "pin": model.on_pin,
+            "journal": model.on_journal,
+            "elsewhere": model.judged & ~model.on_fillet,
+        }
+        return {name: self._scatter_of(*self._least(nodes)) for name, nodes in parts.items()}
+
+    def _scatter_of(self, image: int, node: int) -> PointScatter:
+        at = np.array([node])
+
+        def safety_at(scene: Scene, local: LocalStress) -> float:
+            return float(point_safety(replace(self.model, scene=scene), self.method, local, at)[0])
+
+        return point_scatter(self.model, node, at_nodes(self.found[image].local, at), safety_at)
 
     def diagram(self) -> PlaneDiagram | None:
         """Return the stresses of the critical point in every state, where the method judges these."""

@@ -269,6 +269,7 @@ def _field_fatigue(
         assumed=assumed,
         surface_treatment=treatment,
         hardening=field.hardening or None,
+        scatter=field.scatter or None,
     )
 
 

@@ -68,7 +68,8 @@ def compare_fatigue(
     safeties = tuple(_summary(result).safety for result in results)
     checks = [result for result in results if isinstance(result, RuleCheck)]
     remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
-    remarks += hardening_remarks([result for result in results if isinstance(result, FatigueField)])
+    fields = [result for result in results if isinstance(result, FatigueField)]
+    remarks += hardening_remarks(fields) + scatter_remarks(fields)
     return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
 
 
@@ -132,6 +133,29 @@ def hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
         for field in fields
         for fillet, one in field.hardening.items()
     ]
+
+
+def scatter_remarks(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each part whose probability of failure is known."""
+    return [
+        f"{field.model.name}, {_PARTS[part]}: probability of failure {_probability(one.failure_probability)} "
+        f"(reliability index {one.reliability_index:.2f}), by {_parts_of(one.shares)}."
+        for field in fields
+        for part, one in field.scatter.items()
+    ]
+
+
+_PARTS = {"pin": "pin fillet", "journal": "journal fillet", "elsewhere": "off the fillets"}
+
+
+def _probability(value: float) -> str:
+    return "below 1e-9" if value < 1e-9 else f"{value:.1e}" if value < 0.001 else f"{100 * value:.2g} %"
+
+
+def _parts_of(shares: dict[str, float]) -> str:
+    return ", ".join(
+        f"{name.replace('_', ' ')} {100 * share:.0f} %" for name, share in shares.items() if share
+    )
 
 
 def decided_depth(depth_mm: float) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cranktopo import with_values
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import LoadHistory, load_history
@@ -94,8 +96,18 @@ def test_criteria_of_planes_find_the_least_safety_of_all_points(
         assert 1.0 < critical.safety / lsa.critical.safety < 1.15
         assert critical.decided_by == "amplitude"
     _least_of_a_part(findley, history)
+    _scatter_follows_the_safety(lsa, history)
     save_fatigue_picture(tmp_path / "planes.png", findley)
     assert (tmp_path / "planes.png").stat().st_size > 20_000
+
+
+def _scatter_follows_the_safety(field: FatigueField, history: LoadHistory) -> None:
+    scene = with_values(field.model.scene, {"fatigue.scatter.load_percent": 5.0})
+    scatter = safety_field(replace(field.model, scene=scene), field.method, history).scatter
+    assert set(scatter) == {"pin", "journal", "elsewhere"}
+    by_safety = sorted(field.fillet_safety, key=lambda name: field.fillet_safety[name])
+    assert scatter[by_safety[0]].failure_probability > scatter[by_safety[1]].failure_probability > 0
+    assert field.scatter == {}
 
 
 def _least_of_a_part(field: FatigueField, history: LoadHistory) -> None:

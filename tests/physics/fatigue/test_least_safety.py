@@ -38,6 +38,7 @@ def drilled() -> Scene:
                 "counterweight": {"outer_radius_mm": 75.0, "half_angle_deg": 80.0},
             },
             "material": {"name": "42CrMo4"},
+            "fatigue": {"scatter": {"load_percent": 5.0, "fillet_radius_mm": 0.1}},
             "engine": {
                 "bore_mm": 100.0,
                 "rod_length_mm": 124.0,
@@ -61,6 +62,7 @@ def outlet_safety(size: float) -> float:
     assert field.critical.safety == field.safety[:, field.model.judged].min()
     assert field.at_sharp_edges is not None
     assert not field.model.judged.all()
+    assert max(field.scatter, key=lambda part: field.scatter[part].failure_probability) == "elsewhere"
     return field.critical.safety
 
 

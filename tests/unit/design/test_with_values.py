@@ -35,5 +35,5 @@ def test_what_no_file_may_say_is_refused(key: str, value: float, message: str) -
 @pytest.mark.parametrize("name", builtin_designs())
 def test_a_saved_scene_is_the_same_design(name: str, tmp_path: Path) -> None:
     scene = load_scene(name, whole=True)
-    save_scene(scene, tmp_path / "saved.toml")
+    save_scene(scene, str(tmp_path / "saved.toml"))
     assert load_scene(str(tmp_path / "saved.toml"), whole=True) == scene
