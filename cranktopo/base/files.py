@@ -18,7 +18,7 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,6 +152,19 @@ def unwritable(path: Path, error: OSError) -> UnwritableError:
         f"output '{path}': cannot be written: {reason}.",
         hint="Choose a writable folder with free space (--out DIR).",
     )
+
+
+@overload
+def as_path(path: Path | str) -> Path: ...
+@overload
+def as_path(path: None) -> None: ...
+@overload
+def as_path(path: Path | str | None) -> Path | None: ...
+
+
+def as_path(path: Path | str | None) -> Path | None:
+    """Return a path that a script gives as text or path."""
+    return None if path is None else Path(path)
 
 
 def write_bytes(path: Path, content: bytes) -> None:

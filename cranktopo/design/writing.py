@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import write_text
+from cranktopo.base.files import as_path, write_text
 from cranktopo.design.assumed import Assumption, assumed_json
 from cranktopo.design.halves import halves
 from cranktopo.design.loading import (
@@ -70,7 +70,7 @@ def toml_text(scene: Scene, heading: str) -> str:
 def save_scene(scene: DesignLike, path: Path | str) -> None:
     """Write a scene as a TOML file that every command takes; raises CranktopoError where it cannot."""
     scene = as_scene(scene)
-    write_text(Path(path), toml_text(scene, f"{scene.name}, written by cranktopo"))
+    write_text(as_path(path), toml_text(scene, f"{scene.name}, written by cranktopo"))
 
 
 def new_run(

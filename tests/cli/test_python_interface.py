@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -114,6 +116,25 @@ def test_loads_are_tabulated_and_drawn(mikron: Scene, tmp_path: Path) -> None:
 
 def test_machine_is_checked() -> None:
     assert all(check.state in ("ok", "missing", "short", "absent") for check in cranktopo.check_machine())
+
+
+def test_every_path_may_be_text(mikron: Scene, tmp_path: Path) -> None:
+    """In a notebook nobody imports Path: every function that takes one takes its text as well."""
+    functions = {name: getattr(cranktopo, name) for name in cranktopo.__all__}
+    paths = {
+        (name, parameter.name): str(parameter.annotation)
+        for name, function in functions.items()
+        if inspect.isfunction(function)
+        for parameter in inspect.signature(function).parameters.values()
+        if re.search(r"\bPath\b", str(parameter.annotation))
+    }
+    assert len(paths) > 25
+    assert [place for place, told in paths.items() if not re.search(r"\bstr\b", told)] == []
+    cranktopo.export_solid(mikron, "web", str(tmp_path / "web.stl"), 4.0)
+    cranktopo.write_load_curves(mikron, str(tmp_path / "curves.csv"), [1000.0])
+    cranktopo.report_balance(cranktopo.engine_balance(mikron), str(tmp_path / "balance.md"))
+    assert len(list(tmp_path.iterdir())) >= 3
+    assert cranktopo.summarise_runs(str(tmp_path)) == []
 
 
 def test_solids_and_shafts(mikron: Scene, tmp_path: Path) -> None:

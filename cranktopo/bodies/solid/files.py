@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.errors import solver_error
-from cranktopo.base.files import replacing
+from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
@@ -122,7 +122,7 @@ _DELAUNAY = 5
 def export_solid(
     scene: DesignLike,
     part: SolidPart,
-    path: Path,
+    path: Path | str,
     facet_mm: float | None = None,
     started: datetime | None = None,
 ) -> float:
@@ -132,6 +132,7 @@ def export_solid(
     `started` dates a STEP file, now by default. Raises CranktopoError: impossible dimensions, unknown suffix,
     a STEP file that does not read back, or a file that cannot be written.
     """
+    path = as_path(path)
     scene = as_scene(scene)
     suffix = path.suffix.lower()
     check_file(path, "file", SOLIDS)

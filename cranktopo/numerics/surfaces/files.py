@@ -10,7 +10,7 @@ from typing import BinaryIO
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, quoted
-from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input, write_bytes
+from cranktopo.base.files import GEOMETRY_LIMIT_MIB, as_path, check_input, write_bytes
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.notes import note
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, welded, without_doubles
@@ -45,8 +45,9 @@ def write_surface(path: Path, mesh: SurfaceMesh, form: SurfaceFormat) -> None:
     write_bytes(path, {"stl": _stl, "3mf": _3mf, "glb": _glb}[form](mesh))
 
 
-def write_stl(path: Path, mesh: SurfaceMesh) -> None:
+def write_stl(path: Path | str, mesh: SurfaceMesh) -> None:
     """Write a mesh as `write_surface` does, as STL."""
+    path = as_path(path)
     write_surface(path, mesh, "stl")
 
 

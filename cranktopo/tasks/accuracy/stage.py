@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cranktopo.base.files import write_json
+from cranktopo.base.files import as_path, write_json
 from cranktopo.design.assumed import EVALUATED, filter_by_table
 from cranktopo.numerics.extrapolation import Extrapolation, extrapolate, observed_order
 from cranktopo.report.report_file import write_report
@@ -154,7 +154,7 @@ class AccuracyStudy:
 def study_accuracy(
     target: TargetLike,
     budget_s: float = BUDGET_S,
-    out: Path | None = None,
+    out: Path | str | None = None,
     design: str | None = None,
 ) -> AccuracyStudy:
     """Return error against seconds, from cheap levels to exact ones, until the time is used or Ctrl-C.
@@ -164,6 +164,7 @@ def study_accuracy(
     Raises:
         CranktopoError: no such target, or a folder that cannot be written.
     """
+    out = as_path(out)
     resolved = resolve_target(target, design, whole=True)
     folder = out or _folder(resolved)
     check_folder(folder)

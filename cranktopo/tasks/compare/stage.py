@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
 from cranktopo.bodies.solid.files import coarse_facet_mm
@@ -234,7 +235,7 @@ def comparison_bound(found: ComparedTargets) -> AnyBound | None:
 
 def report_comparison(
     found: ComparedTargets,
-    path: Path,
+    path: Path | str,
     command: Sequence[str] = (),
     stresses: bool = False,
     bound: AnyBound | None = None,
@@ -243,6 +244,7 @@ def report_comparison(
 
     With `stresses` all are solved for the baseline's load cases, unless the halves of one differ.
     """
+    path = as_path(path)
     check_report_path(path)
     scene, effects = _loaded(found)
     cases = load_cases(scene, effects.enabled)

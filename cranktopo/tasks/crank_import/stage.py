@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import write_json, write_text
+from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
 from cranktopo.bodies.solid.step import KERNEL_SUFFIXES, by_kernel
 from cranktopo.bodies.volume import half_throw_volume_mm3
@@ -41,9 +41,9 @@ _TANGENT = 1e-5
 
 
 def import_crank(
-    path: Path,
+    path: Path | str,
     name: str | None = None,
-    out: Path | None = None,
+    out: Path | str | None = None,
     solid: str | None = None,
     ends: EndJournals = "auto",
     material: str = DEFAULT_MATERIAL,
@@ -62,6 +62,8 @@ def import_crank(
     Raises:
         CranktopoError: no body from CAD, no crank in it, or a web that no design can say.
     """
+    path = as_path(path)
+    out = as_path(out)
     suffix = path.suffix.lower()
     if suffix not in (*KERNEL_SUFFIXES, *MESH_SUFFIXES):
         raise CranktopoError(

@@ -8,6 +8,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import as_path
 from cranktopo.base.formats import SurfaceFormat
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain, build_domain
@@ -39,7 +40,10 @@ from cranktopo.tasks.extraction.result import (
 
 
 def extract_surface(
-    reference: str | Path, iteration: int | None = None, out: Path | None = None, form: SurfaceFormat = "stl"
+    reference: str | Path,
+    iteration: int | None = None,
+    out: Path | str | None = None,
+    form: SurfaceFormat = "stl",
 ) -> tuple[Extraction, Path]:
     """Extract the surface of a design of a run and write it; by default into `surface` of the run.
 
@@ -47,6 +51,7 @@ def extract_surface(
         CranktopoError: a loop, no density of that iteration, a surface that fails a check, or a file that
             cannot be written.
     """
+    out = as_path(out)
     run = open_run(reference)
     require_kind(run, "optimise")
     with double_precision():

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import write_json
+from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.strength import note_strength
@@ -112,7 +112,7 @@ def assess_fatigue(
     loads: HistoryKind = "extremes",
     baseline: int | None = None,
     fillet_fraction: float = RULE_FRACTION,
-    out: Path | None = None,
+    out: Path | str | None = None,
     design: str | None = None,
     align: bool = False,
     throw: int | None = None,
@@ -132,6 +132,7 @@ def assess_fatigue(
     Raises:
         CranktopoError: a target without fillets or strength, a failed solve, or files asked of M53.
     """
+    out = as_path(out)
     if out is not None:
         _check_files(method, out)
     resolved = resolve_targets(targets, design, fillets=True, align=align, whole=True, throw=throw)

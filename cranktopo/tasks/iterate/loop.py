@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import write_json, write_text
+from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.near_ties import first_of_the_best
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import assumed_json, assumptions, stored_assumptions
@@ -54,7 +54,7 @@ def loop_scene(scene: DesignLike) -> Scene:
 def start_loop(
     scene: DesignLike,
     settings: Settings | None = None,
-    out: Path | None = None,
+    out: Path | str | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
 ) -> LoopRun:
@@ -70,6 +70,7 @@ def start_loop(
     Raises:
         CranktopoError: bad input (nothing is written), a failed stage, or interruption (exit code 130).
     """
+    out = as_path(out)
     scene = as_scene(scene, whole=False)
     check_destination(out)
     settings = settings or loop_settings(scene)

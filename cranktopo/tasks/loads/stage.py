@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.files import replacing
+from cranktopo.base.files import as_path, replacing
 from cranktopo.design.assumed import LOADS, THROW, VIBRATION, Assumption, assumptions
 from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.misfire import all_firing, misfire, misfire_words
@@ -81,12 +81,13 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
     )
 
 
-def write_load_curves(scene: DesignLike, path: Path, speeds_rpm: Sequence[float] | None = None) -> None:
+def write_load_curves(scene: DesignLike, path: Path | str, speeds_rpm: Sequence[float] | None = None) -> None:
     """Write all curves over the cycle as CSV, the speeds one below the other.
 
     Raises:
         CranktopoError: no gas data, or the file cannot be written.
     """
+    path = as_path(path)
     scene = as_scene(scene)
     tables = [curve_columns(analyse(at)) for at in _at_speeds(scene, speeds_rpm)]
     if not tables[0]:
@@ -96,12 +97,13 @@ def write_load_curves(scene: DesignLike, path: Path, speeds_rpm: Sequence[float]
         np.savetxt(temporary, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
 
 
-def plot_load_curves(scene: DesignLike, path: Path, speed_rpm: float | None = None) -> None:
+def plot_load_curves(scene: DesignLike, path: Path | str, speed_rpm: float | None = None) -> None:
     """Write the plot of the loads over the cycle (.png, .svg or .pdf).
 
     Raises:
         CranktopoError: no gas data, another ending, or the file cannot be written.
     """
+    path = as_path(path)
     scene = as_scene(scene)
     (at,) = _at_speeds(scene, None if speed_rpm is None else [speed_rpm])
     analysis = analyse(at)

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.base.progress import StageCache, Work
 from cranktopo.base.side_by_side import LazyFuture
@@ -84,7 +85,7 @@ class _Job:
 
 def optimise_design(
     scene: DesignLike,
-    out: Path | None = None,
+    out: Path | str | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
     progress: Progress = lambda *_: None,
@@ -101,6 +102,7 @@ def optimise_design(
     Raises:
         CranktopoError: bad input, solver failure, or interruption (exit code 130, checkpoint saved).
     """
+    out = as_path(out)
     scene = as_scene(scene, whole=False)
     began = time.perf_counter() if began is None else began
     check_destination(out)

@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.base.files import write_json, write_text
+from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.solid.files import export_solid, surface_of
@@ -50,7 +50,7 @@ from cranktopo.throw.manufacturing_limits import ProcessLimits
 
 def remodel_run(
     reference: str | Path,
-    out: Path | None = None,
+    out: Path | str | None = None,
     given: Mapping[str, float | None] | None = None,
     evaluated: bool = True,
 ) -> RefitResult:
@@ -64,6 +64,7 @@ def remodel_run(
     Raises:
         CranktopoError: not a finished run, a surface that is not sound, or no web within the limits.
     """
+    out = as_path(out)
     began = time.perf_counter()
     run = open_run(reference)
     target = resolve_target(str(run.path))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import as_path
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
 from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, shown_results
@@ -34,13 +35,15 @@ class RunEntry(Result):
     """Against the original web."""
 
 
-def summarise_runs(root: Path = RUNS) -> list[RunEntry]:
+def summarise_runs(root: Path | str = RUNS) -> list[RunEntry]:
     """Return the entries of `runs list --json`, oldest first."""
+    root = as_path(root)
     return [_entry(run) for run in list_runs(root)]
 
 
-def clean_runs(states: tuple[str, ...], delete: bool, root: Path = RUNS) -> list[Path]:
+def clean_runs(states: tuple[str, ...], delete: bool, root: Path | str = RUNS) -> list[Path]:
     """Return directories of runs in one of these states, deleted if asked for; raises if one is in use."""
+    root = as_path(root)
     chosen = [run for run in list_runs(root) if _run_status(run) in states]
     if delete:
         for run in chosen:

@@ -11,6 +11,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import filter_by_table
 from cranktopo.design.crank_throws import carried
@@ -57,7 +58,7 @@ def assess_shaft(
     method: str | None = None,
     fillet_fraction: float = RULE_FRACTION,
     misfire: Sequence[int] = (),
-    report: Path | None = None,
+    report: Path | str | None = None,
 ) -> ShaftAssessment:
     """Assemble the throws of a target and tell what webs and bearings carry over the cycle.
 
@@ -73,6 +74,7 @@ def assess_shaft(
         CranktopoError: a cylinder that the engine does not have, no engine, no loads or no bearings to judge
             by, missing strength, or a failed solve.
     """
+    report = as_path(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
     if method is None:

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.files import write_json, write_text
+from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
 from cranktopo.base.progress import StageCache, Work
 from cranktopo.bodies.solid.files import coarse_facet_mm, export_solid, surface_of
@@ -97,7 +97,7 @@ def shape_settings(scene: DesignLike, limits: ManufacturingLimits | None = None)
 def shape_design(
     scene: DesignLike,
     settings: ShapeSettings | None = None,
-    out: Path | None = None,
+    out: Path | str | None = None,
     design_toml: str | None = None,
     command: Sequence[str] = (),
     begun: Scene | RunStore | None = None,
@@ -113,6 +113,7 @@ def shape_design(
     Raises:
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
+    out = as_path(out)
     scene = as_scene(scene, whole=False)
     check_destination(out)
     check_device()

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, ExitCode
-from cranktopo.base.files import replacing
+from cranktopo.base.files import as_path, replacing
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, VIBRATION
 from cranktopo.design.crank_throws import throw_scenes
@@ -38,8 +38,8 @@ def shaft_vibration(
     target: TargetLike,
     bearings: Bearings | None = None,
     element_size_mm: float | None = None,
-    report: Path | None = None,
-    csv: Path | None = None,
+    report: Path | str | None = None,
+    csv: Path | str | None = None,
     design: str | None = None,
     align: bool = False,
     run_up_s: float | None = None,
@@ -62,6 +62,8 @@ def shaft_vibration(
         CranktopoError: no engine or gas, bearings or elements beside a given stiffness, a cylinder that the
             engine does not have, a failed solve, or a file that cannot be written.
     """
+    report = as_path(report)
+    csv = as_path(csv)
     if report is not None:
         check_report_path(report)
     if csv is not None:
