@@ -10,7 +10,16 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from cranktopo.base.table import SHOWN, UNLESS_IN_LIBRARY, Length, SceneTable, Strength, filled_in, not_given
+from cranktopo.base.table import (
+    SHOWN,
+    UNLESS_IN_LIBRARY,
+    Length,
+    SceneTable,
+    Strength,
+    TurningSpeed,
+    filled_in,
+    not_given,
+)
 from cranktopo.design.hardening import CaseHardening, Fillet, Hardening
 
 _FkmGroup = Literal[
@@ -133,6 +142,32 @@ class Scatter(SceneTable):
     """Of the radii of the fillets."""
 
 
+class SpectrumStep(SceneTable):
+    """A speed that the engine runs at for a part of its time."""
+
+    rpm: TurningSpeed = Field(examples=[2000.0])
+    """Speed of the crank."""
+    share: float = Field(gt=0, le=1e6, examples=[0.6], allow_inf_nan=False)
+    """Time at it, in hours, percent, or any other measure that all steps have."""
+
+
+class Spectrum(SceneTable):
+    """Speeds over the life of the engine, and the S-N line that sums their damage.
+
+    `fatigue` then tells the life in hours beside the safety. Defaults: FKM guideline, chapter 4.4, steel, not
+    welded; below the fatigue limit the slope is 2 k - 1 (Haibach), where some cycle exceeds it.
+    """
+
+    step: tuple[SpectrumStep, ...] = Field(min_length=1, max_length=200)
+    """Speeds with their parts of the time."""
+    slope: float = Field(default=5.0, ge=1, le=30)
+    """Exponent k of the S-N line: life falls by the stress to this power."""
+    knee_cycles: float = Field(default=1e6, ge=1e3, le=1e9)
+    """Cycles that the fatigue limit is endured for."""
+    permitted_damage: float = Field(default=0.3, ge=0.01, le=2)
+    """Sum of damage at the end of life: 0.3 for steel by the guideline, 1 by Miner."""
+
+
 class Fatigue(SceneTable):
     """Surface, size and rule factors of the fatigue methods.
 
@@ -166,6 +201,8 @@ class Fatigue(SceneTable):
     journal_hardening: CaseHardening | None = Field(default=None, exclude_if=not_given)
     """The fillets of the main journals where their treatment differs from `[fatigue.hardening]`."""
 
+    spectrum: Spectrum | None = Field(default=None, exclude_if=not_given)
+    """Speeds over the life of the engine: the life in hours beside the safety (`lsa`, `fkm`)."""
     scatter: Scatter | None = Field(default=None, exclude_if=not_given)
     """Scatter of strength, load and fillets: the probability of failure beside the safety (`lsa`)."""
 

@@ -120,7 +120,20 @@ def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory
     return LoadHistory(**joined, labels=tuple(labels))
 
 
+def throw_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
+    """Return the cycle of every throw at the engine's speed, as `load_history` joins them."""
+    scene = all_firing(scene)
+    return [_without(one, enabled) for one in _throw_cycles(scene, engine_of(scene), enabled)]
+
+
 def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
+    parts = _throw_cycles(scene, engine, enabled)
+    names = ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return LoadHistory(**joined, labels=tuple(label for part in parts for label in part.labels))
+
+
+def _throw_cycles(scene: Scene, engine: Engine, enabled: frozenset[str]) -> list[LoadHistory]:
     cycle = analyse(scene, enabled).cycle
     if cycle is None:
         raise CranktopoError(
@@ -128,11 +141,15 @@ def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHis
             hint="Add [engine.gas], or take the extreme states.",
         )
     angle = cycle.forces.angle_deg[:: every_degree(cycle.forces.angle_deg)]
-    parts = [_throw(engine, cycle, angle, rods.throw, forces) for rods, forces in cycle.pins]
-    radial, tangential, torque = (np.concatenate([part[i] for part in parts]) for i in range(3))
-    labels = tuple(f"{rods.name}, {a:g} deg" for rods, _ in cycle.pins for a in angle)
-    speed = np.full(len(radial), angular_speed_rad_s(engine.speed_rpm))
-    return LoadHistory(radial, tangential, torque, speed, labels)
+    speed = np.full(len(angle), angular_speed_rad_s(engine.speed_rpm))
+    return [
+        LoadHistory(
+            *_throw(engine, cycle, angle, rods.throw, forces),
+            speed,
+            tuple(f"{rods.name}, {a:g} deg" for a in angle),
+        )
+        for rods, forces in cycle.pins
+    ]
 
 
 def every_degree(angle_deg: Array) -> int:

@@ -17,7 +17,7 @@ from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.fatigue.safety_field import check_inputs
+from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.targets import Target, simulated
 from cranktopo.tasks.importing.found_fillets import ring_of

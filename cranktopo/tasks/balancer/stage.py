@@ -31,7 +31,7 @@ from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.bolts.stage import check_joint
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
-from cranktopo.tasks.fatigue.safety_field import check_method
+from cranktopo.tasks.fatigue.needs import check_method
 
 _TURN_POINTS = 360
 _PLACES = 2

@@ -34,8 +34,8 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     outside_validity,
 )
+from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.rule_check import fillet_checks
-from cranktopo.tasks.fatigue.safety_field import load_kinds
 from cranktopo.tasks.shaft.stage import of_stiffness
 
 _SOFT = "live, closed-form stiffness: a throw is up to 36 % too soft"

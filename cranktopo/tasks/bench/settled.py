@@ -20,7 +20,8 @@ from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
-from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_field
+from cranktopo.tasks.fatigue.needs import check_inputs
+from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_field
 from cranktopo.tasks.fatigue.stage import yield_warning
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.quantities import goal_values

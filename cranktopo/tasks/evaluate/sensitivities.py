@@ -19,7 +19,7 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
 from cranktopo.tasks.designs.run_webs import REMODEL, WebTarget, parametric_scene, web_target
-from cranktopo.tasks.fatigue.safety_field import check_inputs
+from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.iterate.result import Settings
 from cranktopo.tasks.refit.family import free_dimensions, with_free

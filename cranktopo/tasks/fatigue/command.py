@@ -111,7 +111,8 @@ def _text(found: FatigueAssessment) -> str:
     baseline = found.baseline
     if found.fields:
         parts = [terminal(tables.field_table(found.fields, baseline))]
-        lines = tables.hardening_remarks(found.fields) + tables.scatter_remarks(found.fields)
+        told = tables.hardening_remarks, tables.life_remarks, tables.scatter_remarks
+        lines = [line for remarks in told for line in remarks(found.fields)]
         parts += ["\n".join(lines)] if lines else []
     else:
         outside = "".join(

@@ -163,6 +163,18 @@ class PointScatter(Result):
     """Parts of "strength", "load" and "fillet_radius" in that distance; they sum to one."""
 
 
+class PartLife(Result):
+    """Life of a part of the surface by `[fatigue.spectrum]`."""
+
+    life_hours: float | None
+    """Hours until the permitted damage at the point and the throw that live shortest; null where no cycle
+    exceeds the fatigue limit."""
+    throw: str | None
+    """That throw in words."""
+    damage_shares: dict[str, float]
+    """Part of each speed, in rpm, in the damage; they sum to one."""
+
+
 class _TargetFatigue(Result):
     target: str
     """Name of the target."""
@@ -197,6 +209,8 @@ class FieldFatigue(_TargetFatigue):
     """Treatment of the fillets' surface."""
     hardening: dict[str, HardenedFillet] | None = UNLESS_NONE
     """Fillets hardened by `[fatigue.hardening]`, "pin" and "journal"."""
+    lives: dict[str, PartLife] | None = UNLESS_NONE
+    """By `[fatigue.spectrum]`: the "pin" and "journal" fillets and "elsewhere"."""
     scatter: dict[str, PointScatter] | None = UNLESS_NONE
     """By `[fatigue.scatter]`: points of least safety of the "pin" and "journal" fillets and "elsewhere"."""
 

@@ -34,8 +34,8 @@ from cranktopo.tasks.fatigue.m53 import (
 )
 from cranktopo.tasks.fatigue.m53_hardening import journal_stresses, pin_stresses, treated_check
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets, unchecked_journal_outlets
+from cranktopo.tasks.fatigue.needs import check_method, load_kinds
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
-from cranktopo.tasks.fatigue.safety_field import check_method, load_kinds
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.targets import Target
 

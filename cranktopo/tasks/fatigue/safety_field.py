@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
-from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
-from cranktopo.engine.load_case import LoadKind
-from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress, PointSafety
 from cranktopo.tasks.fatigue.fillets import place
@@ -29,11 +26,13 @@ from cranktopo.tasks.fatigue.hardening import (
     treated_fillets,
 )
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
+from cranktopo.tasks.fatigue.needs import check_method, load_kinds
 from cranktopo.tasks.fatigue.plane_criterion import PlaneCriterion, PlaneDiagram
 from cranktopo.tasks.fatigue.plane_field import histories, least_safety
-from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, PointScatter
-from cranktopo.tasks.fatigue.scatter import check_scatter, point_scatter
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, check_fillets, solve_stresses
+from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, PartLife, PointScatter
+from cranktopo.tasks.fatigue.scatter import counts_scatter, point_scatter
+from cranktopo.tasks.fatigue.spectrum import counts_lives, part_lives, speed_histories
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
@@ -61,6 +60,7 @@ class FatigueField:
         web_safety: least safety of the first and of the second web where the halves differ.
         hardening: treated fillets by `[fatigue.hardening]`, each at its point of least safety.
         on_bearings: whether the states are those of the throw in its shaft on all main bearings.
+        lives: by `[fatigue.spectrum]`, of the fillets and elsewhere.
         scatter: probability of failure by `[fatigue.scatter]`, of the fillets and elsewhere.
         diagram: stresses of the critical point in every state, where the method judges these.
     """
@@ -77,58 +77,9 @@ class FatigueField:
     web_safety: dict[str, float]
     on_bearings: bool = False
     hardening: dict[str, HardenedFillet] = field(default_factory=dict)
+    lives: dict[str, PartLife] = field(default_factory=dict)
     scatter: dict[str, PointScatter] = field(default_factory=dict)
     diagram: PlaneDiagram | None = None
-
-
-def check_method(scene: Scene, method: str) -> None:
-    """Check that material, fillets and packages are what a method needs.
-
-    Raises:
-        CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
-            strength.
-    """
-    found = safety_method(method)
-    found.load_packages()
-    for key in found.needs:
-        if getattr(scene.material, key) is None:
-            raise CranktopoError(
-                f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
-                f"(material '{scene.material.name}').",
-                hint=f"Give material.{key}, or name a material of the library.",
-            )
-    found.check(scene)
-    check_scatter(scene, method)
-
-
-def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
-    """Check everything that a user can get wrong, before the first solve.
-
-    Raises:
-        CranktopoError: missing material data or loads, sharp fillets, or for the rule a body from CAD.
-    """
-    if method == "m53" and target.file is not None:
-        raise CranktopoError(
-            f"target '{target.name}': method 'm53' needs the width and the outline of the web, which a file "
-            "does not name.",
-            hint="Take another --method, or give a design.",
-            code=ExitCode.USAGE,
-        )
-    check_method(target.scene, method)
-    check_fillets(target)
-    load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
-
-
-def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
-    """Effects that the plan of a scene switches on for stress, and the loads to be solved.
-
-    The extreme states hold radial force and torque; the tangential force only acts in the cycle.
-    """
-    enabled = plan_for_stress(scene).enabled
-    possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
-    if kind == "cycle":
-        possible = ("bending", "tangential", "torsion", "centrifugal")
-    return enabled, tuple(k for k in possible if k in enabled)
 
 
 def fatigue_field(
@@ -155,11 +106,29 @@ def fatigue_fields(
     """
     for method in methods:
         check_method(target.scene, method)
-    enabled, kinds = load_kinds(target.scene, kind)
+    enabled = load_kinds(target.scene, kind)[0]
+    kinds = load_kinds(target.scene, "cycle" if target.scene.fatigue.spectrum else kind)[1]
     history = load_history(target.scene, kind, enabled)
+    lived = any(counts_lives(target.scene, safety_method(method)) for method in methods)
+    speeds = speed_histories(target.scene, enabled) if lived else []
     note(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
     model = solve_stresses(target, kinds, fillet_fraction)
-    return tuple(safety_field(model, method, history) for method in methods)
+    return tuple(with_lives(safety_field(model, method, history), speeds) for method in methods)
+
+
+def with_lives(found: FatigueField, speeds: Sequence[Sequence[LoadHistory]]) -> FatigueField:
+    """Return the field with the lives of its parts, where the scene has a spectrum."""
+    model = found.model
+    if not counts_lives(model.scene, safety_method(found.method)):
+        return found
+
+    def judged(local: LocalStress, nodes: Index) -> Array:
+        return point_safety(model, found.method, local, nodes)
+
+    def loads_of(history: LoadHistory) -> Array:
+        return unit_loads(history, model.kinds)
+
+    return replace(found, lives=part_lives(model, found.safety, judged, loads_of, speeds))
 
 
 def safety_field(model: StressModel, method: str, history: LoadHistory) -> FatigueField:
@@ -323,7 +292,7 @@ class _Judged:
     def scatter(self) -> dict[str, PointScatter]:
         """Return the probability of failure where each fillet, and all else, is least safe."""
         model = self.model
-        if model.scene.fatigue.scatter is None:
+        if not counts_scatter(model.scene, self.method):
             return {}
         parts = {
             "pin": model.on_pin,

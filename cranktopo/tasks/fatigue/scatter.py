@@ -13,7 +13,6 @@ from collections.abc import Callable
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.reliability import first_order
@@ -28,15 +27,9 @@ SafetyAt = Callable[[Scene, LocalStress], float]
 """Safety of one point of a scene."""
 
 
-def check_scatter(scene: Scene, method: str) -> None:
-    """Check that a method knows the mean strength that the scatter of a scene is about."""
-    if scene.fatigue.scatter is not None and method != METHOD:
-        raise CranktopoError(
-            f"{scene.name}: fatigue.scatter: is given, and method '{method}' has strengths of a fixed "
-            "probability of survival.",
-            hint=f"Take --method {METHOD}, or leave the table out.",
-            code=ExitCode.USAGE,
-        )
+def counts_scatter(scene: Scene, method: str) -> bool:
+    """Tell whether the scene has a scatter and the method knows the mean strength that it is about."""
+    return scene.fatigue.scatter is not None and method == METHOD
 
 
 def point_scatter(model: StressModel, node: int, local: LocalStress, safety_at: SafetyAt) -> PointScatter:

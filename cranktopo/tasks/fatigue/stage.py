@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,10 @@ from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
+from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.result import (
     FatigueResult,
@@ -31,8 +34,10 @@ from cranktopo.tasks.fatigue.result import (
     SurfaceTreatment,
 )
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
-from cranktopo.tasks.fatigue.safety_field import FatigueField, check_inputs, fatigue_fields
+from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_fields
+from cranktopo.tasks.fatigue.scatter import counts_scatter
 from cranktopo.tasks.fatigue.shaft_stress import worst_throw
+from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rules
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
@@ -159,6 +164,8 @@ def assess_by_methods(
     for target in resolved:
         for method in methods:
             check_inputs(target, method, loads)
+    for target, method in product(resolved, methods):
+        _note_tables(target, method)
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
@@ -181,6 +188,20 @@ def assess_by_methods(
         else FatigueAssessment(method, loads, fields[method], (), baseline, assumed, tuple(resolved))
         for method in methods
     ]
+
+
+def _note_tables(target: Target, method: FatigueMethod) -> None:
+    """Say which tables of a scene a method has no use for; load what the others need before any solve."""
+    settings, chosen = target.scene.fatigue, safety_method(method)
+    if settings.scatter is not None and not counts_scatter(target.scene, method):
+        fixed = "its strengths hold at a fixed probability of survival"
+        note(f"{target.name}: fatigue.scatter has no part in method '{method}': {fixed}")
+    if settings.spectrum is None:
+        return
+    if counts_lives(target.scene, chosen) and target.scene.effects.continuous_shaft != "on":
+        load_rules()
+    else:
+        note(f"{target.name}: fatigue.spectrum has no part: lsa and fkm judge it, of a throw alone")
 
 
 def _fields(
@@ -270,6 +291,7 @@ def _field_fatigue(
         assumed=assumed,
         surface_treatment=treatment,
         hardening=field.hardening or None,
+        lives=field.lives or None,
         scatter=field.scatter or None,
     )
 

@@ -101,6 +101,12 @@ class StressModel:
         """Surface nodes whose stress is no matter of the mesh: all but those at sharp inner edges, (n,)."""
         return self.on_fillet | ~near_sharp_edges(self.surface)
 
+    @property
+    def parts(self) -> dict[str, NDArray[np.bool_]]:
+        """Surface nodes of the "pin" and "journal" fillets, and "elsewhere" all else that is judged."""
+        elsewhere = self.judged & ~self.on_fillet
+        return {"pin": self.on_pin, "journal": self.on_journal, "elsewhere": elsewhere}
+
     @cached_property
     def at_outlet(self) -> NDArray[np.bool_]:
         """Mask of the surface nodes at an outlet of an oil bore, off the fillets."""

@@ -64,7 +64,7 @@ def signed_von_mises_ranges(found: SurfaceStress, cycles: Sequence[Array]) -> li
 def _range(found: SurfaceStress, loads: Array, high: Index, low: Index) -> SignedVonMisesRange:
     """Return the range between the states of the largest and the smallest value of every node."""
     upper, lower = (_at(found.stress_MPa, loads[state]) for state in (high, low))
-    top, bottom = _sign(upper) * von_mises(upper), _sign(lower) * von_mises(lower)
+    top, bottom = signed_von_mises(upper), signed_von_mises(lower)
     worst = np.where(np.abs(top) >= np.abs(bottom), high, low)
     gradient = _related_gradient(
         _at(found.stress_MPa, loads[worst]), _at(found.depth_MPa_per_mm, loads[worst])
@@ -95,8 +95,9 @@ def _at(stress: Array, loads: Array) -> Array:
     return np.einsum("fnc,nf->nc", stress, loads)
 
 
-def _sign(stress: Array) -> Array:
-    return np.where(stress[:, :3].sum(axis=1) >= 0, 1.0, -1.0)
+def signed_von_mises(stress_MPa: Array) -> Array:
+    """Return the von Mises stress with the sign of the first invariant, (n,) of (n, 6)."""
+    return np.asarray(np.where(stress_MPa[:, :3].sum(axis=1) >= 0, 1.0, -1.0) * von_mises(stress_MPa))
 
 
 def _related_gradient(stress: Array, depth: Array) -> Array:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
-from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare
+from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
@@ -69,7 +69,7 @@ def compare_fatigue(
     checks = [result for result in results if isinstance(result, RuleCheck)]
     remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
-    remarks += hardening_remarks(fields) + scatter_remarks(fields)
+    remarks += hardening_remarks(fields) + life_remarks(fields) + scatter_remarks(fields)
     return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
 
 
@@ -133,6 +133,24 @@ def hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
         for field in fields
         for fillet, one in field.hardening.items()
     ]
+
+
+def life_remarks(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each part whose life by the spectrum is known."""
+    return [
+        f"{field.model.name}, {_PARTS[part]}: {_life(one)}."
+        for field in fields
+        for part, one in field.lives.items()
+    ]
+
+
+def _life(one: PartLife) -> str:
+    if one.life_hours is None:
+        return "no limit of life, as no cycle exceeds the fatigue limit"
+    hours = f"{one.life_hours:,.0f} h" if one.life_hours >= 10 else f"{one.life_hours:.2g} h"
+    known = {rpm: share for rpm, share in one.damage_shares.items() if share >= 0.005}
+    shares = ", ".join(f"{rpm} rpm {100 * share:.0f} %" for rpm, share in known.items())
+    return f"life {hours}, {one.throw}; damage by {shares}"
 
 
 def scatter_remarks(fields: Sequence[FatigueField]) -> list[str]:

@@ -21,7 +21,7 @@ from cranktopo.engine.rod_forces import RodMotion, rod_bolt_force_N, rod_motions
 from cranktopo.tasks.bolts.stage import check_rod_bolt
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.safety_field import check_method
+from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.rod.eye import (
     bush_pressure_MPa,
     bush_share,

@@ -14,7 +14,8 @@ from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.tasks.fatigue.safety_field import check_inputs, fatigue_field
+from cranktopo.tasks.fatigue.needs import check_inputs
+from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.result import EvaluationResult

@@ -49,7 +49,8 @@ from cranktopo.tasks.fatigue.fillets import fillet_nodes
 from cranktopo.tasks.fatigue.hardened_layer import layers
 from cranktopo.tasks.fatigue.hardening import Judge, TreatedFillet, harden, of_nodes, treated
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
-from cranktopo.tasks.fatigue.safety_field import load_kinds, unit_loads
+from cranktopo.tasks.fatigue.needs import load_kinds
+from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fea.condense import Superelement, bending_motion, section_slopes, torsion_motion

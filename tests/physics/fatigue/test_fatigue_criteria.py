@@ -15,10 +15,12 @@ from cranktopo.engine.histories import LoadHistory, load_history
 from cranktopo.tasks.fatigue.criteria import METHODS, safety_method
 from cranktopo.tasks.fatigue.criterion import FatigueCriterion, LocalStress, PointSafety
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
+from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterion, PlaneDiagram, Severity
 from cranktopo.tasks.fatigue.plane_field import histories
-from cranktopo.tasks.fatigue.safety_field import FatigueField, load_kinds, safety_field, unit_loads
+from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads, with_lives
+from cranktopo.tasks.fatigue.spectrum import speed_histories
 from cranktopo.tasks.fatigue.stage import assess_by_methods, assess_fatigue
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fea.targets import resolve_targets
@@ -97,6 +99,7 @@ def test_criteria_of_planes_find_the_least_safety_of_all_points(
         assert critical.decided_by == "amplitude"
     _least_of_a_part(findley, history)
     _scatter_follows_the_safety(lsa, history)
+    _lives_follow_the_safety(lsa, history)
     save_fatigue_picture(tmp_path / "planes.png", findley)
     assert (tmp_path / "planes.png").stat().st_size > 20_000
 
@@ -108,6 +111,21 @@ def _scatter_follows_the_safety(field: FatigueField, history: LoadHistory) -> No
     by_safety = sorted(field.fillet_safety, key=lambda name: field.fillet_safety[name])
     assert scatter[by_safety[0]].failure_probability > scatter[by_safety[1]].failure_probability > 0
     assert field.scatter == {}
+
+
+def _lives_follow_the_safety(field: FatigueField, history: LoadHistory) -> None:
+    """A throw that does not endure: the fillet of less safety lives shorter."""
+    weak = {"fatigue.survival_factor": 0.45, "fatigue.spectrum.step": [{"rpm": 1000.0, "share": 1.0}]}
+    scene = with_values(field.model.scene, weak)
+    speeds = speed_histories(scene, load_kinds(scene, "extremes")[0])
+    found = with_lives(safety_field(replace(field.model, scene=scene), "lsa", history), speeds)
+    order = sorted(found.fillet_safety, key=lambda name: found.fillet_safety[name])
+    assert found.fillet_safety[order[0]] < 0.9
+    shortest = found.lives[order[0]].life_hours
+    assert shortest is not None
+    assert shortest == min(one.life_hours or shortest for one in found.lives.values())
+    assert found.lives[order[0]].damage_shares == {"1000": pytest.approx(1.0)}
+    assert field.lives == {}
 
 
 def _least_of_a_part(field: FatigueField, history: LoadHistory) -> None:

@@ -14,7 +14,8 @@ from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.numerics.tetrahedra.stress import NodalStress, nodal_stress, von_mises
 from cranktopo.tasks.fatigue import stress_model
-from cranktopo.tasks.fatigue.safety_field import fatigue_field, load_kinds, unit_loads
+from cranktopo.tasks.fatigue.needs import load_kinds
+from cranktopo.tasks.fatigue.safety_field import fatigue_field, unit_loads
 from cranktopo.tasks.fatigue.stress_below import notch_shape, stress_share
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
 from cranktopo.tasks.fea.targets import Target

@@ -28,8 +28,8 @@ from cranktopo.tasks.fatigue.m53_hardening import (
     transition_strength_MPa,
     treated_check,
 )
+from cranktopo.tasks.fatigue.needs import check_method
 from cranktopo.tasks.fatigue.rule_check import fillet_checks
-from cranktopo.tasks.fatigue.safety_field import check_method
 from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
 

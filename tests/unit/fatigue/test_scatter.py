@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from cranktopo import load_scene, with_values
-from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.result import PointScatter
-from cranktopo.tasks.fatigue.safety_field import check_method
-from cranktopo.tasks.fatigue.scatter import lognormal, point_scatter
+from cranktopo.tasks.fatigue.scatter import counts_scatter, lognormal, point_scatter
 from cranktopo.tasks.fatigue.stress_model import StressModel
+from cranktopo.tasks.fea.targets import Target
 
 AMPLITUDE, MEAN, GRADIENT = 340.0, 90.0, 0.7
 LOCAL = LocalStress(*(np.array([value]) for value in (AMPLITUDE, MEAN, GRADIENT)))
@@ -98,6 +98,11 @@ def test_lognormal_variables_have_their_mean_and_variation() -> None:
 
 
 @pytest.mark.parametrize("method", ["fkm", "findley", "m53"])
-def test_strengths_of_a_fixed_probability_are_refused(method: str) -> None:
-    with pytest.raises(CranktopoError, match=r"fatigue\.scatter.*--method lsa"):
-        check_method(scattered(load_percent=5.0), method)
+def test_strengths_of_a_fixed_probability_have_no_scatter(
+    method: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    scene = scattered(load_percent=5.0)
+    assert not counts_scatter(scene, method)
+    caplog.set_level("INFO")
+    stage._note_tables(Target("mikron", scene), method)
+    assert f"fatigue.scatter has no part in method '{method}'" in caplog.text

@@ -13,7 +13,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
 from cranktopo.engine.plan.simulated import without
 from cranktopo.tasks.fatigue.fillets import place
-from cranktopo.tasks.fatigue.safety_field import check_inputs
+from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.throw.journal import FilletSection

@@ -1,0 +1,61 @@
+"""What an assessment needs: strengths and packages of the method, round fillets, effects and loads."""
+
+from __future__ import annotations
+
+from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.load_case import LoadKind
+from cranktopo.engine.plan.planning import plan_for_stress
+from cranktopo.tasks.fatigue.criteria import safety_method
+from cranktopo.tasks.fatigue.stress_model import check_fillets
+from cranktopo.tasks.fea.targets import Target
+
+
+def check_method(scene: Scene, method: str) -> None:
+    """Check that material, fillets and packages are what a method needs.
+
+    Raises:
+        CranktopoError: a strength or a package is missing, or an elliptical fillet, of which the rule has no
+            strength.
+    """
+    found = safety_method(method)
+    found.load_packages()
+    for key in found.needs:
+        if getattr(scene.material, key) is None:
+            raise CranktopoError(
+                f"{scene.name}: material.{key}: is missing, method '{method}' needs it "
+                f"(material '{scene.material.name}').",
+                hint=f"Give material.{key}, or name a material of the library.",
+            )
+    found.check(scene)
+
+
+def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
+    """Check everything that a user can get wrong, before the first solve.
+
+    Raises:
+        CranktopoError: missing material data or loads, sharp fillets, or for the rule a body from CAD.
+    """
+    if method == "m53" and target.file is not None:
+        raise CranktopoError(
+            f"target '{target.name}': method 'm53' needs the width and the outline of the web, which a file "
+            "does not name.",
+            hint="Take another --method, or give a design.",
+            code=ExitCode.USAGE,
+        )
+    check_method(target.scene, method)
+    check_fillets(target)
+    load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
+
+
+def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
+    """Effects that the plan of a scene switches on for stress, and the loads to be solved.
+
+    The extreme states hold radial force and torque; the tangential force only acts in the cycle.
+    """
+    enabled = plan_for_stress(scene).enabled
+    possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
+    if kind == "cycle":
+        possible = ("bending", "tangential", "torsion", "centrifugal")
+    return enabled, tuple(k for k in possible if k in enabled)
