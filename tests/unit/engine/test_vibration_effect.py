@@ -10,6 +10,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import redirected
+from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
@@ -57,14 +58,17 @@ def turning(shaft: dict[str, Any], name: str = "mikron-iiic-plain", **engine: An
 
 
 def computed(scene: Scene) -> float:
-    """Torque amplitude behind a throw at the worst speed, over the quasi-static one."""
+    """Torque amplitude behind a throw at the worst speed, over the largest quasi-static one in the range."""
     enabled = INERTIA_EFFECTS | {"torsional_vibration"}
-    quiet = analyse(scene, INERTIA_EFFECTS).cycle
-    worst = analyse(at_speed(scene, worst_speed_rpm(scene, enabled)), enabled).cycle
-    assert quiet is not None
-    assert worst is not None
-    swings = [np.ptp(cycle.torque.passed_on_Nm, axis=1).max() for cycle in (worst, quiet)]
-    return float(swings[0] / swings[1])
+    vibrating = swing_Nm(at_speed(scene, worst_speed_rpm(scene, enabled)), enabled)
+    speeds = np.linspace(*speed_range_rpm(scene), 15)
+    return vibrating / max(swing_Nm(at_speed(scene, speed), INERTIA_EFFECTS) for speed in speeds)
+
+
+def swing_Nm(scene: Scene, enabled: frozenset[str]) -> float:
+    cycle = analyse(scene, enabled).cycle
+    assert cycle is not None
+    return float(np.ptp(cycle.torque.passed_on_Nm, axis=1).max())
 
 
 @pytest.mark.slow
@@ -93,11 +97,26 @@ def computed(scene: Scene) -> float:
         ),
     ],
 )
-def test_estimate_is_within_a_factor_of_two(shaft: dict[str, Any], name: str, engine: dict[str, Any]) -> None:
+def test_the_estimate_is_that_of_the_load_cases(
+    shaft: dict[str, Any], name: str, engine: dict[str, Any]
+) -> None:
+    """But for the varying inertia, which the estimate leaves out: a fifth at a sharp resonance."""
     scene = turning(shaft, name, **engine)
     percent = plan(scene)["torsional_vibration"].estimate_percent
     assert percent is not None
-    assert 0.5 < (1 + percent / 100) / computed(scene) < 2.0
+    assert (1 + percent / 100) / computed(scene) == pytest.approx(1.0, rel=0.25)
+
+
+def test_a_shaft_behind_a_soft_coupling_is_not_judged_by_its_lowest_mode() -> None:
+    """The coupling swings at a few hertz, far below the crankshaft's own modes, which the torque meets."""
+    coupling = {"inertia_kg_m2": 0.02, "stiffness_Nm_per_rad": 1e3, "loss_factor": 0.15}
+    shaft = {**FLYWHEEL, "coupling": coupling, "driven": {"inertia_kg_m2": 1.0}, "speed_min_rpm": 1900.0}
+    scene = turning(shaft, **SIX)
+    effect = plan(scene)["torsional_vibration"]
+    assert "first natural frequency 17 Hz" in effect.reason
+    assert effect.state == "on"
+    assert effect.estimate_percent is not None
+    assert (1 + effect.estimate_percent / 100) / computed(scene) == pytest.approx(1.0, rel=0.25)
 
 
 @pytest.fixture(scope="module")
@@ -106,17 +125,15 @@ def with_propeller() -> tuple[Scene, PhysicsPlan]:
     return scene, plan(scene)
 
 
-def test_reason_names_frequency_order_and_magnifier(with_propeller: tuple[Scene, PhysicsPlan]) -> None:
+def test_the_reason_names_frequency_speed_and_order(with_propeller: tuple[Scene, PhysicsPlan]) -> None:
     effect = with_propeller[1]["torsional_vibration"]
     assert effect.state == "on"
     assert "first natural frequency" in effect.reason
-    assert "major order 8 at 27" in effect.reason
-    assert "magnifier 50" in effect.reason  # one over the loss factor of 0.02
-    slow = turning({**FLYWHEEL, "speed_max_rpm": 1500.0})
-    assert "below the threshold of 2 %" in plan(slow)["torsional_vibration"].reason
-    stiff = plan(turning({**FLYWHEEL, "throw_stiffness_Nm_per_rad": 1e9}))["torsional_vibration"]
+    assert "worst at 2755 rpm by order 8" in effect.reason
+    stiff_and_heavy = {"throw_stiffness_Nm_per_rad": 1e11, "flywheel": {"inertia_kg_m2": 1e6}}
+    stiff = plan(turning(stiff_and_heavy))["torsional_vibration"]
     assert stiff.state == "off"
-    assert "no order meets" in stiff.reason
+    assert "below the threshold of 2 %" in stiff.reason
 
 
 @pytest.mark.parametrize("name", ["mikron-iiic-plain", "opposed-piston"])
