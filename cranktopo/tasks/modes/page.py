@@ -20,19 +20,19 @@ _OVER_SPEED = (
     "On the left in the frame that turns with the crankshaft, where forces on the pins repeat with multiples "
     "of the speed: grey lines are whole orders, dots where an order meets a mode. On the right as the "
     "bearings have it: a bending mode is faster by the speed of the shaft where it circles forward (full "
-    "lines), slower where it circles backward (dashed), and both where it stays in a plane of the shaft."
+    "lines), slower where it circles backward (dashed), and both where it stays in a plane of the shaft. An "
+    "order of the turning frame differs by one from that of a force that has its direction in space."
 )
 
 
 def modes_page(found: ShaftModes, written: str) -> Page:
     """Return the natural vibrations of a shaft as content; `written` is a date."""
     turning, bearings, *shapes = modes_pictures(found)
-    missing = torsion_only_sentence(found) if found.torsion_only else ""
     high = found.speeds_rpm[-1]
     return Page(
         title=f"Natural vibrations of the crankshaft: {found.design}",
         subtitle=f"{found.bearings} bearings, {found.speeds_rpm[0]:,.0f} to {high:,.0f} rpm; {written}",
-        headline=f"{critical_sentence(found)} {missing}".rstrip(),
+        headline=critical_sentence(found),
         facts=_facts(found),
         sections=(
             Section(
@@ -69,7 +69,9 @@ def _facts(found: ShaftModes) -> tuple[Fact, ...]:
     first: dict[str, ShaftMode] = {}
     for mode in found.modes:
         first.setdefault(mode.kind.split()[0], mode)
-    return tuple(
+    parts = " and ".join(found.torsion_only)
+    missing = (Fact("Mass not given", parts, torsion_only_sentence(found), "bad"),) if parts else ()
+    return missing + tuple(
         Fact(f"First {kind}", f"{mode.frequency_Hz:.0f} Hz", f"mode {mode.mode}, {mode.kind}", "neutral")
         for kind, mode in first.items()
     )

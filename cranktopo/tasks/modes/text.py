@@ -5,8 +5,10 @@ from __future__ import annotations
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 from cranktopo.tasks.modes.result import ShaftMode, ShaftModes
 
+_SHARES = ("torsion", "in_plane", "across", "axial")
 _ORDERS_SHOWN = 3
 """Of each mode, the lowest first."""
+_PLANE = "in a plane"
 _CIRCLING = 0.2
 """Whirl from which a motion is said to circle."""
 
@@ -37,16 +39,23 @@ PLANES = (
 
 def modes_table(found: ShaftModes) -> ResultTable:
     """Return frequency and kind of every mode at rest."""
-    rows: list[Row] = []
-    for mode in found.modes:
-        shares = mode.shares_percent
-        row: dict[str, Cell] = {"mode": str(mode.mode), "frequency_Hz": mode.frequency_Hz, "kind": mode.kind}
-        row |= {name: getattr(shares, name) for name in ("torsion", "in_plane", "across", "axial")}
-        rows.append({**row, "disks_Hz": mode.disks_Hz})
-    digits = {"mode": 0, "frequency_Hz": 1, "kind": 0, "torsion": 0, "in_plane": 0, "across": 0, "axial": 0}
-    heads = {name: f"{name}_percent" for name in ("torsion", "in_plane", "across", "axial")}
-    renamed = tuple({heads.get(key, key): value for key, value in row.items()} for row in rows)
-    return ResultTable({heads.get(key, key): n for key, n in digits.items()} | {"disks_Hz": 1}, renamed)
+    rows: tuple[Row, ...] = tuple(
+        {
+            "mode": str(mode.mode),
+            "frequency_Hz": mode.frequency_Hz,
+            "kind": mode.kind,
+            **{f"{name}_percent": _share(getattr(mode.shares_percent, name)) for name in _SHARES},
+            "disks_Hz": mode.disks_Hz,
+        }
+        for mode in found.modes
+    )
+    shares = {f"{name}_percent": 0 for name in _SHARES}
+    return ResultTable({"mode": 0, "frequency_Hz": 1, "kind": 0, **shares, "disks_Hz": 1}, rows)
+
+
+def _share(percent: float) -> float:
+    """Return a share as a table has it: half a common mass may bring one below 0 or beyond 100."""
+    return min(max(percent, 0.0), 100.0)
 
 
 def speed_table(found: ShaftModes) -> ResultTable:
@@ -55,12 +64,10 @@ def speed_table(found: ShaftModes) -> ResultTable:
     rows: list[Row] = []
     for mode in found.modes:
         frequency = mode.frequencies_Hz[-1]
-        bends = mode.kind.startswith("bending")
-        row: dict[str, Cell] = {"mode": str(mode.mode), "turning_Hz": frequency, "whirl": whirl_word(mode)}
-        row |= {
-            "forward_Hz": frequency + turn if bends else None,
-            "backward_Hz": abs(frequency - turn) if bends else None,
-        }
+        word = whirl_word(mode)
+        row: dict[str, Cell] = {"mode": str(mode.mode), "turning_Hz": frequency, "whirl": word}
+        row["forward_Hz"] = frequency + turn if word in ("forward", _PLANE) else None
+        row["backward_Hz"] = abs(frequency - turn) if word in ("backward", _PLANE) else None
         rows.append(row)
     return ResultTable(
         {"mode": 0, "turning_Hz": 1, "whirl": 0, "forward_Hz": 1, "backward_Hz": 1}, tuple(rows)
@@ -73,7 +80,7 @@ def whirl_word(mode: ShaftMode, index: int = -1) -> str:
         return "none"
     whirl = mode.whirl[index]
     if abs(whirl) < _CIRCLING:
-        return "in a plane"
+        return _PLANE
     return "forward" if whirl > 0 else "backward"
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from cranktopo.numerics.turning_body import modes_at_rest
 from cranktopo.tasks.modes.reduced_throw import DEGREE, ReducedThrow, reduced_throw
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.loaded_throw import throw_body
+from tests.physics.fea.calculix import free_frequencies_Hz
 from tests.studies.crank_modes import body_frequencies_Hz
 
 Array = NDArray[np.float64]
@@ -66,6 +69,14 @@ def test_the_throw_in_one_piece(scene: Scene, whole: MeshedThrow) -> None:
     assert (one <= static * (1 + 1e-9)).all()
     assert two[:7] / exact[:7] == pytest.approx(np.ones(7), abs=5e-3)
     assert static[6] > 1.5 * exact[6], "static fields alone are another body"
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+def test_the_throw_by_calculix(scene: Scene, tmp_path: Path) -> None:
+    both = mesh_throw(scene, SIZE_MM, full=True, quarter=False)
+    exact = free_frequencies_Hz(tmp_path, both.mesh, scene, 7)
+    assert body_frequencies_Hz(both.mesh, scene, 7) == pytest.approx(exact, rel=3e-4)
+    assert frequencies_Hz(reduced(both, scene, 2), scene, 7) == pytest.approx(exact, rel=5e-3)
 
 
 def test_two_halves_are_the_whole(scene: Scene, half: MeshedThrow, whole: MeshedThrow) -> None:
