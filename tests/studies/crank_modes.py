@@ -24,7 +24,7 @@ from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.solver import cholesky
 from cranktopo.numerics.turning_body import modes_at_rest
-from cranktopo.tasks.modes.reduced_throw import reduced_throw
+from cranktopo.tasks.modes.reduced_throw import reduced_throw, section_shapes
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.loaded_throw import throw_body
 
@@ -74,9 +74,9 @@ def body_frequencies_Hz(mesh: TetMesh, scene: Scene, count: int = MODES) -> Arra
 
 def reduced_frequencies_Hz(scene: Scene, size_mm: float, steps: int, degree: int) -> Array:
     """The same of throws reduced one by one, without rods and pistons."""
-    throws = throw_scenes(scene)
+    throws, shapes = throw_scenes(scene), section_shapes(scene, degree)
     reduced = {
-        throw.name: reduced_throw(throw_body(mesh_throw(throw, size_mm), throw), throw, steps, 0.0, degree)
+        throw.name: reduced_throw(throw_body(mesh_throw(throw, size_mm), throw), throw, shapes, steps, 0.0)
         for throw in {throw.name: throw for throw in throws}.values()
     }
     shaft = shaft_model([reduced[throw.name] for throw in throws], scene, "free", 0.0)

@@ -78,13 +78,23 @@ class _Block:
     step_of: tuple[int, ...]
 
 
+def section_shapes(scene: Scene, degree: int = DEGREE) -> SectionShapes:
+    """Return how the mid-journal sections of a shaft deform: one for all, so that neighbours share it.
+
+    Args:
+        degree: of the polynomials; 0: they stay rigid.
+    """
+    journal = scene.throw.main_journal
+    return SectionShapes(journal.radius_mm, journal.bore_radius_mm, degree)
+
+
 def reduced_throw(
-    body: ThrowBody, scene: Scene, steps: int, moving_kg: float, degree: int = DEGREE
+    body: ThrowBody, scene: Scene, shapes: SectionShapes, steps: int, moving_kg: float
 ) -> ReducedThrow:
     """Reduce a condensed throw.
 
     Args:
-        degree: of the polynomials by which the sections deform; 0: they stay rigid.
+        shapes: of its sections, as of `section_shapes` of the shaft.
         steps: how often the inertia of the fields adds to them; 0: static fields alone.
         moving_kg: mass of rods and pistons on the crankpin.
 
@@ -93,8 +103,6 @@ def reduced_throw(
     """
     mass = mass_matrix(body.model, density_tonne_per_mm3(scene.material.density_kg_m3))
     middle = (len(body.blocks) + 1) // 2
-    journal = scene.throw.main_journal
-    shapes = SectionShapes(journal.radius_mm, journal.bore_radius_mm, degree)
 
     def blocks_of(some: Sequence[LoadedBlock]) -> list[_Block]:
         return [_block(body.model, part, mass, shapes, steps) for part in some]

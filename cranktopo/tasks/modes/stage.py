@@ -19,6 +19,7 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.vibration.shaft_chain import moving_inertia_kg_mm2, shaft_chain
 from cranktopo.engine.vibration.steady import ORDERS
+from cranktopo.numerics.section_shapes import SectionShapes
 from cranktopo.numerics.turning_body import FreeModes, modes_at_rest
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
@@ -28,7 +29,7 @@ from cranktopo.tasks.modes.campbell import OverSpeed, crossings, over_speed
 from cranktopo.tasks.modes.carried import without_mass
 from cranktopo.tasks.modes.kinds import energy_shares, kind_of, station_motions
 from cranktopo.tasks.modes.page import modes_page
-from cranktopo.tasks.modes.reduced_throw import ReducedThrow, reduced_throw
+from cranktopo.tasks.modes.reduced_throw import ReducedThrow, reduced_throw, section_shapes
 from cranktopo.tasks.modes.result import CriticalCrossing, ShaftMode, ShaftModes
 from cranktopo.tasks.modes.shaft_model import ShaftModel, shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
@@ -65,13 +66,14 @@ def shaft_modes(
         check_report_path(report)
     resolved = resolve_target(target, whole=True, crank=True)
     scene = resolved.scene
+    _ = scene.shaft_angles_deg  # refuses a scene without an engine before anything is solved
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
     throws = throw_targets(resolved)
     bodies = {one.name: throw_body(mesh_target(one, size), one.scene) for one in dict.fromkeys(throws)}
     static = evaluate_shaft(resolved, bearings, size, bodies=bodies)
-    model = shaft_model(_reduced(throws, bodies), scene, bearings, spring)
+    model = shaft_model(_reduced(throws, bodies, section_shapes(scene)), scene, bearings, spring)
     speeds = tuple(speeds_rpm) or tuple(np.linspace(*speed_range_rpm(scene), _SPEEDS).tolist())
     found = _result(resolved, static, model, speeds)
     if report is not None:
@@ -80,10 +82,12 @@ def shaft_modes(
     return found
 
 
-def _reduced(throws: Sequence[Target], bodies: dict[str, ThrowBody]) -> list[ReducedThrow]:
+def _reduced(
+    throws: Sequence[Target], bodies: dict[str, ThrowBody], shapes: SectionShapes
+) -> list[ReducedThrow]:
     """Return the throws with their mass; equal ones are reduced once."""
     found = {
-        one.name: reduced_throw(bodies[one.name], one.scene, STEPS, _moving_kg(one.scene))
+        one.name: reduced_throw(bodies[one.name], one.scene, shapes, STEPS, _moving_kg(one.scene))
         for one in dict.fromkeys(throws)
     }
     return [found[one.name] for one in throws]

@@ -12,15 +12,18 @@ from numpy.typing import NDArray
 
 from cranktopo.base.units import KG_PER_TONNE
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
-from cranktopo.design.loading import load_scene
+from cranktopo.bodies.volume import bolted_mass
+from cranktopo.design.halves import halves
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.turning_body import modes_at_rest
-from cranktopo.tasks.modes.reduced_throw import DEGREE, ReducedThrow, reduced_throw
+from cranktopo.tasks.modes.reduced_throw import DEGREE, ReducedThrow, reduced_throw, section_shapes
 from cranktopo.tasks.modes.shaft_model import shaft_model
 from cranktopo.tasks.shaft.loaded_throw import throw_body
 from tests.physics.fea.calculix import free_frequencies_Hz
 from tests.studies.crank_modes import body_frequencies_Hz
+from tests.unit.throw.counterweight_cases import PLAIN, roomy_scene, weighted
 
 Array = NDArray[np.float64]
 SIZE_MM = 24.0
@@ -43,7 +46,7 @@ def whole(scene: Scene) -> MeshedThrow:
 
 
 def reduced(meshed: MeshedThrow, scene: Scene, steps: int = 1, moving_kg: float = 0.0) -> ReducedThrow:
-    return reduced_throw(throw_body(meshed, scene), scene, steps, moving_kg)
+    return reduced_throw(throw_body(meshed, scene), scene, section_shapes(scene), steps, moving_kg)
 
 
 def frequencies_Hz(throw: ReducedThrow, scene: Scene, count: int = 10) -> Array:
@@ -126,6 +129,36 @@ def test_an_even_turn_strains_nothing(scene: Scene, half: MeshedThrow) -> None:
 
 def test_deformations_make_the_shaft_softer(scene: Scene, half: MeshedThrow) -> None:
     body = throw_body(half, scene)
-    degrees = [frequencies_Hz(reduced_throw(body, scene, 1, 0.0, d), scene) for d in range(DEGREE + 1)]
+    shapes = [section_shapes(scene, degree) for degree in range(DEGREE + 1)]
+    degrees = [frequencies_Hz(reduced_throw(body, scene, own, 1, 0.0), scene) for own in shapes]
     for stiffer, softer in pairwise(degrees):
         assert (softer <= stiffer * (1 + 1e-9)).all()
+
+
+def test_halves_that_differ(scene: Scene) -> None:
+    """A throw with two different webs, from its other end, has the same frequencies."""
+    near = scene.web.model_dump(mode="json", exclude_none=True)
+    far = near | {"thickness_mm": 0.7 * scene.web.thickness_mm}
+    data = scene.model_dump(mode="json", exclude_none=True)
+    one, other = (
+        scene_from_dict(data | {"web": web, "second_web": second}, whole=True)
+        for web, second in ((near, far), (far, near))
+    )
+    found = [frequencies_Hz(reduced(mesh_throw(own, SIZE_MM), own), own, 6) for own in (one, other)]
+    assert found[0] == pytest.approx(found[1], rel=1e-2)
+    throws = [reduced(mesh_throw(own, SIZE_MM), own) for own in (one, other)]
+    for side in (0, 1):
+        first, second = throws[0].stations[side], throws[1].stations[1 - side]
+        assert first.z_mm == pytest.approx(one.pitch_mm - second.z_mm, rel=1e-2)
+        assert np.diag(first.inertia) == pytest.approx(np.diag(second.inertia), rel=4e-2)
+
+
+def test_a_bolted_counterweight_counts_with_its_mass(mikron: Scene) -> None:
+    scene = weighted(roomy_scene(mikron), {**PLAIN, "density_kg_m3": 17500.0})
+    throw = reduced(mesh_throw(scene, 8.0), scene, 0)
+    body, balance = throw.body.over(rigid(throw, scene.pitch_mm)), throw_balance(scene)
+    assert sum(bolted_mass(half).volume for half in halves(scene)) > 0.2 * balance.mass_kg
+    assert KG_PER_TONNE * np.diag(body.mass)[:3] == pytest.approx(np.full(3, balance.mass_kg), rel=2e-3)
+    assert KG_PER_TONNE * body.mass[5, 5] == pytest.approx(balance.inertia_kg_mm2, rel=4e-3)
+    unbalance = KG_PER_TONNE * body.mass[0, 5]
+    assert unbalance == pytest.approx(-balance.throw_unbalance_kg_mm, rel=1e-2)
