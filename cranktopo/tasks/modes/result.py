@@ -55,7 +55,7 @@ class ShaftMode(Result):
     kind: str
     shares_percent: EnergyShares
     disks_Hz: float | None
-    """Of torsion: frequency of the same mode by disks on massless springs."""
+    """Of torsion: the frequency of the same number among those of disks on massless springs."""
     last_step_percent: float
     """Change of the frequency by the last step of the reduction."""
     frequencies_Hz: tuple[float, ...]
