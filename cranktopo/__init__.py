@@ -7,7 +7,7 @@ The stages, in the order in which data flows through them; each takes what the o
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
-`compare_targets`, `assess_fatigue`, `shaft_vibration`, `sweep`, `check_bolts`,
+`compare_targets`, `assess_fatigue`, `shaft_vibration`, `shaft_modes`, `sweep`, `check_bolts`,
 `check_rod_strength`, `lighten_rod`, `check_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
@@ -76,6 +76,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.iterate.result import LoopResult, LoopRun, loop_settings
     from cranktopo.tasks.loads.result import Loads
     from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
+    from cranktopo.tasks.modes.result import ShaftModes
+    from cranktopo.tasks.modes.stage import shaft_modes
     from cranktopo.tasks.optimise.result import OptimisedRun, RunMetrics
     from cranktopo.tasks.optimise.stage import optimise_design, resume_optimisation, with_cells_for
     from cranktopo.tasks.refit.fit import FittedWeb, fit_web
@@ -118,6 +120,7 @@ _HOMES = {
     "ShaftEvaluation": "tasks.shaft.stage",
     "ShaftAssessment": "tasks.shaft_safety.result",
     "VibrationStudy": "engine.vibration.study",
+    "ShaftModes": "tasks.modes.result",
     "ShaftVibration": "tasks.vibration.result",
     "RunEntry": "tasks.run_list.stage",
     "Check": "tasks.doctor.stage",
@@ -204,6 +207,7 @@ _HOMES = {
     "LighterRod": "tasks.rod.result",
     "lighten_rod": "tasks.rod.lighter",
     "shaft_vibration": "tasks.vibration.stage",
+    "shaft_modes": "tasks.modes.stage",
     "FilmResult": "tasks.film.result",
     "oil_films": "tasks.film.stage",
 }
@@ -252,6 +256,7 @@ __all__ = [
     "Sensitivities",
     "ShaftAssessment",
     "ShaftEvaluation",
+    "ShaftModes",
     "ShaftVibration",
     "ShapeResult",
     "ShapedRun",
@@ -304,6 +309,7 @@ __all__ = [
     "resume_optimisation",
     "resume_shape",
     "save_scene",
+    "shaft_modes",
     "shaft_vibration",
     "shape_design",
     "shape_settings",

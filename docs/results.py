@@ -19,6 +19,7 @@ ROOTS = {
     "balance": ("`balance --json`", "cranktopo.tasks.balance.result:Balance"),
     "film": ("`film --json`", "cranktopo.tasks.film.result:FilmResult"),
     "vibration": ("`vibration --json`", "cranktopo.tasks.vibration.result:ShaftVibration"),
+    "modes": ("`modes --json`", "cranktopo.tasks.modes.result:ShaftModes"),
     "shaft": ("`shaft --json`", "cranktopo.tasks.shaft_safety.result:ShaftAssessment"),
     "fatigue": ("`fatigue --json` and `fatigue.json`", "cranktopo.tasks.fatigue.result:FatigueResult"),
     "bolts": ("`bolts --json`", "cranktopo.tasks.bolts.result:BoltChecks"),

@@ -171,6 +171,14 @@ TABLE: dict[str, dict[str, Case]] = {
         "--misfire": Acts(MIKRON, "--misfire 2"),
         "--json": Shown("cli/test_cad_bodies.py::test_the_shaft_of_a_body_is_that_of_its_design"),
     },
+    "modes": {
+        **_BODY,
+        "--bearings": Acts(MIKRON, "--bearings free"),
+        "--element-size-mm": Acts(MIKRON, "--element-size-mm 14"),
+        "--speeds": Acts(MIKRON, "--speeds 900:2100:3"),
+        "--report": Acts(MIKRON, "--report modes.html"),
+        "--json": Shown("cli/test_modes.py::test_the_json_is_that_of_the_model"),
+    },
     "vibration": {
         **_BODY,
         "--bearings": Refused("given.toml --bearings spring", "--bearings: shaft.throw_stiffness_Nm_per_rad"),

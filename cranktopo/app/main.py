@@ -127,6 +127,7 @@ _SHOWN_FIRST = (
     "shaft",
     "film",
     "vibration",
+    "modes",
     "bolts",
     "rod",
     "balancer",

@@ -101,6 +101,25 @@ class Speeds(click.ParamType[list[float]]):
         self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
 
 
+class SpeedRange(click.ParamType[list[float]]):
+    """Speeds (rpm) at even steps: both ends and how many."""
+
+    name = "FROM:TO:NUMBER"
+    most = 1000
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """Return the speeds; fails with the allowed form."""
+        low, high, number = [*str(value).split(":"), "", ""][:3]
+        try:
+            start, stop, count = float(low), float(high), int(number)
+            if 0 < start < stop < math.inf and 2 <= count <= self.most and str(value).count(":") == 2:
+                return [start + index * (stop - start) / (count - 1) for index in range(count)]
+        except ValueError:
+            pass
+        form = f"must be FROM:TO:NUMBER with 0 < FROM < TO in rpm and 2 to {self.most} speeds"
+        self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
+
+
 class Cylinder(click.ParamType[int | str]):
     """Number of a cylinder, from 1; or a word in its place."""
 

@@ -65,8 +65,8 @@ def require_equal_halves(scene: Scene) -> None:
         raise CranktopoError(
             f"{key}: the halves of the throw differ, and this command or stage models half of it.",
             hint="Taken by evaluate, compare, accuracy, fatigue, loads, plan, balance, shaft, vibration, "
-            "export (not of half), sweep to evaluate or fatigue, and with --web by optimise, bound, shape, "
-            "iterate and evaluate --sensitivities.",
+            "modes, export (not of half), sweep to evaluate or fatigue, and with --web by optimise, bound, "
+            "shape, iterate and evaluate --sensitivities.",
         )
 
 

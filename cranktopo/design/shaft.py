@@ -14,7 +14,9 @@ from cranktopo.base.table import (
     UNLESS_IN_LIBRARY,
     BearingStiffness,
     Inertia,
+    LengthOrZero,
     LossFactor,
+    Mass,
     Reaction,
     SceneTable,
     SmallLength,
@@ -87,7 +89,24 @@ class Rotor(SceneTable):
     """Torsional stiffness of the shaft between it and its neighbour; rigid when it is not given."""
 
 
-class Propeller(Rotor):
+class Carried(SceneTable):
+    """How heavy a part is and where it sits: the vibrations of the whole shaft bend it, too."""
+
+    mass_kg: Mass | None = Field(default=None, examples=[12.0])
+    """Mass that the shaft carries. Without it the part counts in torsion alone; `cranktopo modes` warns."""
+    diametral_inertia_kg_m2: Inertia | None = Field(default=None, examples=[0.012])
+    """Inertia about a diameter through its centre of mass; by default half of that about the crank axis, as a
+    thin disk has it."""
+    overhang_mm: LengthOrZero = 0.0
+    """Distance of its centre of mass outwards from the end of the crank: the outer face of the last step, or
+    the middle of the outer main journal where the crank has no end."""
+
+
+class CarriedRotor(Rotor, Carried):
+    """A disk that the crankshaft carries."""
+
+
+class Propeller(CarriedRotor):
     """Propeller, of an aircraft or a ship; it takes up the engine's mean torque."""
 
     inertia_kg_m2: Inertia = Field(examples=[0.6])
@@ -107,7 +126,7 @@ class Coupling(Rotor):
     """Loss factor of its elements: 0.1 to 0.2 for rubber; relative damping over 2 pi."""
 
 
-class Damper(SceneTable):
+class Damper(Carried):
     """Torsional vibration damper at the free end: a ring, joined to its hub by rubber or a viscous fluid."""
 
     kind: Literal["rubber", "viscous"] = Field(examples=["viscous"])
@@ -152,13 +171,13 @@ class ShaftTable(SceneTable):
     """Relative damping of the crankshaft as loss factor; 0.02 is a dynamic magnifier of 50 by itself."""
     permitted_shear_MPa: Strength | None = Field(default=None, examples=[40.0])
     """Largest nominal alternating shear stress of journals and pins; speeds above it are barred."""
-    pulley: Rotor | None = None
+    pulley: CarriedRotor | None = None
     """Pulley, gear or fan at the free end."""
     damper: Damper | None = None
-    flywheel: Rotor | None = None
+    flywheel: CarriedRotor | None = None
     """Flywheel at the takeoff."""
     coupling: Coupling | None = None
-    driven: Rotor | None = None
+    driven: CarriedRotor | None = None
     """Driven machine behind coupling or flywheel; it takes up the engine's mean torque."""
     propeller: Propeller | None = None
 

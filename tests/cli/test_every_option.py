@@ -45,6 +45,7 @@ LONG = (
     "compare.stage.compare_targets",
     "report.stage.report_run",
     "shaft_safety.stage.assess_shaft",
+    "modes.stage.shaft_modes",
 )
 """Work that takes long: the command ends there with a line of what that was given."""
 _NOT_GIVEN = ("progress", "began", "command")

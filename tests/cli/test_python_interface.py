@@ -41,6 +41,7 @@ BEHIND = {
     "shaft": ["assess_shaft"],
     "balance": ["engine_balance", "balance_result", "report_balance"],
     "vibration": ["shaft_vibration"],
+    "modes": ["shaft_modes"],
     "bolts": ["check_bolts"],
     "rod": ["check_rod_strength", "lighten_rod"],
     "balancer": ["check_balancer"],

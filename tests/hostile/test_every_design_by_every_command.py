@@ -37,6 +37,7 @@ CHEAP: dict[str, list[str]] = {
     "import": ["import", "throw.step", "--out", "imported"],
     "evaluate": ["evaluate", D],
     "vibration": ["vibration", D],
+    "modes": ["modes", D],
     "shaft": ["shaft", D],
     "fatigue": ["fatigue", D],
 }
@@ -77,6 +78,7 @@ ENDLESS_S = {"cheap": 900.0, "run": 1800.0, "dear": 7200.0}
 REFUSED = {
     "balance": "engine = None: must be given",
     "vibration": r"\[engine\] is missing|engine\.gas: is missing",
+    "modes": r"\[engine\] is missing",
     "shaft": r"\[engine\] is missing",
     "fatigue": "engine: is missing",
     "film": r"\[bearings\] is missing",

@@ -39,6 +39,7 @@ COMMANDS: dict[str, list[str]] = {
     "compare": ["compare", DESIGN, "--baseline", DESIGN, *SMALL],
     "shaft": ["shaft", DESIGN, *SMALL],
     "vibration": ["vibration", DESIGN, *SMALL],
+    "modes": ["modes", DESIGN, *SMALL],
     "fatigue": ["fatigue", DESIGN, "--fillet-fraction", "0.5"],
     "bound": ["bound", DESIGN, *GOAL],
     "report": ["report", "run"],

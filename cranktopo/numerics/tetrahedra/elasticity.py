@@ -183,6 +183,27 @@ def centrifugal_force(model: Elasticity, density_tonne_per_mm3: float) -> Array:
     return force.T.ravel()
 
 
+@at_work("mass matrix")
+def mass_matrix(
+    model: Elasticity, density_tonne_per_mm3: float, elements: NDArray[np.intp] | None = None
+) -> sp.csr_matrix:
+    """Return the consistent mass of the nodes, (nodes, nodes), tonne, the same along each axis.
+
+    Args:
+        elements: those that have any; all by default.
+    """
+    chosen = np.arange(model.mesh.nelements) if elements is None else elements
+    points, _ = quadrature(LOAD_ORDER)
+    values = shape_values(points) if model.order == 2 else points
+    pairs = (values[:, :, None] * values[:, None, :]).reshape(len(values), -1)
+    dofs = (model.mesh.dofs.element_dofs if model.order == 2 else model.mesh.t)[:, chosen]
+    _, dx = _load_points(model, chosen)
+    rows = np.broadcast_to(dofs[:, None, :], (len(dofs), *dofs.shape))
+    mass = density_tonne_per_mm3 * (dx @ pairs).T.reshape(rows.shape)
+    size = (model.nodes_mm.shape[1],) * 2
+    return sp.coo_matrix((mass.ravel(), (rows.ravel(), np.swapaxes(rows, 0, 1).ravel())), size).tocsr()
+
+
 def lame_constants_MPa(youngs_MPa: float, poisson: float) -> tuple[float, float]:
     """Return Lame's first constant and the shear modulus."""
     return youngs_MPa * poisson / ((1 + poisson) * (1 - 2 * poisson)), youngs_MPa / (2 * (1 + poisson))

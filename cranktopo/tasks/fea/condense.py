@@ -153,14 +153,14 @@ def _stress_free(
     nodes_mm: Array, motions: tuple[int, ...], section: NDArray[np.intp], held: NDArray[np.intp]
 ) -> tuple[Array, Array]:
     """Split unit motions into those of the whole body, (unknowns, m), and axes of the rest, (m, rest)."""
-    body = _body_motions(nodes_mm)[:, motions]
+    body = body_motions(nodes_mm)[:, motions]
     own = (3 * section[:, None] + np.arange(3)).ravel()
     _, sizes, axes = np.linalg.svd(body[np.setdiff1d(held, own)], full_matrices=False)
     bends = sizes > _STRESS_FREE * sizes.max()
     return body @ axes[~bends].T @ axes[~bends], axes[bends].T
 
 
-def _body_motions(nodes_mm: Array) -> Array:
+def body_motions(nodes_mm: Array) -> Array:
     """Return the six rigid motions of the whole body about the origin, (unknowns, 6)."""
     body = section_motions(nodes_mm, np.arange(nodes_mm.shape[1]))
     body[1::3, RX], body[::3, RY] = -nodes_mm[2], nodes_mm[2]
@@ -173,7 +173,7 @@ def _whole_body(nodes_mm: Array, motions: tuple[int, ...], pitch_mm: float) -> t
     far[UY, RX], far[UX, RY] = -pitch_mm, pitch_mm
     together = np.vstack([np.eye(len(motions)), far[np.ix_(motions, motions)]])
     axes = np.linalg.svd(together)[0]
-    whole = _body_motions(nodes_mm)[:, motions] @ np.linalg.pinv(together)
+    whole = body_motions(nodes_mm)[:, motions] @ np.linalg.pinv(together)
     return whole, axes[:, len(motions) :]
 
 

@@ -18,11 +18,11 @@ from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Lateral, Superelement, 
 
 Bearings = Literal["free", "rigid", "spring"]
 
-_MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
+MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 """Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""
 SPLITS: dict[Span, Array] = {
-    "symmetric": np.hstack([np.eye(6), _MIRROR]) / 2,
-    "antisymmetric": np.hstack([np.eye(6), -_MIRROR]) / 2,
+    "symmetric": np.hstack([np.eye(6), MIRROR]) / 2,
+    "antisymmetric": np.hstack([np.eye(6), -MIRROR]) / 2,
     "whole": np.eye(12),
 }
 """What motions of both sections are motions of a block, (motions of the block, 12)."""

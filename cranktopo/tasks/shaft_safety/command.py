@@ -6,13 +6,12 @@ The whole crankshaft: torsional stiffness, frequencies, all its bearings, safety
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, get_args
 
 import click
 
-from cranktopo.base.errors import CranktopoError, ExitCode, decimal_comma, quoted
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.cli.options import (
     CELL_MM,
@@ -20,6 +19,7 @@ from cranktopo.cli.options import (
     Choice,
     Cylinder,
     Number,
+    SpeedRange,
     bearings_option,
     body_options,
     designs,
@@ -29,25 +29,6 @@ from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 
 if TYPE_CHECKING:
     from cranktopo.tasks.shaft.assembly import Bearings
-
-
-class SpeedRange(click.ParamType[list[float]]):
-    """Speeds (rpm) at even steps: both ends and how many."""
-
-    name = "FROM:TO:NUMBER"
-    most = 1000
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
-        """Return the speeds; fails with the allowed form."""
-        low, high, number = [*str(value).split(":"), "", ""][:3]
-        try:
-            start, stop, count = float(low), float(high), int(number)
-            if 0 < start < stop < math.inf and 2 <= count <= self.most and str(value).count(":") == 2:
-                return [start + index * (stop - start) / (count - 1) for index in range(count)]
-        except ValueError:
-            pass
-        form = f"must be FROM:TO:NUMBER with 0 < FROM < TO in rpm and 2 to {self.most} speeds"
-        self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
 
 
 @click.command()

@@ -58,10 +58,24 @@ def displacements(
     if forces:
         lines += ["*CLOAD", *(f"{n + 1}, {a + 1}, {v:.10e}" for n, a, v in forces)]
     lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
+    return _read(_solved(folder, lines), mesh.points_mm.shape[1] + 2 * len(ends))
+
+
+def free_frequencies_Hz(folder: Path, mesh: TetMesh, scene: Scene, count: int) -> Array:
+    """First frequencies of a free body above its six rigid motions, by `ccx`."""
+    density = f"*DENSITY\n{scene.material.density_kg_m3 * 1e-12:.10e}\n*SOLID SECTION"
+    lines = "\n".join(_body(mesh, scene, ())).replace("*SOLID SECTION", density).splitlines()
+    lines += ["*STEP", f"*FREQUENCY\n{count + 6}", "*END STEP"]
+    rows = [line.split() for line in _solved(folder, lines).read_text().splitlines()]
+    found = {int(row[0]): float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()}
+    return np.array([found[number] for number in range(7, count + 7)])
+
+
+def _solved(folder: Path, lines: list[str]) -> Path:
     (folder / "throw.inp").write_text("\n".join(lines) + "\n")
     done = subprocess.run(["ccx", "throw"], cwd=folder, capture_output=True, text=True, check=False)
     assert "Job finished" in done.stdout, done.stdout[-2000:]
-    return _read(folder / "throw.dat", mesh.points_mm.shape[1] + 2 * len(ends))
+    return folder / "throw.dat"
 
 
 def _body(mesh: TetMesh, scene: Scene, ends: Sequence[float]) -> list[str]:

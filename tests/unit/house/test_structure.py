@@ -33,6 +33,7 @@ TASKS = (
     "fea",
     "shaft",
     "vibration",
+    "modes",
     "fatigue",
     "shaft_safety",
     "bolts",

@@ -1,0 +1,1 @@
+"""Natural frequencies and shapes of the whole crankshaft on its bearings, at rest and over speed."""

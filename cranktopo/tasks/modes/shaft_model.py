@@ -1,0 +1,203 @@
+"""The whole shaft with its mass: throws, ends and what they carry joined over one set of unknowns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.bodies.crank_ends import SIDES, crank_end, main_journal_places_mm
+from cranktopo.design.crank import Side
+from cranktopo.design.crank_throws import carried
+from cranktopo.design.schema import Scene
+from cranktopo.design.shaft import ShaftTable
+from cranktopo.numerics.turning_body import TurningBody
+from cranktopo.numerics.turning_parts import RoundSection, beam, rigid_disk
+from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
+from cranktopo.tasks.modes.carried import Part, parts_on, section_of
+from cranktopo.tasks.modes.reduced_throw import ReducedThrow
+from cranktopo.tasks.modes.station import Station, added
+from cranktopo.tasks.shaft.assembly import Bearings, turned
+
+_ELEMENTS = 2
+"""Beams of a step of an end."""
+
+
+@dataclass(frozen=True)
+class ShaftModel:
+    """A shaft on its bearings.
+
+    Attributes:
+        body: over the unknowns that the bearings leave.
+        step_of: as of `ReducedThrow`, of each unknown.
+        sections: every mid-journal section, without mass.
+        stations: pieces of the shaft; motions are in the axes of throw 1.
+    """
+
+    body: TurningBody
+    step_of: NDArray[np.intp]
+    sections: tuple[Station, ...]
+    stations: tuple[Station, ...]
+
+    def without_step(self, step: int) -> ShaftModel:
+        """Return the model without the fields of a step and of those after it."""
+        return self._with(np.flatnonzero(self.step_of < step))
+
+    def held(self, unknowns: Sequence[int]) -> ShaftModel:
+        """Return the model with some unknowns at zero."""
+        return self._with(np.setdiff1d(np.arange(len(self.step_of)), unknowns))
+
+    def _with(self, kept: NDArray[np.intp]) -> ShaftModel:
+        chosen = np.eye(len(self.step_of))[:, kept]
+        return ShaftModel(
+            self.body.over(chosen),
+            self.step_of[kept],
+            *(
+                tuple(replace(one, motion=one.motion[:, kept]) for one in places)
+                for places in (self.sections, self.stations)
+            ),
+        )
+
+
+class _Assembly:
+    """Bodies over unknowns that are added one after the other."""
+
+    def __init__(self) -> None:
+        self._steps: list[int] = []
+        self._bodies: list[tuple[TurningBody, Array, list[int]]] = []
+        self._stations: list[tuple[Station, list[int]]] = []
+
+    def new(self, steps: Sequence[int]) -> list[int]:
+        """Add unknowns."""
+        start = len(self._steps)
+        self._steps += steps
+        return list(range(start, len(self._steps)))
+
+    def add(self, body: TurningBody, unknowns: list[int], motion: Array | None = None) -> None:
+        """Add a body whose own unknowns are `motion` times some of the shaft's."""
+        self._bodies.append((body, np.eye(len(unknowns)) if motion is None else motion, unknowns))
+
+    def station(self, station: Station, unknowns: list[int]) -> None:
+        """Add a piece, with its motion by some unknowns."""
+        self._stations.append((station, unknowns))
+
+    def spring(self, one: int, other: int, stiffness: float) -> None:
+        """Join two unknowns."""
+        joined = stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        self.add(added(2, stiffness=joined), [one, other])
+
+    def model(self, sections: list[list[int]], places: tuple[float, ...]) -> ShaftModel:
+        """Return all of it."""
+        count = len(self._steps)
+        rows = np.eye(count)
+        total = TurningBody.of_nothing(count)
+        for body, motion, unknowns in self._bodies:
+            total += body.over(motion @ rows[unknowns])
+        stations = (replace(s, motion=s.motion @ rows[unknowns]) for s, unknowns in self._stations)
+        return ShaftModel(
+            total,
+            np.array(self._steps, dtype=np.intp),
+            tuple(
+                Station(z, rows[motions], np.zeros((6, 6)))
+                for motions, z in zip(sections, places, strict=True)
+            ),
+            tuple(stations),
+        )
+
+
+def shaft_model(
+    throws: Sequence[ReducedThrow], scene: Scene, bearings: Bearings, spring_N_per_mm: float
+) -> ShaftModel:
+    """Join the throws of a shaft, its ends and what they carry.
+
+    A section deforms unless a beam, whose sections do not, goes on behind it.
+
+    Args:
+        bearings: as of `shaft_stiffness`.
+    """
+    join, places = _Assembly(), main_journal_places_mm(scene)
+    sections = [join.new([0] * 6) for _ in places]
+    shapes = [join.new([0] * throws[0].shapes.count) for _ in places]
+    for index, (throw, angle) in enumerate(zip(throws, scene.shaft_angles_deg, strict=True)):
+        own = join.new([step for step in throw.step_of.tolist() if step])
+        near, far = index, index + 1
+        unknowns = [*sections[near], *sections[far], *shapes[near], *shapes[far], *own]
+        _add_throw(join, throw, unknowns, about_z_deg(angle), places[index])
+    held = []
+    for side, place in zip(SIDES, (0, -1), strict=True):
+        held += shapes[place] if crank_end(scene, side) else []
+        _add_end(join, scene, side, sections[place])
+    radial = [sections[s][m] for s in carried(scene) for m in (UX, UY)]
+    if bearings == "spring":
+        join.add(added(len(radial), stiffness=spring_N_per_mm * np.eye(len(radial))), radial)
+    model = join.model(sections, places)
+    return model.held(held + radial if bearings == "rigid" else held)
+
+
+def _add_throw(
+    join: _Assembly, throw: ReducedThrow, unknowns: list[int], angle_deg: float, z_mm: float
+) -> None:
+    back, count = np.eye(len(unknowns)), throw.shapes.count
+    back[:12, :12] = turned(angle_deg).T
+    deformed = throw.shapes.turned(math.radians(angle_deg)).T
+    back[12 : 12 + 2 * count, 12 : 12 + 2 * count] = np.kron(np.eye(2), deformed)
+    join.add(throw.body, unknowns, back)
+    turn = turned(angle_deg)[:6, :6]
+    for station in throw.stations:
+        motion, inertia = turn @ station.motion @ back, turn @ station.inertia @ turn.T
+        join.station(Station(z_mm + station.z_mm, motion, inertia), unknowns)
+
+
+def _add_end(join: _Assembly, scene: Scene, side: Side, section: list[int]) -> None:
+    """Add an end of the crank as beams, and what it carries at its tip."""
+    outward = -1 if side == "free" else 1
+    pieces, parts = crank_end(scene, side), parts_on(scene.shaft or ShaftTable(), side)
+    given = parts[0].spring_Nmm_per_rad if parts else None
+    material = scene.material
+    shear_MPa = material.E_GPa * MPA_PER_GPA / (2 * (1 + material.poisson))
+    own = shear_MPa / sum(piece.twist_per_mm3 for piece in pieces) if pieces else 0.0
+    tip = section
+    for piece in pieces:
+        along = section_of(piece, scene, given / own if given is not None else 1.0)
+        length = piece.step.length_mm / _ELEMENTS
+        for number in range(_ELEMENTS):
+            outer, z = join.new([0] * 6), piece.z_mm[0] + outward * (number + 0.5) * length
+            ends = [*tip, *outer] if outward > 0 else [*outer, *tip]
+            join.add(beam(along, length), ends)
+            join.station(_of_beam(z, along, length), [*tip, *outer])
+            tip = outer
+    at = main_journal_places_mm(scene)[-1 if outward > 0 else 0] if not pieces else pieces[-1].z_mm[1]
+    if pieces and parts:
+        parts = (replace(parts[0], spring_Nmm_per_rad=None), *parts[1:])
+    _add_parts(join, parts, tip, at, outward)
+
+
+def _of_beam(z_mm: float, section: RoundSection, length: float) -> Station:
+    """Return a beam as a rigid piece over the motions of both its sections."""
+    mass, polar = (section.density * moment * length for moment in (section.area, section.polar))
+    diametral = polar / 2 + mass * length**2 / 12
+    mean = np.hstack([np.eye(6), np.eye(6)]) / 2
+    return Station(z_mm, mean, rigid_disk(mass, diametral, polar).mass)
+
+
+def _add_parts(join: _Assembly, parts: Sequence[Part], tip: list[int], z_mm: float, outward: int) -> None:
+    """Add parts to the tip of an end; those on springs have a rotation of their own."""
+    turn = tip[RZ]
+    for part in parts:
+        if part.spring_Nmm_per_rad is not None:
+            (own,) = join.new([0])
+            join.spring(turn, own, part.spring_Nmm_per_rad)
+            turn = own
+        unknowns = [*tip[:RZ], turn]
+        body = part.body(outward)
+        join.add(body, unknowns)
+        centre = np.eye(6)
+        centre[UX, RY], centre[UY, RX] = outward * part.outwards_mm, -outward * part.outwards_mm
+        inertia = replace(part, outwards_mm=0.0).body(outward).mass
+        join.station(Station(z_mm + outward * part.outwards_mm, centre, inertia), unknowns)

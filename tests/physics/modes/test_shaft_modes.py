@@ -1,0 +1,143 @@
+"""Modes of whole cranks: against one meshed body, disks in closed form, themselves from the other end."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.modes.result import ShaftModes
+from cranktopo.tasks.modes.stage import shaft_modes
+from cranktopo.tasks.shaft.assembly import Bearings
+from cranktopo.tasks.shaft.stage import evaluate_shaft
+from tests.studies.crank_modes import body_frequencies_Hz, crank_mesh, reduced_frequencies_Hz
+
+SIZE_MM = 24.0
+
+
+def mikron(**shaft: Any) -> Scene:
+    data = load_scene("mikron-iiic", whole=True).model_dump(mode="json", exclude_none=True)
+    return scene_from_dict(data | ({"shaft": shaft} if shaft else {}))
+
+
+def found(scene: Scene, bearings: Bearings = "rigid", **options: Any) -> ShaftModes:
+    return shaft_modes(Target("mikron", scene), bearings, SIZE_MM, **options)
+
+
+@pytest.fixture(scope="module")
+def bare() -> ShaftModes:
+    return found(mikron(), speeds_rpm=(700.0, 2800.0))
+
+
+def uneven() -> Scene:
+    """The Mikron with a thinner and longer main journal in the middle."""
+    middle = {"number": 2, "outer_diameter_mm": 38.0, "bore_diameter_mm": 16.0, "length_mm": 50.0}
+    data = load_scene("mikron-iiic", whole=True).model_dump(mode="json", exclude_none=True)
+    return scene_from_dict(data | {"crank": {"main_journal": [middle]}}, whole=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", ["mikron-iiic", "mikron-iiic-crank", "uneven"])
+def test_a_crank_in_one_piece(design: str) -> None:
+    """All of a crank as one mesh, free: ten modes within half a percent."""
+    scene = uneven() if design == "uneven" else load_scene(design, whole=True)
+    body = body_frequencies_Hz(crank_mesh(scene, 8.0), scene)
+    assert reduced_frequencies_Hz(scene, 8.0, 1, 3) == pytest.approx(body, rel=5e-3)
+
+
+def test_modes_of_the_mikron(bare: ShaftModes) -> None:
+    assert (bare.rigid_motions, len(bare.modes)) == (2, 10)  # it turns, and moves along its axis
+    first = bare.modes[0]
+    assert first.kind == "torsion"
+    assert first.disks_Hz == pytest.approx(first.frequency_Hz, rel=0.03)
+    frequencies = [mode.frequency_Hz for mode in bare.modes]
+    assert frequencies == sorted(frequencies)
+    for mode in bare.modes:
+        assert -1.0 < mode.last_step_percent < 1e-6  # more fields make a body softer
+        assert sum(mode.shares_percent.model_dump().values()) == pytest.approx(100.0)
+        assert -4.0 < mode.shares_percent.rest < 25.0
+
+
+def test_a_plane_crank_decouples(bare: ShaftModes) -> None:
+    """All throws in one plane: bending in it goes with axial motion, bending across it with torsion."""
+    for mode in bare.modes:
+        shares = mode.shares_percent
+        one, other = shares.torsion + shares.across, shares.in_plane + shares.axial
+        assert min(abs(one), abs(other)) < 0.1
+
+
+def test_two_heavy_disks() -> None:
+    """Torsion between a pulley and a flywheel that outweigh the crank: sqrt(k (1 / J1 + 1 / J2))."""
+    pulley, flywheel = 40.0, 60.0
+    scene = mikron(pulley={"inertia_kg_m2": pulley}, flywheel={"inertia_kg_m2": flywheel})
+    modes = found(scene, "rigid", speeds_rpm=(700.0, 2800.0))
+    stiffness = evaluate_shaft(Target("mikron", scene), "rigid", SIZE_MM).stiffness.end_to_end_Nm_per_rad
+    closed = math.sqrt(stiffness * (1 / pulley + 1 / flywheel)) / (2 * math.pi)
+    first = modes.modes[0]
+    assert first.kind == "torsion"
+    assert first.frequency_Hz == pytest.approx(closed, rel=2e-2)  # its sections deform
+    assert first.frequency_Hz < closed
+    assert modes.torsion_only == ("pulley", "flywheel")
+
+
+def test_a_ring_on_rubber_has_a_mode_of_its_own() -> None:
+    """Beside a heavy hub the ring swings by itself: sqrt(k / J)."""
+    ring, stiffness = 0.002, 5.0e3
+    damper = {"kind": "rubber", "ring_inertia_kg_m2": ring, "hub_inertia_kg_m2": 30.0, "loss_factor": 0.1}
+    modes = found(mikron(damper={**damper, "stiffness_Nm_per_rad": stiffness}), speeds_rpm=(700.0, 2800.0))
+    closed = math.sqrt(stiffness / ring) / (2 * math.pi)
+    nearest = min(modes.modes, key=lambda mode: abs(mode.frequency_Hz - closed))
+    assert nearest.frequency_Hz == pytest.approx(closed, rel=1e-3)
+    assert nearest.disks_Hz == pytest.approx(closed, rel=1e-3)
+
+
+def test_a_heavy_flywheel_bends_the_free_shaft() -> None:
+    """With its mass it lowers bending modes, without it none; the further out, the more."""
+    table = {"inertia_kg_m2": 0.05}
+    speeds = {"speeds_rpm": (700.0, 2800.0)}
+    light, heavy, far = (
+        [m.frequency_Hz for m in found(mikron(flywheel={**table, **more}), "free", **speeds).modes]
+        for more in ({}, {"mass_kg": 8.0}, {"mass_kg": 8.0, "overhang_mm": 60.0})
+    )
+    assert heavy[0] < light[0]
+    assert far[0] < heavy[0]
+
+
+def test_from_the_other_end() -> None:
+    """A pulley at the free end is a flywheel of the crank that is turned around, whirl and all."""
+    disk = {"inertia_kg_m2": 0.08, "mass_kg": 9.0, "overhang_mm": 30.0}
+    one, other = (
+        found(mikron(**{name: disk}), speeds_rpm=(700.0, 2800.0)) for name in ("pulley", "flywheel")
+    )
+    for first, second in zip(one.modes, other.modes, strict=True):
+        assert first.frequencies_Hz == pytest.approx(second.frequencies_Hz, rel=1e-6)
+        assert first.whirl == pytest.approx(second.whirl, abs=1e-4)
+        assert first.kind == second.kind
+
+
+def test_a_disk_beyond_the_bearing_whirls() -> None:
+    """Alike in every direction it circles; forward is faster than backward as bearings have it."""
+    scene = mikron(flywheel={"inertia_kg_m2": 0.6, "mass_kg": 25.0, "overhang_mm": 80.0})
+    modes = found(scene, speeds_rpm=np.linspace(300.0, 6000.0, 20).tolist())
+    turn = modes.speeds_rpm[-1] / 60
+    bending = [mode for mode in modes.modes if mode.kind.startswith("bending")][:2]
+    seen = {round(mode.whirl[-1]): mode.frequencies_Hz[-1] + round(mode.whirl[-1]) * turn for mode in bending}
+    assert set(seen) == {1, -1}
+    rest = np.mean([mode.frequency_Hz for mode in bending])
+    assert seen[-1] < 0.95 * rest < 1.05 * rest < seen[1]
+
+
+def test_springs_lie_between_free_and_rigid(bare: ShaftModes) -> None:
+    data = mikron().model_dump(mode="json", exclude_none=True)
+    first = []
+    for spring in (1e5, 1e6, 1e9):
+        data["supports"]["bearing_spring_N_per_mm"] = spring
+        modes = found(scene_from_dict(data), "spring", speeds_rpm=(700.0, 2800.0)).modes
+        first.append([mode.frequency_Hz for mode in modes])
+    assert first[2] == pytest.approx([mode.frequency_Hz for mode in bare.modes], rel=2e-3)
+    assert all(soft <= stiff for soft, stiff in zip(first[0], first[1], strict=True))
