@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import fcntl
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from cranktopo.app import launch
 from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
@@ -39,6 +41,14 @@ def compilations(shared: Path) -> Iterator[None]:
     os.environ.pop("XDG_CACHE_HOME")
     if before is not None:
         os.environ["XDG_CACHE_HOME"] = before
+
+
+@pytest.fixture(scope="session", autouse=True)
+def collecting() -> None:
+    """Unused objects are looked for as rarely as in the program, and not among those that stay."""
+    gc.set_threshold(*launch._COLLECTING)
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -14,7 +14,7 @@ from cranktopo.tasks.sweep.result import PointResult
 from cranktopo.throw.outline import ObroundWeb
 
 WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
-TRACE, HELD = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS"
+TRACE, HELD, CALLS = "CRANKTOPO_TEST_TRACE", "CRANKTOPO_TEST_SECONDS", "CRANKTOPO_TEST_CALLS"
 
 
 def width_mm(scene: Scene) -> float:
@@ -24,10 +24,17 @@ def width_mm(scene: Scene) -> float:
 
 
 def empty(scene: Scene) -> dict[str, float]:
-    """Numbers that cost nothing; each call leaves a line, and takes as long as is asked for."""
+    """Numbers that cost nothing; each call leaves a line, and takes as long as is asked for.
+
+    After as many calls as are asked for none comes to an end.
+    """
     time.sleep(float(os.environ.get(HELD, "0")))
     if TRACE in os.environ:
-        with Path(os.environ[TRACE]).open("a", encoding="ascii") as file:
+        trace = Path(os.environ[TRACE])
+        calls = len(trace.read_text(encoding="ascii").splitlines())
+        if calls >= float(os.environ.get(CALLS, "inf")):
+            time.sleep(3600)
+        with trace.open("a", encoding="ascii") as file:
             file.write(f"{scene.name}\n")
     width = width_mm(scene)
     return {"mass_kg": width / 30, "torsion_Nm_per_rad": 1000 * (width - 10 * scene.throw.crankpin.fillet_mm)}

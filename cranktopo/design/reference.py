@@ -6,6 +6,7 @@ import json
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import groupby
 from typing import Any
 
@@ -71,10 +72,11 @@ SKETCHES = {
 """Sketches of `cranktopo designs sketch`, by the table whose keys they show."""
 
 
-def scene_reference() -> list[TableReference]:
+@cache
+def scene_reference() -> tuple[TableReference, ...]:
     """Return every table of a scene in the order of a file: the keys of a table before the tables in it."""
     schema = Scene.model_json_schema()
-    return list(_tables(schema["$defs"], "", schema, required=True, repeated=False))
+    return tuple(_tables(schema["$defs"], "", schema, required=True, repeated=False))
 
 
 def _tables(

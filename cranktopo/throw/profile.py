@@ -115,7 +115,8 @@ def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
     """Return the half-width of a right flank at positions along the throw, mm; 0 beyond the ends."""
     stations = flank.points_mm[:, 1]
     inside = (y_mm >= stations[0]) & (y_mm <= stations[-1])
-    y = np.clip(y_mm, stations[0], stations[-1]).ravel()
+    # Cells ask at the same places for every height.
+    y, back = np.unique(np.clip(y_mm, stations[0], stations[-1]), return_inverse=True)
     piece = np.clip(np.searchsorted(stations, y, side="right") - 1, 0, len(stations) - 2)
     start, first, second, third = _cubic(flank, piece, 1)
     low, step = np.zeros_like(y), 1.0
@@ -124,7 +125,7 @@ def flank_half_width_mm(flank: Flank, y_mm: Array) -> Array:
         middle = low + step
         below = start + middle * (first + middle * (second + middle * third)) < y
         low[below] = middle[below]
-    half = _hermite(flank, piece, low + step / 2, 0).reshape(y_mm.shape)
+    half = _hermite(flank, piece, low + step / 2, 0)[back].reshape(y_mm.shape)
     return np.asarray(np.where(inside, np.maximum(half, 0.0), 0.0))
 
 

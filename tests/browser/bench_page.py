@@ -14,7 +14,7 @@ from typing import Any
 from cranktopo.base.errors import CranktopoError
 
 PROGRAM = [sys.executable, "-c", "from cranktopo.app.launch import main; main()"]
-START_MS = 120_000
+START_MS = 600_000
 JOB_MS = 1_800_000
 
 
@@ -35,7 +35,7 @@ def running_bench(folder: Path, *words: str) -> Iterator[tuple[subprocess.Popen[
         yield process, process.stdout.readline().strip()
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(60)
+        process.wait(600)
         process.stdout.close()
 
 

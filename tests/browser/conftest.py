@@ -74,8 +74,9 @@ def visit(browser: Any) -> Iterator[Any]:
         found.page.on("console", lambda message: found.complaints.append(message.text))
         found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
         found.page.on("request", lambda request: found.requests.append(request.url))
-        found.page.goto(path.resolve().as_uri())
-        found.page.wait_for_selector("#viewer[data-ready]", timeout=30_000)
+        found.page.set_default_timeout(START_MS)
+        found.page.goto(path.resolve().as_uri(), timeout=START_MS)
+        found.page.wait_for_selector("#viewer[data-ready]")
         return found
 
     yield opened

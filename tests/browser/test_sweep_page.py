@@ -24,6 +24,7 @@ from cranktopo.tasks.sweep.front import front_of, picks_of
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.result import PointResult, SweepFiles, SweepResult, SweepSeconds
 from cranktopo.tasks.sweep.stages import web_view
+from tests.browser.bench_page import START_MS
 from tests.page_text import typed
 from tests.sweep_cases import point_result
 
@@ -152,8 +153,9 @@ def opened(browser: Any, page_file: Path) -> Iterator[Any]:
         page.on("console", lambda message: said.append(message.text))
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: said.append(request.url))
-        page.goto(page_file.as_uri())
-        page.wait_for_selector("html[data-ready] #viewer[data-pictures]", timeout=30_000)
+        page.set_default_timeout(START_MS)
+        page.goto(page_file.as_uri(), timeout=START_MS)
+        page.wait_for_selector("html[data-ready] #viewer[data-pictures]")
         return page
 
     yield visit

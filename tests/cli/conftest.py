@@ -17,14 +17,18 @@ def scheduler() -> Iterator[str]:
 
     from distributed import LocalCluster
 
-    with LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=False,
-        protocol="tcp",
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    ) as cluster:
+    with (
+        LocalCluster(
+            n_workers=2,
+            threads_per_worker=1,
+            processes=False,
+            protocol="tcp",
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        pytest.MonkeyPatch.context() as patched,
+    ):
+        patched.setattr("cranktopo.tasks.sweep.executor._FIRST_S", 600.0)  # it is there: others work too
         yield cluster.scheduler_address
 
 

@@ -50,7 +50,7 @@ def state_after(address: str, *messages: dict[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = {}
         for message in messages:
             await line.write_message(json.dumps(message))
-            while (told := json.loads(str(await asyncio.wait_for(line.read_message(), 60))))[
+            while (told := json.loads(str(await asyncio.wait_for(line.read_message(), 600))))[
                 "type"
             ] != "state":
                 assert told["type"] != "error", told
@@ -68,15 +68,15 @@ def test_a_killed_bench_loses_nothing_and_leaves_no_process(tmp_path: Path) -> N
     assert [step["what"] for step in state["steps"]] == ["opened mikron-iiic-plain", "wider"]
     children = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(signal.SIGKILL)
-    process.wait(10)
+    process.wait(600)
     assert process.stdout is not None
     process.stdout.close()
-    assert psutil.wait_procs(children, timeout=60)[1] == [], "what answers ends with the server"
+    assert psutil.wait_procs(children, timeout=600)[1] == [], "what answers ends with the server"
     process, address = started(tmp_path)
     again = state_after(address, {"do": "hello"})
     assert (again["at"], again["data"]["web"]["width_mm"]) == (1, 52.0)
     process.send_signal(signal.SIGINT)
-    assert process.wait(60) == 0, "Ctrl-C ends it well"
+    assert process.wait(600) == 0, "Ctrl-C ends it well"
     assert process.stdout is not None
     process.stdout.close()
 
@@ -96,7 +96,7 @@ def test_a_server_killed_at_any_moment_loses_no_step(tmp_path: Path) -> None:
     files = {step["file"] for step in state["steps"]}
     assert files <= {path.name for path in (tmp_path / "bench" / "mikron-iiic-plain").iterdir()}
     process.send_signal(signal.SIGINT)
-    assert process.wait(60) == 0
+    assert process.wait(600) == 0
     assert process.stdout is not None
     process.stdout.close()
 
@@ -121,7 +121,7 @@ async def _edits_until_killed(
             break
     line.close()
     await asyncio.sleep(0.1)
-    process.wait(10)
+    process.wait(600)
     assert process.stdout is not None
     process.stdout.close()
     return steps
@@ -182,7 +182,9 @@ def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
         port = taken.getsockname()[1]
         begin = [sys.executable, "-c", "from cranktopo.app.launch import main; main()", "bench"]
         command = [*begin, "--no-browser", "--port", str(port)]
-        ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+        ended = subprocess.run(
+            command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=600
+        )
     assert ended.returncode == 3
     assert f"--port {port}: cannot be used" in ended.stderr
 

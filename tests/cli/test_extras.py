@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -15,7 +16,7 @@ from cranktopo.tasks.doctor import stage as checks
 PACKAGE = Path(__file__).resolve().parents[2] / "cranktopo"
 LEFT_OUT = {"cryptography", "dask", "distributed", "h5py", "pandas", "pyarrow", "pylife", "tornado"}
 WITHOUT = f"""
-import sys
+import contextlib, io, json, os, sys
 
 class Missing:
     def find_spec(self, name, path=None, target=None):
@@ -24,72 +25,83 @@ class Missing:
 
 sys.meta_path.insert(0, Missing())
 from cranktopo.app.main import main
-main()
+
+def ended(words):
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        code = main(words)
+    return [code, out.getvalue(), err.getvalue(), sorted(os.listdir())]
+
+print(json.dumps([ended(words) for words in json.load(sys.stdin)]))
 """
-"""The command line in a process that finds no package of an extra."""
+"""Command lines one after the other in a process that finds no package of an extra."""
 SWEEP = ["sweep", "mikron-iiic-plain", "--vary", "web.width_mm=48,50"]
 COMPARE = ["compare", "mikron-iiic-plain", "--baseline", "mikron-iiic-plain"]
 
 
-def without_extras(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    line = [sys.executable, "-c", WITHOUT, *words]
-    return subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
+class Ended(NamedTuple):
+    """A command: its code, what it said, and the files in its folder then."""
+
+    code: int
+    out: str
+    err: str
+    files: list[str]
 
 
-@pytest.mark.parametrize(
-    ("words", "need", "package", "extra"),
-    [
-        (SWEEP, "sweep", "cryptography", "sweep"),
-        (["sweep", "--resume", "any"], "sweep", "cryptography", "sweep"),
-        (["fatigue", "--method", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
-        pytest.param(
-            [*COMPARE, "--fatigue", "fkm"],
-            "fatigue by method 'fkm'",
-            "pandas",
-            "fatigue",
-            marks=pytest.mark.slow,
-        ),
-    ],
-    ids=["sweep", "resume", "fatigue", "compare"],
-)
-def test_a_missing_extra_ends_before_anything_is_done(
-    tmp_path: Path, words: list[str], need: str, package: str, extra: str
-) -> None:
-    message = f"{need}: a package cannot be loaded: No module named '{package}'."
-    hint = f"Install it: pip install 'cranktopo[{extra}]'"
-    done = without_extras(tmp_path, *words, "--json")
-    assert done.returncode == 7
-    assert json.loads(done.stdout) == {"error": {"code": 7, "message": message, "hint": hint}}
-    assert done.stderr.splitlines()[-1] == f"error: {message} {hint}"
-    done = without_extras(tmp_path, *words)
-    assert (done.returncode, done.stdout) == (7, "")
-    assert done.stderr.splitlines()[-1] == f"error: {message} {hint}"
-    assert not list(tmp_path.iterdir())
+def without_extras(folder: Path, *lines: list[str]) -> list[Ended]:
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT],
+        cwd=folder,
+        input=json.dumps(lines),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return [Ended(*one) for one in json.loads(done.stdout)]
+
+
+NEEDED = [
+    (SWEEP, "sweep", "cryptography", "sweep"),
+    (["sweep", "--resume", "any"], "sweep", "cryptography", "sweep"),
+    (["fatigue", "--method", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
+    ([*COMPARE, "--fatigue", "fkm"], "fatigue by method 'fkm'", "pandas", "fatigue"),
+]
+
+
+def test_a_missing_extra_ends_before_anything_is_done(tmp_path: Path) -> None:
+    lines = [[*words, *more] for words, *_ in NEEDED for more in (["--json"], [])]
+    done = without_extras(tmp_path, *lines)
+    for (_, need, package, extra), told, said in zip(NEEDED, done[::2], done[1::2], strict=True):
+        message = f"{need}: a package cannot be loaded: No module named '{package}'."
+        hint = f"Install it: pip install 'cranktopo[{extra}]'"
+        assert (told.code, said.code, said.out) == (7, 7, "")
+        assert json.loads(told.out) == {"error": {"code": 7, "message": message, "hint": hint}}
+        for one in (told, said):
+            assert one.err.splitlines()[-1] == f"error: {message} {hint}"
+            assert one.files == []
 
 
 def test_the_bench_without_its_package(tmp_path: Path) -> None:
-    done = without_extras(tmp_path, "bench", "mikron-iiic-plain", "--no-browser")
-    assert (done.returncode, done.stdout) == (7, "")
-    assert done.stderr.endswith("Install it: pip install 'cranktopo[bench]'\n")
-    assert not list(tmp_path.iterdir())
+    (done,) = without_extras(tmp_path, ["bench", "mikron-iiic-plain", "--no-browser"])
+    assert (done.code, done.out, done.files) == (7, "", [])
+    assert done.err.endswith("Install it: pip install 'cranktopo[bench]'\n")
 
 
 @pytest.mark.parametrize(
-    "line",
+    "lines",
     [
-        "loads",
-        "plan",
-        pytest.param("fatigue --fillet-fraction 0.5", marks=pytest.mark.slow),
-        "evaluate --element-size-mm 8",
+        pytest.param(["loads", "plan", "evaluate --element-size-mm 8"], id="quick"),
+        pytest.param(["fatigue --fillet-fraction 0.5"], id="fatigue", marks=pytest.mark.slow),
         pytest.param(
-            "optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1", marks=pytest.mark.slow
+            ["optimise --volume-fraction 0.3 --resolution-mm 4.5 --max-iterations 1"],
+            id="optimise",
+            marks=pytest.mark.slow,
         ),
     ],
 )
-def test_the_core_does_without_extras(tmp_path: Path, line: str) -> None:
-    done = without_extras(tmp_path, *line.split())
-    assert done.stdout, done.stderr
-    assert done.returncode == (5 if "--max-iterations" in line else 0), done.stderr
+def test_the_core_does_without_extras(tmp_path: Path, lines: list[str]) -> None:
+    for line, done in zip(lines, without_extras(tmp_path, *map(str.split, lines)), strict=True):
+        assert done.out, done.err
+        assert done.code == (5 if "--max-iterations" in line else 0), done.err
 
 
 def test_nothing_else_imports_packages_of_extras() -> None:

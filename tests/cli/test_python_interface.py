@@ -172,7 +172,7 @@ def test_a_scene_a_path_and_a_name_are_the_same(call: Any, tmp_path: Path) -> No
     assert call(name) == call(scene) == call(a_path(tmp_path)) == call(str(a_path(tmp_path)))
 
 
-def test_scenes_are_targets(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_scenes_are_targets(scheduler: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Variants that have no file, told apart where they have one name."""
     monkeypatch.setattr(evaluating, "evaluate", invented)
     scene = cranktopo.load_scene("mikron-iiic-plain")
@@ -184,7 +184,8 @@ def test_scenes_are_targets(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     compared = cranktopo.compare_targets([wider], scene)
     assert [entry.name for entry in compared.comparison.entries] == names[:2]
     assert compared.comparison.base.name == names[0]
-    _, row = cranktopo.sweep(scene, {"web.width_mm": [58.0]}, function=width, out=tmp_path / "s")["width"]
+    place: dict[str, Any] = {"scheduler": scheduler, "out": tmp_path / "s"}
+    _, row = cranktopo.sweep(scene, {"web.width_mm": [58.0]}, function=width, **place)["width"]
     assert row == 58.0
 
 

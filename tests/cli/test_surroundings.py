@@ -25,7 +25,7 @@ def shell(line: str, folder: Path, **settings: str) -> subprocess.CompletedProce
         cwd=folder,
         env={**os.environ, **settings},
         capture_output=True,
-        timeout=60,
+        timeout=600,
         check=False,
     )
 

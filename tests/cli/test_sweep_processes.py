@@ -23,7 +23,7 @@ import pytest
 from cranktopo import sweep
 from cranktopo.tasks.sweep import executor
 from tests import sweep_cases
-from tests.sweep_cases import FILLET, HELD, WIDTH
+from tests.sweep_cases import CALLS, FILLET, HELD, WIDTH
 
 
 def script(folder: Path, body: str) -> list[str]:
@@ -56,26 +56,22 @@ def environment() -> dict[str, str]:
 
 def signal_after(process: subprocess.Popen[str], trace: Path, lines: int, how: signal.Signals) -> int:
     """Send a signal once so many points were computed; the exit code."""
-    end = time.monotonic() + 120
+    end = time.monotonic() + 1200
     while len(trace.read_text().splitlines()) < lines and process.poll() is None and time.monotonic() < end:
         time.sleep(0.02)
     process.send_signal(how)
-    return process.wait(60)
+    return process.wait(600)
 
 
-def test_a_killed_sweep_goes_on(
-    scheduler: str, tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_killed_sweep_goes_on(scheduler: str, tmp_path: Path, trace: Path) -> None:
     """`kill -9` of workers and all: no finished point is lost or computed twice."""
     out = tmp_path / "out"
-    monkeypatch.setenv(HELD, "0.1")
     body = f"sweep(vary={{'{WIDTH}': '46:56:11'}}, out={str(out)!r}, workers=1, function=empty)"
-    killed = subprocess.Popen(script(tmp_path, body), env=environment(), text=True)
+    killed = subprocess.Popen(script(tmp_path, body), env={**environment(), CALLS: "3"}, text=True)
     assert signal_after(killed, trace, 3, signal.SIGKILL) == -signal.SIGKILL
     time.sleep(0.5)  # until its workers have ended too
     kept = {file: file.stat().st_mtime_ns for file in out.glob("points/*/point.json")}
-    assert 2 <= len(kept) <= 8
-    monkeypatch.setenv(HELD, "0")
+    assert len(kept) in (2, 3), "the last of them may have been cut off before its file"
     frame = sweep(resume=out, scheduler=scheduler, function=sweep_cases.empty)
     assert frame["status"].value_counts().to_dict() == {"done": 9, "impossible": 2}
     assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
@@ -202,7 +198,7 @@ def _first_bytes(address: tuple[str, int], context: ssl.SSLContext | None) -> by
 
     By a plain socket: a client of Dask starts a loop of its own, and gives up after 10 s on short cores.
     """
-    with socket.create_connection(address, timeout=30) as bare:
+    with socket.create_connection(address, timeout=600) as bare:
         try:
             if context is None:
                 bare.settimeout(1)

@@ -108,9 +108,12 @@ def _areas(x_mm: Array, low: Array, high: Array, z_mm: Array, section: Section) 
     """Areas (parts, nx) that a section fills between places along the throw at heights, mm2."""
     size, (left, right) = high - low, (x_mm[:-1], x_mm[1:])
     places = low[:, None] + size[:, None] * _SHARES
-    spans = section(places.ravel(), np.repeat(z_mm, len(_SHARES)))
-    parts = (np.minimum(right, end[:, None]) - np.maximum(left, start[:, None]) for start, end in spans)
-    lengths = np.asarray(sum(np.maximum(part, 0.0) for part in parts))
+    lengths = np.zeros((places.size, len(left)))
+    for start, end in section(places.ravel(), np.repeat(z_mm, len(_SHARES))):
+        filled = np.flatnonzero(end > start)  # most sections are empty at most places
+        parts = np.minimum(right, end[filled, None])
+        parts -= np.maximum(left, start[filled, None])
+        lengths[filled] += np.maximum(parts, 0.0, out=parts)
     return np.einsum("pgx,g,p->px", lengths.reshape(*places.shape, -1), _WEIGHTS, size)
 
 

@@ -5,7 +5,7 @@ Against assembled matrices products are tested in test_element.py and test_galer
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import jax
@@ -27,6 +27,7 @@ from cranktopo.numerics.grid.operator import (
 from cranktopo.numerics.grid.smoothing import JacobiScaling, Smoother, SmootherState
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import Precision
+from tests.compiled import QUICKLY
 from tests.studies.parts import lopsided
 
 ROUNDING = {"float32": 2e-6, "float64": 4e-15}
@@ -35,10 +36,12 @@ GRIDS = [(1, 1, 1), (4, 3, 5), (2, 3, 16), (3, 2, 17), (5, 4, 33), (21, 30, 34)]
 
 
 @pytest.fixture(autouse=True)
-def kernels() -> None:
+def kernels() -> Iterator[None]:
     """Asked for here and not when tests are collected: the answer takes a product."""
     if reason := processor.why_no_kernels():
         pytest.skip(reason)
+    yield
+    strain_energy_densities.clear_cache()  # else what was traced here without kernels would be used elsewhere
 
 
 def _system(cells: tuple[int, int, int], precision: Precision) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -78,12 +81,13 @@ def _smoothed(smoother: Smoother, count: int) -> SmootherState:
         return smoother.after(SmootherState(change, before.field + change, before.residual), count)
 
     precision = smoother.scaling.sizes.dtype
-    return jax.jit(smooth)(jnp.asarray(residual, precision), jnp.asarray(change, precision))
+    fields = (jnp.asarray(field, precision) for field in (residual, change))
+    return jax.jit(smooth, compiler_options=QUICKLY)(*fields)
 
 
 def _fresh(function: Callable[..., Any], *inputs: Any) -> Any:
     """Result of a function traced anew, after what it depends on was replaced."""
-    return jax.jit(lambda *a: function(*a))(*inputs)
+    return jax.jit(lambda *a: function(*a), compiler_options=QUICKLY)(*inputs)
 
 
 def _close(found: jax.Array, expected: jax.Array, precision: Precision) -> None:
@@ -142,7 +146,7 @@ def test_strain_energies(
     found = _fresh(strain_energy_density, blocks, other, field)
     each = _fresh(strain_energy_densities, blocks, field)
     monkeypatch.setattr(processor, "kernels_usable", lambda: False)
-    jax.clear_caches()
+    strain_energy_densities.clear_cache()
     _close(found, _fresh(strain_energy_density, blocks, other, field), precision)
     _close(each, _fresh(strain_energy_densities, blocks, field), precision)
 
@@ -154,7 +158,7 @@ def test_product_and_work_of_admissible_displacements(float64: None, monkeypatch
     field = project(system.supports, jnp.asarray(field))
     image, work = _fresh(product_and_work, system, field)
     monkeypatch.setattr(processor, "kernels_usable", lambda: False)
-    expected = jax.jit(lambda s, u: stiffness_product(s, u))(system, field)
+    expected = _fresh(stiffness_product, system, field)
     _close(image, expected, "float64")
     np.testing.assert_allclose(work, jnp.sum(field * expected, axis=(1, 2, 3, 4)), rtol=1e-13)
 

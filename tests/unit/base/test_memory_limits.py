@@ -60,7 +60,7 @@ def test_container(version: int, limited: str, tmp_path: Path, monkeypatch: pyte
 def limited(kilobytes: int, line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Run a command that may have so many addresses."""
     words = ["bash", "-c", f"ulimit -v {kilobytes}; {PROGRAM} {line}"]
-    return subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=100, check=False)
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=600, check=False)
 
 
 @pytest.mark.parametrize("line", ["evaluate mikron-iiic-plain", "optimise mikron-iiic-plain --out run"])

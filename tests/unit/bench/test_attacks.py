@@ -35,7 +35,7 @@ class Running:
         self.server: Server = self.do(self._start)
 
     def do(self, work: Callable[[], Any]) -> Any:
-        return asyncio.run_coroutine_threadsafe(work(), self.loop).result(150)
+        return asyncio.run_coroutine_threadsafe(work(), self.loop).result(600)
 
     async def _start(self) -> Server:
         bench = Bench(self.folder)
@@ -49,7 +49,7 @@ class Running:
 
         async def fetch() -> HTTPResponse:
             return await AsyncHTTPClient().fetch(
-                HTTPRequest(address, follow_redirects=False, request_timeout=120, **how)
+                HTTPRequest(address, follow_redirects=False, request_timeout=600, **how)
             )
 
         found: HTTPResponse = self.do(fetch)
@@ -68,12 +68,12 @@ class Running:
         address = f"ws://127.0.0.1:{self.server.port}/{token or self.server.token}/talk"
 
         async def exchange() -> list[dict[str, Any]]:
-            line = await websocket_connect(HTTPRequest(address, headers=headers))
+            line = await websocket_connect(HTTPRequest(address, headers=headers, connect_timeout=600))
             for message in messages:
                 await line.write_message(message, binary=isinstance(message, bytes))
             told: dict[str, Any] | None = {"type": "jobs"}
             while told is not None and told["type"] == "jobs":
-                line_told = await asyncio.wait_for(line.read_message(), 10.0)
+                line_told = await asyncio.wait_for(line.read_message(), 600.0)
                 told = None if line_told is None else json.loads(line_told)
             line.close()
             return [] if told is None else [told]

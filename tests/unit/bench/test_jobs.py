@@ -18,7 +18,7 @@ TEXT = design_text("mikron-iiic-plain")
 
 
 def ended(jobs: Jobs, id_: str) -> BenchJob:
-    for _ in range(1200):
+    for _ in range(6000):
         reap()
         if jobs.job(id_).state != "running":
             return jobs.job(id_)

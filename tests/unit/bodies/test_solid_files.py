@@ -118,7 +118,7 @@ def test_facets_of_a_throw_whose_bore_is_of_two_halves_come_to_an_end(tmp_path: 
         f"print(export_solid(scene_from_dict(random_engine(16)), 'throw', Path({str(path)!r}), 5.0))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=600, check=True
     )
     mesh = trimesh.load_mesh(path)
     assert mesh.is_watertight

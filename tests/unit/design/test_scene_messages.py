@@ -71,8 +71,12 @@ def test_values(old: str, new: str, message: str) -> None:
         assert message in error_of((old, new))
         return weakref.ref(variable)
 
-    left = caller()
-    gc.collect()
+    gc.disable()  # so that the youngest objects are all that there is to look at: thousands, not millions
+    try:
+        left = caller()
+        gc.collect(0)
+    finally:
+        gc.enable()
     assert left() is None
 
 
@@ -227,9 +231,9 @@ def test_a_key_of_many_parts_is_not_parsed(key: str, form: str, monkeypatch: pyt
 
 
 def test_long_values_are_no_keys() -> None:
-    began = time.perf_counter()
+    began = time.process_time()
     for text in ("a" * 5_000_000, "1." * 20 + "0, " * 900_000, '"' * 1_000_000, "'\n" * 900_000, "a. " * 20):
         with pytest.raises(CranktopoError) as raised:
             parse_scene(f"name = {text}")
         assert "parts" not in raised.value.message
-    assert time.perf_counter() - began < 20
+    assert time.process_time() - began < 20

@@ -160,14 +160,14 @@ def test_a_web_balanced_about_the_crank_axis_has_moments_at_once() -> None:
     disc = 'outline = "tapered"\nmain_radius_mm = 80.0\npin_radius_mm = 30.0'
     solid = scene('outline = "obround"\nwidth_mm = 50.0', disc)
     bore = np.pi * 12.0**2 * 19.0
-    began = time.perf_counter()
+    began = time.process_time()
     found = web_moments(solid)
-    assert time.perf_counter() - began < 5
+    assert time.process_time() - began < 5
     assert found.volume == pytest.approx(np.pi * 80.0**2 * 19.0 - 2 * bore, rel=1e-9)
     assert found.first_y == pytest.approx(-bore * 48.0, rel=1e-6)
     closed = scene('outline = "obround"\nwidth_mm = 50.0', disc).model_copy(update={"throw": _solid(solid)})
     assert abs(web_moments(closed).first_y) < 1e-6 * found.volume
-    assert time.perf_counter() - began < 5
+    assert time.process_time() - began < 5
 
 
 def _solid(hollow: Scene) -> ThrowTable:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,7 @@ TASKS = (
 HEAVY = ("jax", "gmsh", "skfem", "trimesh", "matplotlib", "scipy", "numpy", "pydantic", "manifold3d", "tqdm")
 
 
+@cache
 def imported_names(file: Path) -> set[str]:
     """Dotted names of the package that a file imports, anywhere in it."""
     found: set[str] = set()
@@ -107,6 +109,7 @@ def test_the_picture_names_every_room() -> None:
     assert {file.parent.name for file in PACKAGE.glob("tasks/*/__init__.py")} == set(TASKS)
 
 
+@cache
 def files_of(name: str) -> set[Path]:
     """Files that importing a dotted name of the package runs; the last part may be no module."""
     parts = name.split(".")[1:]

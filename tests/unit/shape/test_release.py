@@ -30,10 +30,6 @@ def made(scene: Scene, pocket: dict[str, Any], **process: Any) -> Scene:
     return scene_with_web(scene.with_optimise(**{**free, **process}), table(pocket=[{**pocket}]))
 
 
-def looked_at(scene: Scene) -> ShapedUndercuts:
-    return shaped_undercuts(surface_of(scene, "half"), scene)
-
-
 @pytest.mark.parametrize(
     ("pocket", "process", "released"),
     [
@@ -49,10 +45,11 @@ def test_the_process_decides_and_the_pocket_is_named(
 ) -> None:
     """A web that `shape` calls makeable is called so by `compare` as well."""
     scene = made(mikron, {**pocket}, **process)
-    found = looked_at(scene)
+    surface = surface_of(scene, "half")
+    found = shaped_undercuts(surface, scene)
     assert (found.released, found.makeable) == (released, released)
     assert found.held_by == (None if released else "web.pocket[0]")
-    assert design_undercuts("same", surface_of(scene, "half"), scene).free == released
+    assert design_undercuts("same", surface, scene).free == released
 
 
 @pytest.mark.parametrize(
@@ -68,7 +65,8 @@ def test_what_a_die_releases_without_draft_is_named(
     mikron: Scene, asked: dict[str, Any], straight: tuple[str, ...]
 ) -> None:
     bevel = {"face": "journal", "y_mm": 54.0, "depth_mm": 9.0}
-    found = looked_at(scene_with_web(mikron, table(bevel=[bevel])).with_optimise(**asked))
+    scene = scene_with_web(mikron, table(bevel=[bevel])).with_optimise(**asked)
+    found = shaped_undercuts(surface_of(scene, "half"), scene)
     assert found.without_draft == straight
     ends = f" it; too little draft: {', '.join(straight)}" if straight else " it"
     assert release_text(found.model_copy(update={"released": True})).endswith(ends)
