@@ -95,7 +95,11 @@ def _warned(line: str) -> tuple[str, str]:
 
 
 def _first_frequency(study: VibrationStudy) -> Fact:
-    critical = [found.speed_rpm for found in study.critical if found.share >= WEAK]
-    most = study.response.speeds_rpm[-1]
-    met = f"first met at {min(critical):.0f} rpm" if critical else f"met by no order up to {most:.0f} rpm"
+    """Return the lowest mode with what meets it, and the lowest critical speed where that is of another."""
+    critical = [found for found in study.critical if found.share >= WEAK]
+    own = [found.speed_rpm for found in critical if found.mode == 1]
+    low, high = study.response.speeds_rpm[[0, -1]]
+    met = f"first met at {min(own):.0f} rpm" if own else f"met by no order from {low:.0f} to {high:.0f} rpm"
+    if critical and critical[0].mode != 1:
+        met += f"; the lowest critical speed, {critical[0].speed_rpm:.0f} rpm, is of mode {critical[0].mode}"
     return Fact("First natural frequency", f"{study.modes[0].frequency_Hz:.0f} Hz", met, "neutral")

@@ -46,15 +46,18 @@ def critical_table(study: VibrationStudy) -> ResultTable:
 
 
 def cancelled_sentence(study: VibrationStudy) -> str:
-    """Return the critical speeds of the first mode that even firing takes away; empty where none is."""
-    weak = [found for found in study.critical if found.share < WEAK and found.mode == 1]
+    """Return the critical speeds that even firing takes away, mode by mode; empty where none is."""
+    weak: dict[int, list[str]] = {}
+    for found in study.critical:
+        if found.share < WEAK:
+            weak.setdefault(found.mode, []).append(f"{found.speed_rpm:.0f} rpm (order {found.order:g})")
     if not weak:
         return ""
-    places = ", ".join(f"{found.speed_rpm:.0f} rpm (order {found.order:g})" for found in weak)
+    places = "; ".join(f"mode {mode} at {', '.join(met)}" for mode, met in sorted(weak.items()))
     silent = study.response.harmonics.misfire
     return (
-        f"Mode 1 is also met at {places}, where the cylinders cancel one another to below {WEAK:.0%}"
-        f"{'' if silent else ': a cylinder that misfires excites it there'}."
+        f"Also met, where the cylinders cancel one another to below {WEAK:.0%}: {places}"
+        f"{'' if silent else '. A cylinder that misfires excites them there'}."
     )
 
 
@@ -188,7 +191,11 @@ def vibration_text(study: VibrationStudy) -> str:
         terminal(modes_table(study)),
     ]
     critical = critical_table(study)
-    parts.append(terminal(critical) if critical.rows else "No critical speed in this range.")
+    parts.append(
+        terminal(critical)
+        if critical.rows
+        else "No critical speed in this range at which the cylinders help one another."
+    )
     cancelled = cancelled_sentence(study)
     parts += [cancelled] if cancelled else []
     parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
