@@ -178,9 +178,12 @@ def _rule(figure: Any, y: float, length: float) -> None:
 
 
 def _broken(text: str, width: float, size: float, weight: str = "normal") -> list[str]:
-    """Return a text in lines of that width; a word that is wider is parted where it must be."""
+    """Return a text in lines of that width; a word that is wider is parted where it must be.
+
+    Its own line breaks are those of the terminal, and count as spaces.
+    """
     lines = [""]
-    for word in text.split(" "):
+    for word in text.replace("\n", " ").split(" "):
         tried = f"{lines[-1]} {word}".strip(" ")
         if _width(tried, size, weight) <= width + 0.01:
             lines[-1] = tried

@@ -27,6 +27,24 @@ def test_list_names_every_built_in_design(capsys: pytest.CaptureFixture[str]) ->
     }
 
 
+def test_without_a_word_they_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["designs"]) == 0
+    listed = capsys.readouterr().out
+    assert main(["designs", "list"]) == 0
+    assert listed == capsys.readouterr().out
+    assert "mikron-iiic" in listed
+
+
+def test_a_new_large_engine_says_what_its_strength_holds_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = ["designs", "new", str(tmp_path / "six.toml"), "--bore-mm", "320", "--material", "34CrNiMo6"]
+    assert main(line) == 0
+    assert (
+        "material: ultimate_MPa = 1100 of 34CrNiMo6 is that of sections to 40 mm" in capsys.readouterr().out
+    )
+
+
 @pytest.mark.parametrize("name", builtin_designs())
 def test_copy_is_the_design_under_its_own_name(name: str, tmp_path: Path) -> None:
     path = tmp_path / "my-engine.toml"
@@ -162,7 +180,8 @@ def test_new_design_of_a_layout(tmp_path: Path, capsys: pytest.CaptureFixture[st
     """Firing order, throws and proportions are proposed; every command takes the file."""
     path = tmp_path / "eight.toml"
     assert main(["designs", "new", str(path), "--layout", "V", "--cylinders", "8", "--bore-mm", "86"]) == 0
-    first, gas, last = capsys.readouterr().out.splitlines()
+    first, gas, strength, last = capsys.readouterr().out.splitlines()
+    assert strength.startswith("material: ultimate_MPa")
     assert first.startswith("assumed: firing order 1-3-7-2-6-5-4-8, every 90 deg")
     assert gas.startswith("assumed: peak 7 MPa at 12 deg, intake 0.101 MPa")
     assert last.startswith(str(path))

@@ -25,12 +25,15 @@ _FILE = click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 _FORCE = click.option("--force", is_flag=True, help="Replace an existing file.")
 
 
-@click.group("designs", cls=SuggestingGroup)
-def command() -> None:
-    """List the built-in designs, copy one to edit, or begin a new one.
+@click.group("designs", cls=SuggestingGroup, invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> None:
+    """List the built-in designs, which is the default, copy one to edit, or begin a new one.
 
     Example: cranktopo designs copy mikron-iiic my-engine.toml
     """
+    if context.invoked_subcommand is None:
+        context.invoke(list_command)
 
 
 @command.command("list")
@@ -169,6 +172,7 @@ def new_command(
     from cranktopo.design.loading import parse_scene
     from cranktopo.design.reference import template
     from cranktopo.design.starting_point import USUAL_CYLINDERS
+    from cranktopo.design.strength import strength_remarks
     from cranktopo.design.writing import design_name
     from cranktopo.runs.destination import check_file
     from cranktopo.tasks.designs.beginning import begun
@@ -178,13 +182,13 @@ def new_command(
     assumed: tuple[str, ...] = ()
     if all(given is None for given in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
         text = template(title)
-        parse_scene(text, str(file))
     else:
         layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
         text, assumed = begun(title, layout, count, size, stroke_mm or size, known)
+    remarks = strength_remarks(parse_scene(text, str(file)))
     write_text(file, text)
-    for line in assumed:
+    for line in (*assumed, *map("material: {}.".format, remarks)):
         click.echo(line)
     click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

@@ -113,7 +113,7 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
 
 
 def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
-    """Return what the tables do not say: outlets that are not judged, sets of factors that differ."""
+    """Return what the tables do not say: outlets not judged, sets of factors that differ, a coarse mesh."""
     lines = [
         f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with an analysis of "
         "its own; `--method lsa` counts it."
@@ -121,6 +121,11 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
         for place, why in check.not_judged.items()
     ]
     lines += [f"{check.name}, {line}." for check in checks for line in check.departures]
+    lines += [
+        f"{check.name}, finite elements: {check.quality.shortfall}; a smaller --fillet-fraction helps."
+        for check in checks
+        if not check.quality.within_limits
+    ]
     return lines + [line for check in checks for line in _rule_hardening(check)]
 
 

@@ -150,7 +150,7 @@ def _given_up(client: Any, futures: Sequence[Any], *, own: bool) -> Iterator[Non
 def _cancel_without_workers(client: Any, futures: Sequence[Any], over: threading.Event) -> None:
     seen = time.monotonic()
     while not over.wait(_LOOK_S):
-        if client.scheduler_info()["workers"]:
+        if client.scheduler_info().get("workers"):  # none is known before the first report or after the last
             seen = time.monotonic()
         elif time.monotonic() - seen > GONE_S:
             client.cancel(futures, force=True)

@@ -77,6 +77,11 @@ def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
     assert rule_remarks([check(ALLOWED, FilletCheck(200.0, 244.0))]) == []
 
 
+def test_a_mesh_that_misses_the_rules_checks_is_said() -> None:
+    coarse = replace(check(ALLOWED, ALLOWED), quality=Quality(1.0, 0.4, 5000, 6.7, 9.2, 1.0, 1.0))
+    assert any("surface-normal stress 6.7 % (at most 3 %)" in line for line in rule_remarks([coarse]))
+
+
 def test_a_comparison_says_first_what_the_rule_answers() -> None:
     weak, sound = check(WEAK, ALLOWED), check(ALLOWED, ALLOWED)
     nothing = FatigueResult(

@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from cranktopo.report.page import Fact, Page, Section, pairs
-from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, table
+from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, _broken, table
 from cranktopo.report.pdf_file import blocks, sheets, write_pdf
 from cranktopo.report.plot import picture
 from cranktopo.report.result_table import ResultTable
@@ -29,6 +29,11 @@ def drawn(block: Block) -> list[tuple[float, float, str]]:
     block.draw(figure, HEIGHT - MARGIN)
     boxes = [(text.get_window_extent(), text.get_text()) for text in figure.texts]
     return [(box.x0, box.x1, text) for box, text in boxes if text]
+
+
+def test_line_breaks_of_the_terminal_are_spaces() -> None:
+    """A font has no glyph for them, and what follows them would lie over the next block."""
+    assert _broken("as one\nbody", 1e4, 9.0) == ["as one body"]
 
 
 def test_columns_fit_side_by_side_and_lie_apart() -> None:
