@@ -50,9 +50,10 @@ def _engine_rows(scene: Scene, engine: Engine) -> _Rows:
 
 def _mass_rows(scene: Scene, engine: Engine | None) -> _Rows:
     balance = throw_balance(scene)
+    web = "web" if scene.web.counterweight is None else "web, with its counterweight"
     own: _Rows = [
         ("throw between its mid-journal planes", f"{balance.mass_kg:.3f} kg"),
-        ("web, with its counterweight", f"{balance.web_kg:.3f} kg"),
+        (web, f"{balance.web_kg:.3f} kg"),
         ("inertia of a throw about the crank axis", f"{number_text(balance.inertia_kg_mm2)} kg mm2"),
         ("unbalance of a throw", f"{number_text(balance.throw_unbalance_kg_mm)} kg mm"),
     ]
