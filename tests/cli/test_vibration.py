@@ -115,6 +115,7 @@ def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.
     found = capsys.readouterr()
     assert "warning: mikron-iiic-plain: shaft.flywheel is missing: the propeller alone" in found.err
     assert "throw 4 - propeller" in found.out
+    assert "At the engine's 2100 rpm it swings most between throw" in found.out
     assert "Barred" not in found.out
 
 

@@ -32,11 +32,16 @@ from cranktopo.numerics.disk_chain import DampedMode
 
 @dataclass(frozen=True)
 class VibratingShaft:
-    """A shaft with the torques of its cylinders, and its critical speeds in the scene's range."""
+    """A shaft with the torques of its cylinders, and its critical speeds in the scene's range.
+
+    Attributes:
+        engine_rpm: speed of the engine, in the range or not.
+    """
 
     shaft: ShaftChain
     harmonics: TorqueHarmonics
     range_rpm: tuple[float, float]
+    engine_rpm: float
     modes: tuple[DampedMode, ...]
     critical: tuple[CriticalSpeed, ...]
     varying: VaryingPart
@@ -47,8 +52,12 @@ class VibratingShaft:
         return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=varying)
 
     def over_the_range(self) -> Vibration:
-        """Return the steady response over the scene's range, dense around its critical speeds."""
-        return self.at(speeds_to_solve(self.range_rpm, self.critical, rise=self.varying.rise))
+        """Return the steady response over the scene's range, dense around its critical speeds.
+
+        The engine's own speed is among these, where it lies in the range.
+        """
+        speeds = speeds_to_solve(self.range_rpm, self.critical, rise=self.varying.rise)
+        return self.at(np.union1d(speeds, np.clip(self.engine_rpm, *self.range_rpm)))
 
     def with_mean_inertia(self, worst_rpm: float) -> Vibration:
         """Return the steady response with the mean inertia alone where it is largest.
@@ -65,7 +74,8 @@ def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics)
     speeds, modes = speed_range_rpm(scene), shaft.chain.damped_modes()
     critical = critical_speeds(shaft, modes, harmonics, speeds)
     part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
-    return VibratingShaft(shaft, harmonics, speeds, tuple(modes), critical, part)
+    own = scene.engine.speed_rpm if scene.engine else 0.0
+    return VibratingShaft(shaft, harmonics, speeds, own, tuple(modes), critical, part)
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:

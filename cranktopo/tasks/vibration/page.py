@@ -16,6 +16,7 @@ from cranktopo.tasks.vibration.text import (
     misfire_sentence,
     misfire_table,
     modes_table,
+    own_speed_sentence,
     run_up_sentence,
     sections_table,
     varying_sentence,
@@ -38,7 +39,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "Lines are orders, multiples of the speed of the shaft: blue where all cylinders have the "
                 "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
                 f"resonates; dots are the critical speeds of the table. {cancelled_sentence(study)} "
-                f"{barred_sentence(study)} {run_up_sentence(study)} {misfire_sentence(study)}".rstrip(),
+                f"{own_speed_sentence(study)} {barred_sentence(study)} {run_up_sentence(study)} "
+                f"{misfire_sentence(study)}".rstrip(),
                 (*_critical(study), *_misfires(study)),
                 (campbell, torque),
             ),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cranktopo.base.units import number_text, plain_number
 from cranktopo.design.misfire import misfire_words
+from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
@@ -112,6 +115,20 @@ def sections_table(study: VibrationStudy) -> ResultTable:
     return ResultTable(columns, tuple(rows))
 
 
+def own_speed_sentence(study: VibrationStudy) -> str:
+    """Return the largest torque of the crankshaft at the engine's own speed; empty where it is not solved."""
+    response, shaft = study.response, study.shaft
+    speed = engine_of(study.scene).speed_rpm
+    own = np.flatnonzero(response.speeds_rpm == speed)
+    if not len(own):
+        return ""
+    swings = np.where(shaft.in_crankshaft, response.torque_amplitude_Nm[own[0]], -1.0)
+    amplitude, between = float(swings.max()), shaft.sections[int(swings.argmax())].replace(" - ", " and ")
+    return (
+        f"At the engine's {speed:.0f} rpm it swings most between {between}: +-{number_text(amplitude)} N m."
+    )
+
+
 def worst_sentence(study: VibrationStudy) -> str:
     """Return the largest torque of the crankshaft in one sentence."""
     worst, response = study.response.worst, study.response
@@ -198,7 +215,8 @@ def vibration_text(study: VibrationStudy) -> str:
     )
     cancelled = cancelled_sentence(study)
     parts += [cancelled] if cancelled else []
-    parts += [terminal(sections_table(study)), f"{worst_sentence(study)}\n{run_up_sentence(study)}".rstrip()]
+    told = worst_sentence(study), own_speed_sentence(study), run_up_sentence(study)
+    parts += [terminal(sections_table(study)), "\n".join(filter(None, told))]
     if study.misfires:
         parts[-1:-1] = ["One cylinder that does not fire:", terminal(misfire_table(study))]
         parts[-1] += f"\n{misfire_sentence(study)}"
