@@ -57,6 +57,7 @@ SLOW = (
     "report {run} --out r.html",
     "shape mikron-iiic-plain --no-bound --cell-mm 3 --out s",
     "iterate mikron-iiic-plain --steps 2 --resolution-mm 4.5 --no-shape --no-bound --cell-mm 3 --out i",
+    "modes mikron-iiic-plain --element-size-mm 14 --speeds 1000:2000:3",
     "sweep mikron-iiic-plain --vary web.thickness_mm=18,20 --element-size-mm 9 --out v",
     "import {step}",
     "drawing mikron-iiic-plain crank.svg",

@@ -187,7 +187,10 @@ def new_command(
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
         text, assumed = begun(title, layout, count, size, stroke_mm or size, known)
-    remarks = strength_remarks(parse_scene(text, str(file)))
+    scene = parse_scene(text, str(file))
+    remarks = (
+        strength_remarks(scene) if assumed else ()
+    )  # of an engine that is begun, not of the plain template
     write_text(file, text)
     for line in (*assumed, *map("material: {}.".format, remarks)):
         click.echo(line)

@@ -113,7 +113,8 @@ def fatigue_fields(
     speeds = speed_histories(target.scene, enabled) if lived else []
     note(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
     model = solve_stresses(target, kinds, fillet_fraction)
-    return tuple(with_lives(safety_field(model, method, history), speeds) for method in methods)
+    fields = tuple(safety_field(model, method, history) for method in methods)
+    return tuple(with_lives(one, speeds) for one in fields) if lived else fields
 
 
 def with_lives(found: FatigueField, speeds: Sequence[Sequence[LoadHistory]]) -> FatigueField:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.design.assumed import VIBRATION, filter_by_table
@@ -49,7 +50,7 @@ def shaft_modes(
     element_size_mm: float | None = None,
     *,
     speeds_rpm: Sequence[float] = (),
-    report: Path | None = None,
+    report: Path | str | None = None,
 ) -> ShaftModes:
     """Return the first natural vibrations of a whole crankshaft on its bearings.
 
@@ -62,6 +63,7 @@ def shaft_modes(
         CranktopoError: no engine, no bearing spring for "spring", a failed solve, or a file that cannot be
             written.
     """
+    report = as_path(report)
     if report is not None:
         check_report_path(report)
     resolved = resolve_target(target, whole=True, crank=True)

@@ -82,10 +82,12 @@ def test_template_has_every_key() -> None:
 
 @pytest.mark.parametrize("number", range(len(OFF)), ids=[table_of(block) for block in OFF])
 def test_a_table_that_is_off_works_when_it_is_switched_on(number: int) -> None:
-    """With the tables that it belongs to: gas and masses with the engine."""
+    """With the tables that it belongs to, gas and masses with the engine, and those that it must have."""
     above = [block for block in OFF if table_of(OFF[number]).startswith(table_of(block) + ".")]
+    must_have = {"fatigue.spectrum": "fatigue.spectrum.step"}.get(table_of(OFF[number]))
+    below = [block for block in OFF if table_of(block) == must_have]
     text = TEMPLATE
-    for block in (*above, OFF[number]):
+    for block in (*above, OFF[number], *below):
         text = text.replace(block, switched_on(block))
     if table_of(OFF[number]) == "engine.gas.map":  # in place of one peak for all speeds
         gas, found, more = text.partition("[[engine.gas.map]]")
