@@ -108,7 +108,8 @@ def _life(
     """Return the shortest life of a part: of its points, and of the throws at each of them."""
     spectrum = model.scene.fatigue.spectrum
     assert spectrum is not None
-    order = np.where(nodes, safety, np.inf).argsort(axis=None, kind="stable")[:_CANDIDATES]
+    among = np.where(nodes, safety, np.inf)
+    order = among.argsort(axis=None, kind="stable")[: min(_CANDIDATES, np.isfinite(among).sum())]
     points = [(int(i), int(n)) for i, n in zip(*np.unravel_index(order, safety.shape), strict=True)]
     damage = np.stack([_damage_per_hour(model, *point, judge, steps, spectrum) for point in points])
     point, throw = np.unravel_index(int(damage.sum(axis=2).argmax()), damage.shape[:2])
