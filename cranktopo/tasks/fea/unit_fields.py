@@ -23,6 +23,7 @@ from cranktopo.numerics.tetrahedra.elasticity import (
     centrifugal_force,
     mean_displacement,
 )
+from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.condense import (
     RX,
@@ -65,7 +66,13 @@ class UnitField:
 
 
 def unit_fields(
-    model: Elasticity, scene: Scene, mirrored: bool, kinds: Collection[FieldKind], *, whole: bool = False
+    model: Elasticity,
+    scene: Scene,
+    mirrored: bool,
+    kinds: Collection[FieldKind],
+    *,
+    whole: bool = False,
+    residual: float = RESIDUAL_LIMIT,
 ) -> tuple[UnitField, ...]:
     """Return the displacement fields of the load kinds that are asked for; the others cost no solve.
 
@@ -75,18 +82,19 @@ def unit_fields(
         CranktopoError: a spring support without its stiffness, or a failed solve.
     """
     if whole:
-        fields = _by_side(model, scene, mirrored, "whole", kinds)
+        fields = _by_side(model, scene, mirrored, "whole", kinds, residual)
     else:
         symmetric, twist = side_by_side(
-            lambda: _by_side(model, scene, mirrored, "symmetric", kinds),
-            lambda: _twisted(model, scene, mirrored) if "torsion" in kinds else {},
+            lambda: _by_side(model, scene, mirrored, "symmetric", kinds, residual),
+            lambda: _twisted(model, scene, mirrored, residual) if "torsion" in kinds else {},
         )
         fields = {**symmetric, **twist}
     return tuple(fields[kind] for kind in _KINDS if kind in fields)
 
 
-def _twisted(model: Elasticity, scene: Scene, mirrored: bool) -> dict[FieldKind, UnitField]:
-    return {"torsion": twisted(condense(model, scene, "antisymmetric", "odd" if mirrored else "none"), scene)}
+def _twisted(model: Elasticity, scene: Scene, mirrored: bool, residual: float) -> dict[FieldKind, UnitField]:
+    lateral: Lateral = "odd" if mirrored else "none"
+    return {"torsion": twisted(condense(model, scene, "antisymmetric", lateral, None, residual), scene)}
 
 
 def twisted(block: Superelement, scene: Scene) -> UnitField:
@@ -98,7 +106,12 @@ def twisted(block: Superelement, scene: Scene) -> UnitField:
 
 
 def _by_side(
-    model: Elasticity, scene: Scene, mirrored: bool, span: Span, kinds: Collection[FieldKind]
+    model: Elasticity,
+    scene: Scene,
+    mirrored: bool,
+    span: Span,
+    kinds: Collection[FieldKind],
+    residual: float,
 ) -> dict[FieldKind, UnitField]:
     laterals: tuple[Lateral, ...] = ("even", "odd") if mirrored else ("none",)
     found: dict[FieldKind, UnitField] = {}
@@ -106,17 +119,17 @@ def _by_side(
         parity = {"none": _KINDS, "odd": _ODD, "even": set(_KINDS) - set(_ODD)}[lateral]
         wanted = [kind for kind in _KINDS if kind in kinds and kind in parity and kind != _LEFT_OUT[span]]
         if wanted:
-            found |= _loaded(model, scene, span, lateral, wanted)
+            found |= _loaded(model, scene, span, lateral, wanted, residual)
     return found
 
 
 def _loaded(
-    model: Elasticity, scene: Scene, span: Span, lateral: Lateral, kinds: list[FieldKind]
+    model: Elasticity, scene: Scene, span: Span, lateral: Lateral, kinds: list[FieldKind], residual: float
 ) -> dict[FieldKind, UnitField]:
     """Fields of some loads from one condensation, which holds the radial load already."""
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
     forces = [_force(model, scene, kind, span, lateral) for kind in further]
-    block = condense(model, scene, span, lateral, np.column_stack(forces) if forces else None)
+    block = condense(model, scene, span, lateral, np.column_stack(forces) if forces else None, residual)
     found = loaded(block, scene, [kind for kind in kinds if kind != "torsion"])
     if "torsion" in kinds:
         found["torsion"] = twisted(block, scene)
