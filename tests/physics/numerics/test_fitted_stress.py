@@ -23,7 +23,7 @@ _ELASTIC = YOUNGS, POISSON
 _SHEAR = YOUNGS / (2 * (1 + POISSON))
 _INNER = 1.0
 _UNIFORM = _FALLING = 100.0
-"""Radial stress uniform - falling / r^2, hoop stress uniform + falling / r^2, MPa: none on the bore (Lame)."""
+"""Radial and hoop stress uniform -+ falling / r^2, MPa (Lame): the former is none on the bore."""
 
 
 def test_linear_stress_is_exact() -> None:
