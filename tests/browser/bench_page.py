@@ -117,8 +117,13 @@ class Actions:
                 self.click(group.last.locator("summary").first)
 
     def enter(self, key: str, text: str) -> None:
-        """Type the value of a dimension and press Enter; the step is in the history then."""
+        """Type the value of a dimension and press Enter; the step is in the history then.
+
+        Nothing is to be done where the value stands there already: it would be no step.
+        """
         field = self.page.locator(f"[id='f-{key}']")
+        if field.input_value() == text:
+            return
 
         def act() -> None:
             self.type(field, text)

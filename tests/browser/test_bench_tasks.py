@@ -109,7 +109,7 @@ def test_a_marine_six(bench: Any, tmp_path: Path) -> None:
     do.enter("web.thickness_mm", "120")
     assert do.page.locator("[id='f-throw.main_journal.length_mm']").input_value() == "120", "pitch kept"
     settled(do.page)
-    assert do.page.locator("[data-gauge=torsion_per_mass] .change").inner_text().startswith("+")
+    assert do.page.locator("[data-gauge=bending_per_mass] .change").inner_text().startswith("+")
     do.job("UR M53")
     told = do.page.locator("#jobs li").first.inner_text()
     for word in ("by polynomials", "by elements", "govern"):
