@@ -151,7 +151,7 @@ def test_a_crank_from_cad(bench: Any, tmp_path: Path) -> None:
     for name, text in {"piston_group": "0,7", "rod_reciprocating": "0,2", "rod_rotating": "0,5"}.items():
         do.enter(f"engine.masses.{name}_kg", text)
     do.open("Search", "free")
-    do.enter("shape.free.counterweight_radius_mm", "55, 80")
+    do.enter("shape.free.counterweight_radius_mm", "55, 90")
     settled(do.page)
     assert gauge(do.page, "fatigue_safety") > 0
     do.click(do.page.get_by_role("button", name="Set as original"))
