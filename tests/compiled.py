@@ -1,4 +1,4 @@
-"""How programs are compiled that a test runs once or twice."""
+"""Compiling of programs that a test runs once or twice."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ class Rotor(SceneTable):
 
 
 class Carried(SceneTable):
-    """How heavy a part is and where it sits: the vibrations of the whole shaft bend it, too."""
+    """Mass and place of a part on the shaft, whose vibrations bend it, too."""
 
     mass_kg: Mass | None = Field(default=None, examples=[12.0])
     """Mass that the shaft carries. Without it the part counts in torsion alone; `cranktopo modes` warns."""

@@ -1,4 +1,6 @@
-"""First-order reliability: how likely a function of independent standard normal variables falls below zero.
+"""First-order reliability: probability that a function of standard normal variables falls below zero.
+
+The variables are independent.
 
 Source: R. Rackwitz, B. Fiessler, Structural reliability under combined random load sequences, Computers and
 Structures 9 (1978) 489-494.
@@ -19,7 +21,7 @@ _STEP, _NEAR, _MOST = 1e-4, 1e-6, 100
 
 @dataclass(frozen=True)
 class Reliability:
-    """How far failure is, and by what it comes.
+    """Distance of failure, and the variables that it comes by.
 
     Attributes:
         index: distance of the most likely point of failure from the mean; negative where the mean has failed.

@@ -1,4 +1,4 @@
-"""How a round section deforms beyond its rigid motions: polynomials over it, orthogonal to these."""
+"""Deformations of a round section beyond its rigid motions: polynomials over it, orthogonal to these."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class SectionShapes:
 
     @property
     def axial(self) -> NDArray[np.bool_]:
-        """Which shapes move along z, (shapes,); the others move across it."""
+        """Mask of the shapes that move along z, (shapes,); the others move across it."""
         return np.asarray(np.abs(self._by_axis[2]).max(axis=0) > 0)
 
     def having(self, lateral: Literal["even", "odd", "none"]) -> NDArray[np.intp]:

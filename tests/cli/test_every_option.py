@@ -31,7 +31,7 @@ from tests.option_cases import MIKRON, QUIET, TABLE, Case, Refused, Shown
 
 ROOT = Path(__file__).parents[2]
 Given = tuple[int, str, dict[str, str]]
-"""What a command gives: its code, what it says, and its files by name, each with a digest."""
+"""Outcome of a command: its code, what it says, and its files by name, each with a digest."""
 
 
 LONG = (
@@ -84,7 +84,7 @@ def test_tests_that_show_an_option_exist() -> None:
 
 @pytest.fixture(scope="module")
 def known() -> dict[tuple[str, str], Given]:
-    """What a command gives with words that several options add to."""
+    """Outcomes of commands with words that several options add to."""
     return {}
 
 

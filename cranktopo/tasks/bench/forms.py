@@ -53,8 +53,8 @@ def new_design(answers: Mapping[str, Any]) -> Begun:
     known: dict[str, float | str] = {key: _number(answers, key) for key in numbers}
     known |= {_MATERIAL: str(answers[_MATERIAL])} if answers.get(_MATERIAL) else {}
     asked = (layout, int(size[0]), size[1], size[2], known)
-    text, assumed = begun(name, *asked)
-    return Begun(text, name, begun_line(f"{name}.toml", *asked), assumed)
+    began = begun(name, *asked)
+    return Begun(began.text, name, begun_line(f"{name}.toml", *asked), began.assumed)
 
 
 def _number(answers: Mapping[str, Any], key: str) -> float:

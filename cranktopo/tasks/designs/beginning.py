@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import template
+from cranktopo.design.schema import Scene
 from cranktopo.design.starting_point import LayoutName, arrangement_line, sized_example, starting_values
 from cranktopo.engine.starting_gas import gas_for_power, gas_line
 
@@ -26,9 +27,10 @@ _ORIGIN = (
 
 
 class Beginning(NamedTuple):
-    """A design that began: its text, and what was assumed, a line each."""
+    """A design that began: its text, the scene of it, and what was assumed, a line each."""
 
     text: str
+    scene: Scene
     assumed: tuple[str, ...]
 
 
@@ -58,8 +60,7 @@ def begun(
         scene = parse_scene(template(name, values), name)
     assumed = (arrangement_line(scene), gas_line(scene))
     text = template(name, values, "\n".join([_ORIGIN, *assumed[1:]]), partial(sized_example, values))
-    parse_scene(text, name)
-    return Beginning(text, assumed)
+    return Beginning(text, parse_scene(text, name), assumed)
 
 
 def begun_line(

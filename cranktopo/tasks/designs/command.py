@@ -179,19 +179,17 @@ def new_command(
 
     check_file(file, "file", (".toml",), replace=force)
     title = name or design_name(file)
-    assumed: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
     if all(given is None for given in (layout, cylinders, bore_mm, stroke_mm, *known.values())):
         text = template(title)
+        parse_scene(text, str(file))
     else:
         layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
-        text, assumed = begun(title, layout, count, size, stroke_mm or size, known)
-    scene = parse_scene(text, str(file))
-    remarks = (
-        strength_remarks(scene) if assumed else ()
-    )  # of an engine that is begun, not of the plain template
+        text, scene, assumed = begun(title, layout, count, size, stroke_mm or size, known)
+        told = *assumed, *map("material: {}.".format, strength_remarks(scene))
     write_text(file, text)
-    for line in (*assumed, *map("material: {}.".format, remarks)):
+    for line in told:
         click.echo(line)
     click.echo(f"{file}: edit it, then for example: {shlex.join(['cranktopo', 'plan', str(file)])}")

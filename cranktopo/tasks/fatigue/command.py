@@ -111,9 +111,7 @@ def _text(found: FatigueAssessment) -> str:
     baseline = found.baseline
     if found.fields:
         parts = [terminal(tables.field_table(found.fields, baseline))]
-        told = tables.hardening_remarks, tables.life_remarks, tables.scatter_remarks
-        lines = [line for remarks in told for line in remarks(found.fields)]
-        parts += ["\n".join(lines)] if lines else []
+        parts += ["\n".join(lines)] if (lines := tables.field_remarks(found.fields)) else []
     else:
         outside = "".join(
             f"\n{check.name}: outside the rule's polynomials: {'; '.join(check.outside)}."

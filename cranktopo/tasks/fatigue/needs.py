@@ -1,4 +1,4 @@
-"""What an assessment needs: strengths and packages of the method, round fillets, effects and loads."""
+"""Needs of an assessment: strengths and packages of the method, round fillets, effects and loads."""
 
 from __future__ import annotations
 

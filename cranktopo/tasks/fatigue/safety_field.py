@@ -88,28 +88,35 @@ def fatigue_field(
     kind: HistoryKind = "extremes",
     fillet_fraction: float = RULE_FRACTION,
 ) -> FatigueField:
-    """Fatigue safety of a throw by a method of local stresses.
+    """Fatigue safety of a throw by a method of local stresses, without the lives by its spectrum.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
-    return fatigue_fields(target, (method,), kind, fillet_fraction)[0]
+    return _fields(target, (method,), kind, fillet_fraction, lives=False)[0]
 
 
 def fatigue_fields(
     target: Target, methods: Sequence[str], kind: HistoryKind, fillet_fraction: float
 ) -> tuple[FatigueField, ...]:
-    """Return the safety of a throw by each of several methods; its unit loads are solved once.
+    """Return the safety of a throw by each of several methods, and the lives where its scene has a spectrum.
+
+    Its unit loads are solved once.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
+    return _fields(target, methods, kind, fillet_fraction, lives=True)
+
+
+def _fields(
+    target: Target, methods: Sequence[str], kind: HistoryKind, fillet_fraction: float, *, lives: bool
+) -> tuple[FatigueField, ...]:
     for method in methods:
         check_method(target.scene, method)
-    enabled = load_kinds(target.scene, kind)[0]
-    kinds = load_kinds(target.scene, "cycle" if target.scene.fatigue.spectrum else kind)[1]
+    lived = lives and any(counts_lives(target.scene, safety_method(method)) for method in methods)
+    enabled, kinds = load_kinds(target.scene, "cycle" if lived else kind)
     history = load_history(target.scene, kind, enabled)
-    lived = any(counts_lives(target.scene, safety_method(method)) for method in methods)
     speeds = speed_histories(target.scene, enabled) if lived else []
     note(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
     model = solve_stresses(target, kinds, fillet_fraction)
@@ -295,12 +302,7 @@ class _Judged:
         model = self.model
         if not counts_scatter(model.scene, self.method):
             return {}
-        parts = {
-            "pin": model.on_pin,
-            "journal": model.on_journal,
-            "elsewhere": model.judged & ~model.on_fillet,
-        }
-        return {name: self._scatter_of(*self._least(nodes)) for name, nodes in parts.items()}
+        return {name: self._scatter_of(*self._least(nodes)) for name, nodes in model.parts.items()}
 
     def _scatter_of(self, image: int, node: int) -> PointScatter:
         at = np.array([node])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +48,11 @@ class _Step:
     loads: tuple[Array, ...]
 
 
-def load_rules() -> None:
-    """Load what counts the cycles; raises CranktopoError with the line that installs it."""
+def load_rainflow() -> Any:
+    """Return what counts the cycles, of pyLife; raises CranktopoError with the line that installs it."""
     with packages_of("fatigue"):
-        import pylife.stress.rainflow  # noqa: F401
+        from pylife.stress import rainflow
+    return rainflow
 
 
 def counts_lives(scene: Scene, method: SafetyMethod) -> bool:
@@ -159,12 +161,11 @@ def _damage_per_hour(
 
 def rainflow(stress_MPa: Array) -> tuple[Array, Array]:
     """Return amplitude and mean of the cycles in one period of a stress that repeats, (cycles,) each."""
-    from pylife.stress.rainflow import FourPointDetector, LoopValueRecorder
-
+    rules = load_rainflow()
     first = int(stress_MPa.argmax())
     period = np.concatenate([stress_MPa[first:], stress_MPa[: first + 1]])
-    recorder = LoopValueRecorder()
-    FourPointDetector(recorder=recorder).process(period, flush=True)
+    recorder = rules.LoopValueRecorder()
+    rules.FourPointDetector(recorder=recorder).process(period, flush=True)
     ends = np.array([recorder.values_from, recorder.values_to], dtype=float).reshape(2, -1)
     ends = np.append(ends, [[period.max()], [period.min()]], axis=1)  # from the largest value and back to it
     return np.abs(ends[0] - ends[1]) / 2, ends.mean(axis=0)

@@ -37,7 +37,7 @@ from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_fields
 from cranktopo.tasks.fatigue.scatter import counts_scatter
 from cranktopo.tasks.fatigue.shaft_stress import worst_throw
-from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rules
+from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rainflow
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
@@ -199,7 +199,7 @@ def _note_tables(target: Target, method: FatigueMethod) -> None:
     if settings.spectrum is None:
         return
     if counts_lives(target.scene, chosen) and target.scene.effects.continuous_shaft != "on":
-        load_rules()
+        load_rainflow()
     else:
         note(f"{target.name}: fatigue.spectrum has no part: lsa and fkm judge it, of a throw alone")
 

@@ -69,7 +69,7 @@ def compare_fatigue(
     checks = [result for result in results if isinstance(result, RuleCheck)]
     remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
-    remarks += hardening_remarks(fields) + life_remarks(fields) + scatter_remarks(fields)
+    remarks += field_remarks(fields)
     return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
 
 
@@ -129,7 +129,12 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
     return lines + [line for check in checks for line in _rule_hardening(check)]
 
 
-def hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
+def field_remarks(fields: Sequence[FatigueField]) -> list[str]:
+    """Return what the tables do not say: hardened fillets, lives, probabilities of failure."""
+    return _hardening_remarks(fields) + _life_remarks(fields) + _scatter_remarks(fields)
+
+
+def _hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each hardened fillet: the depth that decides, and what the treatment gains."""
     return [
         f"{field.model.name}, {fillet} fillet, {one.process}: decided {decided_depth(one.depth_mm)}, safety "
@@ -140,7 +145,7 @@ def hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:
     ]
 
 
-def life_remarks(fields: Sequence[FatigueField]) -> list[str]:
+def _life_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each part whose life by the spectrum is known."""
     return [
         f"{field.model.name}, {_PARTS[part]}: {_life(one)}."
@@ -158,7 +163,7 @@ def _life(one: PartLife) -> str:
     return f"life {hours}, {one.throw}; damage by {shares}"
 
 
-def scatter_remarks(fields: Sequence[FatigueField]) -> list[str]:
+def _scatter_remarks(fields: Sequence[FatigueField]) -> list[str]:
     """Return one line for each part whose probability of failure is known."""
     return [
         f"{field.model.name}, {_PARTS[part]}: probability of failure {_probability(one.failure_probability)} "

@@ -1,4 +1,4 @@
-"""What the ends of the crankshaft carry: its steps as beams, pulley, damper, flywheel and what follows."""
+"""Parts on the ends of the crankshaft: its steps as beams, pulley, damper, flywheel and what follows."""
 
 from __future__ import annotations
 

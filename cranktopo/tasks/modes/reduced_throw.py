@@ -169,7 +169,7 @@ class _Throw:
         self._ways = self._expansions()
 
     def _expansions(self) -> list[Array]:
-        """How the unknowns of the throw make the fields of each block, (fields, unknowns)."""
+        """Return the fields of each block by the unknowns of the throw, (fields, unknowns)."""
         count = self._shapes.count
         ways, at = [], 12 + 2 * count
         image = np.diag(np.where(self._shapes.axial, -1.0, 1.0))

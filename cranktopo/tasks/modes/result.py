@@ -8,7 +8,7 @@ from cranktopo.tasks.shaft.assembly import Bearings
 
 
 class EnergyShares(Result):
-    """What shares of the kinetic energy move which way, percent.
+    """Shares of the kinetic energy by the direction of the motion, percent.
 
     Each half throw counts as the rigid body whose motion is nearest to its own.
     """
@@ -26,7 +26,7 @@ class EnergyShares(Result):
 
 
 class StationMotion(Result):
-    """How a piece of the shaft moves in a mode, the largest displacement of any piece 1."""
+    """Motion of a piece of the shaft in a mode, the largest displacement of any piece 1."""
 
     z_mm: float
     in_plane: float

@@ -35,7 +35,13 @@ from cranktopo.tasks.modes.result import CriticalCrossing, ShaftMode, ShaftModes
 from cranktopo.tasks.modes.shaft_model import ShaftModel, shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, throw_body
-from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft, shaft_tables, throw_targets
+from cranktopo.tasks.shaft.stage import (
+    ShaftEvaluation,
+    evaluate_shaft,
+    once_each,
+    shaft_tables,
+    throw_targets,
+)
 
 STEPS = 2
 """Steps of the reduction: the second one tells what the first leaves out."""
@@ -87,12 +93,11 @@ def shaft_modes(
 def _reduced(
     throws: Sequence[Target], bodies: dict[str, ThrowBody], shapes: SectionShapes
 ) -> list[ReducedThrow]:
-    """Return the throws with their mass; equal ones are reduced once."""
-    found = {
-        one.name: reduced_throw(bodies[one.name], one.scene, shapes, STEPS, _moving_kg(one.scene))
-        for one in dict.fromkeys(throws)
-    }
-    return [found[one.name] for one in throws]
+    """Return the throws with their mass."""
+    return once_each(
+        throws,
+        lambda one: reduced_throw(bodies[one.name], one.scene, shapes, STEPS, _moving_kg(one.scene)),
+    )
 
 
 def _moving_kg(scene: Scene) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -101,8 +101,7 @@ def stiffened(motion: Array, second_moments: Array) -> TurningBody:
 
 def added(count: int, **matrices: Array) -> TurningBody:
     """Return a body that has some matrices alone."""
-    every = dict(vars(TurningBody.of_nothing(count)))
-    return TurningBody(**(every | matrices))
+    return replace(TurningBody.of_nothing(count), **matrices)
 
 
 def point_mass(mass: float, motion: Array) -> TurningBody:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -148,7 +149,7 @@ def evaluate_shaft(
         condensed = _condensed_throws(throws, meshed, loaded=loaded)
     else:
         meshed = {name: body.meshed for name, body in bodies.items()}
-        condensed = _once_each(throws, lambda throw: _of_body(bodies[throw.name], throw.scene))
+        condensed = once_each(throws, lambda throw: _of_body(bodies[throw.name], throw.scene))
     stiffness, error = _on_meshes(condensed, scene, bearings, spring)
     if resolved.triangles:
         coarser = {resolved.name: mesh_target(resolved, size * RATIO)}
@@ -290,11 +291,15 @@ def _condensed_throws(
     throws: Sequence[Target], meshed: Mapping[str, MeshedThrow], *, loaded: bool = False
 ) -> list[_Condensed]:
     """Condense the throws, equal ones once; `meshed` has the mesh of each by its name."""
-    return _once_each(throws, lambda throw: _condensed(meshed[throw.name], throw.scene, loaded))
+    return once_each(throws, lambda throw: _condensed(meshed[throw.name], throw.scene, loaded))
 
 
-def _once_each(throws: Sequence[Target], condense: Callable[[Target], _Condensed]) -> list[_Condensed]:
-    found = {throw.name: condense(throw) for throw in dict.fromkeys(throws)}
+_Found = TypeVar("_Found")
+
+
+def once_each(throws: Sequence[Target], found_of: Callable[[Target], _Found]) -> list[_Found]:
+    """Return what is found of every throw; of equal ones it is found once."""
+    found = {throw.name: found_of(throw) for throw in dict.fromkeys(throws)}
     return [found[throw.name] for throw in throws]
 
 
