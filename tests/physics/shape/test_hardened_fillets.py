@@ -19,7 +19,7 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field
 from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
-from cranktopo.tasks.fatigue.text import hardening_remarks
+from cranktopo.tasks.fatigue.text import field_remarks
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.shape.mesh_model import MeshModel
 from tests.physics.shape.shape_cases import COARSE_FILLET, COARSE_MM, full_web
@@ -116,6 +116,6 @@ def test_only_the_treated_fillet_changes(coarse: tuple[Scene, MeshModel, StressM
     told = pin.hardening["pin"]
     assert told.safety == pytest.approx(pin.fillet_safety["pin"], rel=1e-12)
     assert told.safety == min(told.safety_surface, told.safety_below)
-    (line,) = hardening_remarks([pin])
+    (line,) = field_remarks([pin])
     where = "at the surface" if told.depth_mm == 0 else f"{told.depth_mm:.2g} mm below the surface"
     assert f"pin fillet, induction: decided {where}, safety {told.safety:.3f}" in line
