@@ -155,7 +155,8 @@ class ShaftTable(SceneTable):
     speed_min_rpm: TurningSpeed | None = Field(default=None, examples=[700.0])
     """Lowest speed that is looked at; by default a third of `engine.speed_rpm`."""
     speed_max_rpm: TurningSpeed | None = Field(default=None, examples=[2800.0])
-    """Highest speed that is looked at; by default the larger of the engine's speed and overspeed."""
+    """Highest speed that is looked at; by default the overspeed, and 1.05 times the engine's speed
+    where none is given."""
     throw_stiffness_Nm_per_rad: TorsionalStiffness | None = Field(default=None, examples=[1.5e5])
     """Torsional stiffness of a throw; by default that of finite elements in `vibration` and `fatigue`, and
     the mean of Carter's and Ker Wilson's formulae in the plan and the load cases of optimisations."""

@@ -19,6 +19,8 @@ LATEST_PEAK_DEG = 30.0
 """Latest crank angle of the largest pressure after firing top dead centre; the earliest is 0."""
 MOST_OF_CHARGE = 20.0
 """Largest mean pressure over that before compression: a charge with all fuel it can burn gives 12 to 16."""
+HIGHEST_MEAN_MPA = 3.5
+"""Indicated mean pressure above those of engines in series: the highest charged ones have 3 to 3.4."""
 EXPONENTS = 1.2, 1.45
 """Range of the polytropic exponent of compression."""
 _TURN_DEG = 360.0
@@ -61,8 +63,19 @@ def pressure_warnings(scene: Scene, cycle: Cycle | None) -> tuple[str, ...]:
     """Return what is to be known of a scene's cylinder pressure before its loads are believed."""
     if cycle is None or scene.engine is None:
         return ()
-    higher = higher_elsewhere(scene)
-    return (*implausible(cycle, scene.engine, scene.throw.radius_mm), *((higher,) if higher else ()))
+    radius = scene.throw.radius_mm
+    others = _unusual_mean(cycle, scene.engine, radius), higher_elsewhere(scene)
+    return (*implausible(cycle, scene.engine, radius), *(line for line in others if line))
+
+
+def _unusual_mean(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+    mean = mean_pressure_MPa(cycle.indicated_work_J, engine, radius_mm)
+    if mean <= HIGHEST_MEAN_MPA or _mean_too_high(cycle, engine, radius_mm):
+        return ""
+    return (
+        f"the indicated mean pressure of {mean:.3g} MPa is more than engines in series have "
+        f"({HIGHEST_MEAN_MPA:g} MPa): look at power, bore, stroke, speed and number of cylinders"
+    )
 
 
 def implausible(cycle: Cycle, engine: Engine, radius_mm: float) -> tuple[str, ...]:

@@ -64,9 +64,10 @@ def _section(section: Section) -> Iterator[Block]:
 
 
 def _pictures(pictures: Sequence[Picture]) -> Iterator[Block]:
-    """Yield wide pictures alone and others in pairs."""
+    """Yield sheets on a page of their own, wide pictures alone and others in pairs."""
     waiting: list[Picture] = []
-    for one in pictures:
+    yield from (_turned(one) for one in pictures if one.sheet)
+    for one in (one for one in pictures if not one.sheet):
         if one.wide or len(waiting) == 2:
             yield from _side_by_side(waiting)
             waiting = []
@@ -75,6 +76,19 @@ def _pictures(pictures: Sequence[Picture]) -> Iterator[Block]:
         else:
             waiting.append(one)
     yield from _side_by_side(waiting)
+
+
+def _turned(sheet: Picture) -> Block:
+    """Return a drawing turned by a right angle, as large as a page allows."""
+    long, short = (72 * inches for inches in sheet.figure.get_size_inches())
+    scale = min((HEIGHT - 2 * MARGIN) / long, ROOM / short)
+    width, height = scale * short, scale * long
+
+    def draw(figure: Any, y: float) -> None:
+        axes = figure.add_axes((MARGIN / WIDTH, (y - height) / HEIGHT, width / WIDTH, height / HEIGHT))
+        _paste(axes, sheet, _DPI * scale, turns=1)
+
+    return Block(height, draw)
 
 
 def _side_by_side(pictures: Sequence[Picture]) -> Iterator[Block]:
@@ -93,10 +107,12 @@ def _side_by_side(pictures: Sequence[Picture]) -> Iterator[Block]:
     yield Block(max(heights) + 8.0, draw)
 
 
-def _paste(axes: Any, shown: Picture, dpi: float) -> None:
+def _paste(axes: Any, shown: Picture, dpi: float, turns: int = 0) -> None:
+    """Paste a picture as pixels, turned to the left by right angles."""
     from matplotlib.image import imread
+    from numpy import rot90
 
-    axes.imshow(imread(io.BytesIO(png(shown.figure, dpi, "white"))), aspect="auto")
+    axes.imshow(rot90(imread(io.BytesIO(png(shown.figure, dpi, "white"))), turns), aspect="auto")
     axes.axis("off")
 
 

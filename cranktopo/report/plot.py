@@ -109,12 +109,17 @@ _PANEL_INCHES, _POLAR_AXES = (4.4, 3.0), (0.07, 0.09, 0.5, 0.72)
 
 @dataclass(frozen=True)
 class Picture:
-    """A plot and its text for a reader who cannot see it; as pixels where it has thousands of faces."""
+    """A plot and its text for a reader who cannot see it; as pixels where it has thousands of faces.
+
+    Attributes:
+        sheet: a drawing on its own sheet, which on paper takes a whole page, turned.
+    """
 
     name: str
     figure: Figure
     alt: str
     raster: bool = False
+    sheet: bool = False
 
     @property
     def wide(self) -> bool:

@@ -190,6 +190,15 @@ def test_a_change_has_a_smaller_bound_than_its_values(capsys: pytest.CaptureFixt
     assert other.change_error_percent(1, 0, TORSION) == 0.3
 
 
+def test_no_bound_without_a_page_changes_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", *NAMES, "--baseline", NAMES[0]]) == 0
+    plain = capsys.readouterr()
+    assert main(["compare", *NAMES, "--baseline", NAMES[0], "--no-bound"]) == 0
+    said = capsys.readouterr()
+    assert said.out == plain.out
+    assert "--no-bound: changes nothing without --plot or --report" in said.err
+
+
 def test_markdown(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
     assert main(["compare", NAMES[1], "--baseline", NAMES[0], "--report", str(path)]) == 0

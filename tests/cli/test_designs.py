@@ -202,6 +202,9 @@ def test_new_design_of_a_power(tmp_path: Path, capsys: pytest.CaptureFixture[str
     scene = load_scene(str(path))
     assert scene.material.name == "34CrNiMo6"
     assert "strength is not checked" in " ".join(path.read_text(encoding="utf-8").replace("#", "").split())
+    strong = [*size, "--peak-pressure-MPa", "25", "--power-kW", "6000"]
+    assert main(["designs", "new", str(tmp_path / "strong.toml"), *strong]) == 0
+    assert "is more than engines in series have (3.5 MPa): look at power" in capsys.readouterr().out
     assert main(["designs", "new", str(tmp_path / "more.toml"), *size, *power[:2], "--power-kW", "9000"]) == 3
     assert "A peak pressure of about 30 MPa would do" in capsys.readouterr().err
 

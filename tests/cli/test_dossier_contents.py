@@ -58,6 +58,21 @@ def test_no_signature_under_what_the_rule_does_not_use(tmp_path: Path) -> None:
     assert "Not calculated: it takes [shaft]" in text
 
 
+def test_the_verdict_says_what_its_strength_does_not_hold_for(tmp_path: Path) -> None:
+    """Of solid journals of 42 mm, where the library's strength is that of sections to 40 mm."""
+    design = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    assert "strength" not in _headline(dossier(tmp_path, ""))
+    path, design = tmp_path / "mine.toml", design.replace("bore_diameter_mm = 24.0", "bore_diameter_mm = 0.0")
+    path.write_text(re.sub(r'(name = )"31CrMoV9"[^\[]*', '\\1"34CrNiMo6"\n', design), encoding="utf-8")
+    assert main(["fatigue", str(path), "--method", "m53", "--report", str(tmp_path / "d.md"), "--quiet"]) == 0
+    assert "Strength of the material: ultimate\\_MPa" in _headline(tmp_path / "d.md")
+
+
+def _headline(path: Path) -> str:
+    text = path.read_text(encoding="utf-8")
+    return next(line for line in text.splitlines() if "The throw is" in line)
+
+
 def test_pdf_with_numbered_pages(tmp_path: Path) -> None:
     data = dossier(tmp_path, "", ".pdf").read_bytes()
     assert data.startswith(b"%PDF")

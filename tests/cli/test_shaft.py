@@ -15,6 +15,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.shaft import Supports
+from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.shaft.stage import shaft_tables
 from cranktopo.tasks.shaft_safety.result import (
@@ -274,3 +275,18 @@ def test_a_cylinder_that_does_not_fire(capsys: pytest.CaptureFixture[str]) -> No
 def test_cylinders_that_are_none(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["shaft", "mikron-iiic-plain", "--quiet", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_the_stiffnesses_of_other_commands_stand_beside_each_other(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """That on free bearings is the evaluation's; that of load cases is what `vibration` tells of them."""
+    assert main(["shaft", "mikron-iiic", "--quiet"]) == 0
+    rows = dict(
+        re.split(r"\s{2,}", line)[:2] for line in capsys.readouterr().out.splitlines() if "one throw" in line
+    )
+    assert main(["evaluate", "mikron-iiic", "--json", "--quiet"]) == 0
+    free = json.loads(capsys.readouterr().out)["evaluations"][0]["torsion"]["free_Nm_per_rad"] / 1000
+    closed = throw_stiffness_Nm_per_rad(load_scene("mikron-iiic")) / 1000
+    assert rows["one throw, free bearings"] == f"{free:.2f} kN m/rad"
+    assert rows["one throw, load cases, closed form"] == f"{closed:.2f} kN m/rad"

@@ -246,7 +246,8 @@ def test_an_endless_run_up_is_refused_before_anything_is_solved(
 
 def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By option or key alike; `worst` has the same numbers for it, one line a cylinder, beside all firing."""
-    table = GIVEN + "flywheel = {inertia_kg_m2 = 0.1}\n"
+    table = GIVEN + "flywheel = {inertia_kg_m2 = 0.1}\ndriven = {inertia_kg_m2 = 0.5}\n"
+    table += "coupling = {inertia_kg_m2 = 0.01, stiffness_Nm_per_rad = 900.0, loss_factor = 0.1}\n"
     path = design(tmp_path, table, MEAN_INERTIA)
     healthy, third = printed([path], capsys), printed([path, "--misfire", "3"], capsys)
     every, page = printed([path, "--misfire", "worst"], capsys), tmp_path / "page.html"
@@ -258,6 +259,11 @@ def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFix
         key: third["worst"][key] for key in ("speed_rpm", "torque_amplitude_Nm", "section", "order")
     }
     assert every["worst"] == healthy["worst"]
+    outside = [i for i, section in enumerate(third["sections"]) if not section["in_crankshaft"]]
+    assert [one["section"] for one in same["joined"]] == [third["sections"][i]["name"] for i in outside]
+    for place, one in zip(outside, same["joined"], strict=True):
+        swings = {speed["rpm"]: speed["torque_amplitude_Nm"][place] for speed in third["speeds"]}
+        assert one["torque_amplitude_Nm"] == max(swings.values()) == swings[one["speed_rpm"]]
     assert third["worst"]["mean_torque_Nm"] < healthy["worst"]["mean_torque_Nm"]
     keyed = MEAN_INERTIA.replace("[1, 3, 4, 2]", "[1, 3, 4, 2]\nmisfire = [3]")
     by_key = printed([design(tmp_path, table, keyed)], capsys)
@@ -266,10 +272,14 @@ def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["vibration", *found]) == 0
     out = capsys.readouterr().out
     assert "One cylinder that does not fire:" in out
+    assert "Outside the crankshaft, where the worst cylinder does not fire:" in out
+    assert "The pressure is that of 2100 rpm at every speed" in out
     assert "does not fire: compression" not in out  # the key gives way to the option
     worst = max(every["misfires"], key=lambda one: one["torque_amplitude_Nm"])
     assert f"Misfire of cylinder {worst['cylinder']} is the worst" in out
-    assert "One cylinder that does not fire" in page.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
+    assert "One cylinder that does not fire" in text
+    assert "Outside the crankshaft, where the worst cylinder does not fire" in text
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,9 @@ from cranktopo.design.shaft import Damper, ShaftTable
 
 _SLOWEST = 1 / 3
 """Share of the engine's speed from which speeds are looked at by default."""
+_FASTEST = 1.05
+"""Share of the engine's speed up to which they are, where no overspeed is given: a resonance just above it
+is felt at it (as IACS UR M68 limits vibration up to 105 % of the rated speed)."""
 _NEEDED = {"rubber": ("stiffness_Nm_per_rad", "loss_factor"), "viscous": ("damping_Nms_per_rad",)}
 _REFUSED = {"rubber": ("damping_Nms_per_rad",), "viscous": ("loss_factor",)}
 
@@ -49,7 +52,7 @@ def speed_range_rpm(scene: Scene) -> tuple[float, float]:
     """Lowest and highest speed at which the vibration of a scene is looked at, rpm."""
     shaft, engine = scene.shaft or ShaftTable(), scene.engine
     rated = engine.speed_rpm if engine else 0.0
-    highest = max(engine.overspeed_rpm or 0.0, rated) if engine else math.inf
+    highest = max(engine.overspeed_rpm or _FASTEST * rated, rated) if engine else math.inf
     return shaft.speed_min_rpm or max(1.0, _SLOWEST * rated), shaft.speed_max_rpm or highest
 
 

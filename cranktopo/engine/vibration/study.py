@@ -129,19 +129,40 @@ def _held_by(modes: tuple[Mode, ...], stiffness: Array, sections: Array) -> floa
 
 
 @dataclass(frozen=True)
-class Misfire:
-    """The largest torque of the crankshaft where one cylinder alone does not fire.
+class Swing:
+    """The largest torque amplitude of a section of the shaft over all speeds.
 
     Attributes:
         section: of the shaft, by its number.
         order: with the largest share in it.
     """
 
-    cylinder: int
-    speed_rpm: float
     section: int
+    speed_rpm: float
     torque_amplitude_Nm: float
     order: float
+
+
+def largest_swing(response: Vibration, section: int) -> Swing:
+    """Return where a section's torque swings most, of equal speeds at the lowest."""
+    speed = int(response.torque_amplitude_Nm[:, section].argmax())
+    order = response.orders[int(np.abs(response.torque_Nm[speed, :, section]).argmax())]
+    amplitude = float(response.torque_amplitude_Nm[speed, section])
+    return Swing(section, float(response.speeds_rpm[speed]), amplitude, float(order))
+
+
+@dataclass(frozen=True)
+class Misfire:
+    """Torques of the shaft where one cylinder alone does not fire.
+
+    Attributes:
+        crankshaft: the largest of the crankshaft.
+        joined: the largest of every section that is no part of the crankshaft: coupling, damper, line.
+    """
+
+    cylinder: int
+    crankshaft: Swing
+    joined: tuple[Swing, ...]
 
 
 @dataclass(frozen=True)
@@ -180,7 +201,12 @@ class VibrationStudy:
     def worst_misfire(self) -> Misfire | None:
         """That with the largest torque, of equal ones the first; None where it was not asked for."""
         found = self.misfires
-        return max(found, key=lambda one: round(one.torque_amplitude_Nm, 6)) if found else None
+        return max(found, key=lambda one: round(one.crankshaft.torque_amplitude_Nm, 6)) if found else None
+
+    @property
+    def joined_sections(self) -> tuple[int, ...]:
+        """Sections that are no part of the crankshaft: coupling, damper, line."""
+        return tuple(i for i, inside in enumerate(self.shaft.in_crankshaft) if not inside)
 
     @property
     def shaft(self) -> ShaftChain:
@@ -262,7 +288,7 @@ def study_vibration(
 
 
 def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:
-    """Return the largest torque of the crankshaft where one cylinder does not fire, for every cylinder.
+    """Return the largest torques of the shaft where one cylinder does not fire, for every cylinder.
 
     At the speeds of the study: they have every crossing of an order with a natural frequency.
     """
@@ -276,5 +302,5 @@ def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
     assert harmonics is not None
     varying = study.varying.harmonics_kg_m2 if study.varying.included else None
     found = vibration(study.shaft, harmonics, study.response.speeds_rpm, varying_kg_m2=varying)
-    speed = float(found.speeds_rpm[found.worst.speed_index])
-    return Misfire(cylinder, speed, found.worst.section, found.worst_Nm, found.worst.order)
+    joined = tuple(largest_swing(found, section) for section in study.joined_sections)
+    return Misfire(cylinder, largest_swing(found, found.worst.section), joined)

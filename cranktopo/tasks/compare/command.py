@@ -85,7 +85,7 @@ def command(
     if as_json and form != "json" and "--format" in typed():
         raise click.UsageError(f"--json excludes --format {form}: give one of them")
     if no_bound and plot is None and page is None:
-        raise click.UsageError("--no-bound is about --plot and --report, which alone show it: leave it out")
+        note("--no-bound: changes nothing without --plot or --report, which alone show the bound")
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
     if plot is not None:

@@ -11,6 +11,8 @@ from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import template
 from cranktopo.design.schema import Scene
 from cranktopo.design.starting_point import LayoutName, arrangement_line, sized_example, starting_values
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.performance import pressure_warnings
 from cranktopo.engine.starting_gas import gas_for_power, gas_line
 
 KNOWN: Mapping[str, str] = {
@@ -27,11 +29,12 @@ _ORIGIN = (
 
 
 class Beginning(NamedTuple):
-    """A design that began: its text, the scene of it, and what was assumed, a line each."""
+    """A design that began: its text, the scene of it, what was assumed and what is doubtful, a line each."""
 
     text: str
     scene: Scene
     assumed: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def begun(
@@ -60,7 +63,8 @@ def begun(
         scene = parse_scene(template(name, values), name)
     assumed = (arrangement_line(scene), gas_line(scene))
     text = template(name, values, "\n".join([_ORIGIN, *assumed[1:]]), partial(sized_example, values))
-    return Beginning(text, parse_scene(text, name), assumed)
+    scene = parse_scene(text, name)
+    return Beginning(text, scene, assumed, pressure_warnings(scene, analyse(scene).cycle))
 
 
 def begun_line(

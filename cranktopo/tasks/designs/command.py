@@ -187,8 +187,13 @@ def new_command(
         layout = layout or ("in-line" if (cylinders or 1) > 1 else "single")
         size = bore_mm or 80.0
         count = cylinders or USUAL_CYLINDERS[layout]
-        text, scene, assumed = begun(title, layout, count, size, stroke_mm or size, known)
-        told = *assumed, *map("material: {}.".format, strength_remarks(scene))
+        beginning = begun(title, layout, count, size, stroke_mm or size, known)
+        text, doubtful = beginning.text, map("warning: {}.".format, beginning.warnings)
+        told = (
+            *beginning.assumed,
+            *doubtful,
+            *map("material: {}.".format, strength_remarks(beginning.scene)),
+        )
     write_text(file, text)
     for line in told:
         click.echo(line)

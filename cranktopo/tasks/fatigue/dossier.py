@@ -26,7 +26,8 @@ from cranktopo.tasks.vibration.stage import shaft_vibration
 
 _SUFFIXES = (".html", ".md", ".pdf")
 _HISTORY: dict[HistoryKind, str] = {
-    "extremes": "largest and smallest radial force joined with largest and smallest torque of the shaft",
+    "extremes": "largest and smallest radial force of any throw joined with largest and smallest torque "
+    "behind any throw, which bounds the amplitude of every single section",
     "cycle": "every throw of the shaft followed over its cycle",
 }
 
@@ -95,4 +96,4 @@ def _vibration(target: Target) -> VibrationStudy | None:
 def _drawing(target: Target) -> Picture:
     scene = target.scene
     figure = drawing_figure(throw_sheets(scene), throw_balance(scene))
-    return Picture("drawing", figure, f"Workshop drawing of {target.name} with its dimensions")
+    return Picture("drawing", figure, f"Workshop drawing of {target.name} with its dimensions", sheet=True)

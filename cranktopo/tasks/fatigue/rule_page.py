@@ -88,7 +88,7 @@ def rule_page(record: RuleRecord) -> Page:
     return Page(
         title=f"Crankshaft {record.name} against IACS UR M53",
         subtitle=f"Document {record.document}. Calculation of the crank throw, {record.written[:10]}",
-        headline=_headline(checks),
+        headline=" ".join([_headline(checks), *_strength(record.scene)]),
         facts=tuple(fact for check in checks for fact in _facts(check)),
         sections=(
             *_each(checks, _acceptability),
@@ -133,6 +133,11 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
             f" Not judged: {name}, {why}." for check in checks for name, why in check.not_judged.items()
         )
     )
+
+
+def _strength(scene: Scene) -> list[str]:
+    """Return what the strength that the verdict rests on does not hold for."""
+    return [f"Strength of the material: {remark}." for remark in strength_remarks(scene)]
 
 
 def _factors_at(check: RuleCheck, place: str) -> str:

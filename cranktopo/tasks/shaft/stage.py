@@ -29,6 +29,7 @@ from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.tasks.fea.condense import Superelement
@@ -84,6 +85,9 @@ class OpenTorsion(Result):
     shafts: tuple[OpenTorsionShaft, ...]
 
 
+_WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
+
+
 class ShaftEvaluation(Result):
     """A whole crankshaft: the object that `shaft --json` prints."""
 
@@ -105,6 +109,8 @@ class ShaftEvaluation(Result):
     throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)
     """Inertia of each throw alone about the crank axis, kg mm2."""
 
+    throw_by_bearings_Nm_per_rad: dict[str, float] = Field(exclude=True)
+    """Torsional stiffness of a throw (the mean of unlike ones) by its bearings, and that of load cases."""
     weighed: str = Field(exclude=True)
     """What the mass is of."""
     silent: str = Field(default="", exclude=True)
@@ -151,6 +157,11 @@ def evaluate_shaft(
         meshed = {name: body.meshed for name, body in bodies.items()}
         condensed = once_each(throws, lambda throw: _of_body(bodies[throw.name], throw.scene))
     stiffness, error = _on_meshes(condensed, scene, bearings, spring)
+    matrices = [throw.matrix for throw in condensed]
+    others = {
+        f"{name} bearings": _mean(_stiffness(matrices, scene, name).throws_Nm_per_rad)
+        for name in _WITHOUT_SPRINGS
+    }
     if resolved.triangles:
         coarser = {resolved.name: mesh_target(resolved, size * RATIO)}
         coarse, _ = _on_meshes(_condensed_throws(throws, coarser), scene, bearings, spring)
@@ -181,7 +192,17 @@ def evaluate_shaft(
         silent=misfire_words(scene) if loaded else "",
         assumed=assumed,
         throw_inertias_kg_mm2=inertias,
+        throw_by_bearings_Nm_per_rad={
+            **others,
+            f"{bearings} bearings": _mean(stiffness.throws_Nm_per_rad),
+            f"load cases, {_origin(scene)}": throw_stiffness_Nm_per_rad(scene),
+        },
     )
+
+
+def _origin(scene: Scene) -> str:
+    """Return where plan and load cases have the stiffness of a throw from."""
+    return "given" if scene.shaft is not None and scene.shaft.gives_stiffness else "closed form"
 
 
 def _mass_kg(scene: Scene, throws: Sequence[Target], meshed: Mapping[str, MeshedThrow]) -> float:
@@ -332,11 +353,9 @@ def _on_meshes(
     throws: Sequence[_Condensed], scene: Scene, bearings: Bearings, spring_N_per_mm: float
 ) -> tuple[ShaftStiffness, float]:
     """Stiffnesses of the shaft, and the bound of their relative error by what the meshes miss, %."""
-    turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
 
     def stiffness(matrices: Sequence[Array]) -> ShaftStiffness:
-        shaft = shaft_matrix(np.array(matrices), turned_deg)
-        return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene))
+        return _stiffness(matrices, scene, bearings, spring_N_per_mm)
 
     found = stiffness([throw.matrix for throw in throws])
     surplus, straight = (
@@ -347,6 +366,19 @@ def _on_meshes(
     return found, max(
         bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus
     )
+
+
+def _stiffness(
+    matrices: Sequence[Array], scene: Scene, bearings: Bearings, spring_N_per_mm: float = 0.0
+) -> ShaftStiffness:
+    """Return the stiffness of a shaft of throws of these matrices."""
+    turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
+    shaft = shaft_matrix(np.array(matrices), turned_deg)
+    return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene))
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)
 
 
 def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:

@@ -102,6 +102,10 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
     rows = (
         (shaft.weighed, f"{shaft.mass_kg:.3f} kg"),
         (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
+        *(
+            (f"one throw, {name}", f"{value / 1000:.2f} kN m/rad")
+            for name, value in shaft.throw_by_bearings_Nm_per_rad.items()
+        ),
         ("natural frequencies", told),
     )
     return _table({"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2}, throws), labelled(rows)

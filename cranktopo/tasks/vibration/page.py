@@ -9,14 +9,17 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     DISKS,
+    JOINED,
     WEAK,
     barred_sentence,
     cancelled_sentence,
     critical_table,
+    joined_misfire_table,
     misfire_sentence,
     misfire_table,
     modes_table,
     own_speed_sentence,
+    pressure_sentence,
     run_up_sentence,
     sections_table,
     varying_sentence,
@@ -39,7 +42,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "Lines are orders, multiples of the speed of the shaft: blue where all cylinders have the "
                 "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
                 f"resonates; dots are the critical speeds of the table. {cancelled_sentence(study)} "
-                f"{own_speed_sentence(study)} {barred_sentence(study)} {run_up_sentence(study)} "
+                f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
+                f"{run_up_sentence(study)} "
                 f"{misfire_sentence(study)}".rstrip(),
                 (*_critical(study), *_misfires(study)),
                 (campbell, torque),
@@ -68,7 +72,10 @@ def _critical(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
 
 
 def _misfires(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
-    return (("One cylinder that does not fire", misfire_table(study)),) if study.misfires else ()
+    if not study.misfires:
+        return ()
+    own = ("One cylinder that does not fire", misfire_table(study))
+    return (own, (JOINED, joined_misfire_table(study))) if study.joined_sections else (own,)
 
 
 def _facts(study: VibrationStudy) -> tuple[Fact, ...]:

@@ -99,6 +99,15 @@ class RunUpResult(Result):
     speeds: tuple[RunUpSpeed, ...]
 
 
+class JoinedSwing(Result):
+    """The largest torque amplitude of a section that is no part of the crankshaft, such as the coupling."""
+
+    section: str
+    speed_rpm: float
+    torque_amplitude_Nm: float
+    order: float
+
+
 class MisfireWorst(Result):
     """The largest torque amplitude of the crankshaft where one cylinder alone does not fire."""
 
@@ -108,6 +117,8 @@ class MisfireWorst(Result):
     torque_amplitude_Nm: float
     order: float
     shear_MPa: float
+    joined: tuple[JoinedSwing, ...]
+    """Sections outside the crankshaft, each at its own worst speed."""
 
 
 class ShaftVibration(Result):
@@ -217,11 +228,20 @@ def _misfires(study: VibrationStudy) -> tuple[MisfireWorst, ...]:
     return tuple(
         MisfireWorst(
             cylinder=one.cylinder,
-            speed_rpm=one.speed_rpm,
-            section=study.shaft.sections[one.section],
-            torque_amplitude_Nm=one.torque_amplitude_Nm,
-            order=one.order,
-            shear_MPa=study.shaft.shear_MPa(one.torque_amplitude_Nm),
+            speed_rpm=one.crankshaft.speed_rpm,
+            section=study.shaft.sections[one.crankshaft.section],
+            torque_amplitude_Nm=one.crankshaft.torque_amplitude_Nm,
+            order=one.crankshaft.order,
+            shear_MPa=study.shaft.shear_MPa(one.crankshaft.torque_amplitude_Nm),
+            joined=tuple(
+                JoinedSwing(
+                    section=study.shaft.sections[swing.section],
+                    speed_rpm=swing.speed_rpm,
+                    torque_amplitude_Nm=swing.torque_amplitude_Nm,
+                    order=swing.order,
+                )
+                for swing in one.joined
+            ),
         )
         for one in study.misfires
     )

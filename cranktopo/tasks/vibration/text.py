@@ -8,7 +8,7 @@ from cranktopo.base.units import number_text, plain_number
 from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.engine.vibration.study import VibrationStudy, largest_swing
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 
 DISKS = (
@@ -16,6 +16,8 @@ DISKS = (
     "one body by finite elements. An error bound of the stiffness does not cover that."
 )
 """Error of the model itself, as the page of torsional vibration has it."""
+JOINED = "Outside the crankshaft, where the worst cylinder does not fire"
+"""Title of what a misfire does to coupling, damper and line."""
 WEAK = 0.05
 """Share of the cylinders that help each other below which a critical speed is not listed."""
 
@@ -69,11 +71,11 @@ def misfire_table(study: VibrationStudy) -> ResultTable:
     rows: tuple[Row, ...] = tuple(
         {
             "cylinder": str(one.cylinder),
-            "section": study.shaft.sections[one.section],
-            "speed_rpm": one.speed_rpm,
-            "order": one.order,
-            "torque_amplitude_Nm": one.torque_amplitude_Nm,
-            "shear_MPa": study.shaft.shear_MPa(one.torque_amplitude_Nm),
+            "section": study.shaft.sections[one.crankshaft.section],
+            "speed_rpm": one.crankshaft.speed_rpm,
+            "order": one.crankshaft.order,
+            "torque_amplitude_Nm": one.crankshaft.torque_amplitude_Nm,
+            "shear_MPa": study.shaft.shear_MPa(one.crankshaft.torque_amplitude_Nm),
         }
         for one in study.misfires
     )
@@ -81,14 +83,31 @@ def misfire_table(study: VibrationStudy) -> ResultTable:
     return ResultTable({**columns, "shear_MPa": 1}, rows)
 
 
+def joined_misfire_table(study: VibrationStudy) -> ResultTable:
+    """Return the worst cylinder that does not fire for every section that is no part of the crankshaft."""
+    rows: list[Row] = []
+    for place, section in enumerate(study.joined_sections):
+        cylinder, swing = max(
+            ((one.cylinder, one.joined[place]) for one in study.misfires),
+            key=lambda found: round(found[1].torque_amplitude_Nm, 6),
+        )
+        firing = largest_swing(study.response, section)
+        row: dict[str, Cell] = {"section": study.shaft.sections[section], "worst_cylinder": str(cylinder)}
+        row |= {"speed_rpm": swing.speed_rpm, "order": swing.order}
+        row |= {"torque_amplitude_Nm": swing.torque_amplitude_Nm}
+        rows.append({**row, "all_fire_Nm": firing.torque_amplitude_Nm})
+    columns = {"section": 0, "worst_cylinder": 0, "speed_rpm": 0, "order": 1, "torque_amplitude_Nm": 1}
+    return ResultTable({**columns, "all_fire_Nm": 1}, tuple(rows))
+
+
 def misfire_sentence(study: VibrationStudy) -> str:
     """Return what misfire of the worst cylinder would do; empty where it was not asked for."""
-    worst = study.worst_misfire
-    if worst is None:
+    found = study.worst_misfire
+    if found is None:
         return ""
-    amplitude = worst.torque_amplitude_Nm
+    worst, amplitude = found.crankshaft, found.crankshaft.torque_amplitude_Nm
     return (
-        f"Misfire of cylinder {worst.cylinder} is the worst: +-{number_text(amplitude)} N m between "
+        f"Misfire of cylinder {found.cylinder} is the worst: +-{number_text(amplitude)} N m between "
         f"{study.shaft.sections[worst.section].replace(' - ', ' and ')} at {worst.speed_rpm:.0f} rpm, mostly "
         f"of order {worst.order:g}: {amplitude / study.response.worst_Nm:.2f} times that of an engine that "
         "fires in all cylinders."
@@ -137,6 +156,17 @@ def worst_sentence(study: VibrationStudy) -> str:
         f"The crankshaft's torque swings most at {response.speeds_rpm[worst.speed_index]:.0f} rpm between "
         f"{study.shaft.sections[worst.section].replace(' - ', ' and ')}: +-{number_text(amplitude)} N m, "
         f"+-{study.shaft.shear_MPa(amplitude):.1f} MPa nominal shear stress, mostly of order {worst.order:g}."
+    )
+
+
+def pressure_sentence(study: VibrationStudy) -> str:
+    """Tell that one pressure acts at all speeds; empty where the design gives it over speed."""
+    engine = engine_of(study.scene)
+    if engine.gas is None or engine.gas.map:
+        return ""
+    return (
+        f"The pressure is that of {engine.speed_rpm:.0f} rpm at every speed: with less load an engine swings "
+        "less; [[engine.gas.map]] takes the pressure over speed."
     )
 
 
@@ -215,10 +245,17 @@ def vibration_text(study: VibrationStudy) -> str:
     )
     cancelled = cancelled_sentence(study)
     parts += [cancelled] if cancelled else []
-    told = worst_sentence(study), own_speed_sentence(study), run_up_sentence(study)
+    told = (
+        worst_sentence(study),
+        own_speed_sentence(study),
+        pressure_sentence(study),
+        run_up_sentence(study),
+    )
     parts += [terminal(sections_table(study)), "\n".join(filter(None, told))]
     if study.misfires:
         parts[-1:-1] = ["One cylinder that does not fire:", terminal(misfire_table(study))]
+        if study.joined_sections:
+            parts[-1:-1] = [f"{JOINED}:", terminal(joined_misfire_table(study))]
         parts[-1] += f"\n{misfire_sentence(study)}"
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
     parts[-1] += f"\n{_stiffness_sentence(study)}".rstrip()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -47,9 +47,15 @@ def check_ends(scene: ThrowView, key: str, ends: Ends, diameter_mm: float, outle
         raise invalid(f"{key}.outlet_radius_mm", outlet_radius_mm, allowed)
 
 
-def check_bore(scene: ThrowView, ends: Ends, bore: DrillBore) -> None:
-    """Check that a drilling joins its two surfaces inside the throw."""
-    _check_lean(bore)
+def check_bore(
+    scene: ThrowView, ends: Ends, bore: DrillBore, turned: Callable[[str, float], DrillBore]
+) -> None:
+    """Check that a drilling joins its two surfaces inside the throw.
+
+    Args:
+        turned: the same drilling with another angle_deg of one end.
+    """
+    _check_lean(bore, dict(ends), turned)
     _check_outlets(scene, ends, bore)
     _check_in_journals(scene, bore)
     _check_in_web(scene, bore)
@@ -87,7 +93,9 @@ def _check_crossing(own: ThrowView, other: ThrowView, bore: DrillBore) -> None:
         )
 
 
-def _check_lean(bore: DrillBore) -> None:
+def _check_lean(
+    bore: DrillBore, ends: Mapping[str, DrillingEnd], turned: Callable[[str, float], DrillBore]
+) -> None:
     if not bore.length_mm:
         raise CranktopoError(f"{bore.key}: begins where it ends.", hint="Give 'from' and 'to' two places.")
     for name, outlet in zip(_ENDS, bore.outlets, strict=True):
@@ -101,8 +109,19 @@ def _check_lean(bore: DrillBore) -> None:
             raise CranktopoError(
                 f"{bore.key}.{name}: the drilling leans {angle:.0f} deg from the normal of the "
                 f"{_words(outlet)}, at most {_LARGEST_OBLIQUITY_DEG:g} deg.",
-                hint="Change an angle_deg or a place_mm.",
+                hint=_nearest_angle(bore.key, name, ends[name].angle_deg, turned),
             )
+
+
+def _nearest_angle(key: str, name: str, angle_deg: float, turned: Callable[[str, float], DrillBore]) -> str:
+    """Return the nearest whole angle of an end at which neither outlet leans too much, in words."""
+    for step in range(1, 181):
+        for angle in (round(angle_deg) - step, round(angle_deg) + step):
+            leans = [outlet.obliquity_deg for outlet in turned(name, angle).outlets]
+            if max(leans) <= _LARGEST_OBLIQUITY_DEG:
+                angle -= 360 * (angle > 360) - 360 * (angle < -360)
+                return f"The nearest that does is {key}.{name}.angle_deg = {angle} ({max(leans):.0f} deg)."
+    return "Change both angles, or a place_mm."
 
 
 def _words(outlet: DrillOutlet) -> str:

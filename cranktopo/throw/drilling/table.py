@@ -59,7 +59,14 @@ class Drilling(Feature):
 
     @override
     def check_in_web(self, scene: ThrowView, key: str) -> None:
-        check_bore(scene, self.ends, *self.bodies(scene, key))
+        def turned(name: str, angle_deg: float) -> DrillBore:
+            field = "start" if name == "from" else "end"
+            moved = getattr(self, field).model_copy(update={"angle_deg": angle_deg})
+            (found,) = self.model_copy(update={field: moved}).bodies(scene, key)
+            return found
+
+        (bore,) = self.bodies(scene, key)
+        check_bore(scene, self.ends, bore, turned)
 
     @override
     def dimensions_mm(self, key: str) -> Iterator[tuple[str, float, float]]:

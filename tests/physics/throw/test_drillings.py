@@ -221,6 +221,21 @@ def test_refused(change: dict[str, object], message: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(("angle_deg", "nearest"), [(60.0, 81), (-60.0, -80), (300.0, 280)])
+def test_the_nearest_angle_at_which_a_drilling_leans_less_is_told(angle_deg: float, nearest: int) -> None:
+    """A chord over an angle c of the pin leans (180 - c) / 2 deg at both ends: c is at least 80 deg."""
+
+    def begun(at_deg: float) -> Scene:
+        start = {"on": "crankpin", "angle_deg": at_deg, "place_mm": 6.0}
+        return mikron({**STRAIGHT, "from": start, "to": {**start, "angle_deg": 0.5}}, bore_diameter_mm=0.0)
+
+    told = f"The nearest that does is throw.drilling[0].from.angle_deg = {nearest} ("
+    with pytest.raises(CranktopoError) as caught:
+        begun(angle_deg)
+    assert told in caught.value.hint
+    begun(float(nearest))
+
+
 def test_refused_together() -> None:
     with pytest.raises(CranktopoError, match=r"throw.crankpin has no bore"):
         mikron(RADIAL, bore_diameter_mm=0.0)

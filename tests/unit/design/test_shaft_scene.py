@@ -72,3 +72,9 @@ def test_warnings(table: str, said: list[str]) -> None:
 def test_speeds_from_a_third_of_the_rated_to_the_highest() -> None:
     assert speed_range_rpm(parse_scene(with_shaft(""))) == (700.0, 2800.0)
     assert speed_range_rpm(parse_scene(with_shaft("speed_max_rpm = 2500.0"))) == (700.0, 2500.0)
+
+
+def test_a_resonance_just_above_the_rated_speed_is_seen() -> None:
+    """Of an engine without an overspeed 5 % above its speed count, as class rules ask."""
+    own = "\n".join(line for line in with_shaft("").splitlines() if not line.startswith("overspeed_rpm"))
+    assert speed_range_rpm(parse_scene(own)) == (700.0, 1.05 * 2100.0)

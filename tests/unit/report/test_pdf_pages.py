@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from matplotlib.figure import Figure
 
 from cranktopo.report.page import Fact, Page, Section, pairs
 from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, _broken, table
 from cranktopo.report.pdf_file import blocks, sheets, write_pdf
-from cranktopo.report.plot import picture
+from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable
 
 _LONG = "the largest radial force of the cycle on the web, and why it is that and no other of them"
@@ -86,3 +87,21 @@ def test_pairs_have_no_head_and_plots_stand_side_by_side(tmp_path: Path) -> None
     path = tmp_path / "page.pdf"
     write_pdf(page, path, "D-1")
     assert path.read_bytes().startswith(b"%PDF")
+
+
+def test_a_drawing_is_turned_and_as_large_as_a_page() -> None:
+    """An A3 sheet: 0.7 of its size on A4, where across a page it had 0.42."""
+    figure = Figure(figsize=(420 / 25.4, 297 / 25.4))
+    figure.text(0.0, 0.5, "left")
+    sheet = Picture("drawing", figure, "a drawing", sheet=True)
+    page = Page("t", "s", "h", (), (Section("a", "A", "", (), (sheet,)), Section("b", "B", "words")))
+    own = next(part for part in sheets(list(blocks(page))) if any(block.height > 600 for block in part))
+    (drawing,) = (block for block in own if block.height > 600)
+    assert drawing.height == pytest.approx(min(HEIGHT - 2 * MARGIN, ROOM * 2**0.5), rel=1e-2)
+    paper = Figure(figsize=(595 / 72, 842 / 72))
+    drawing.draw(paper, HEIGHT - MARGIN)
+    image = paper.axes[0].images[0].get_array()
+    assert image.shape[0] / image.shape[1] == pytest.approx(2**0.5, rel=1e-2)
+    dark = image[..., :3].sum(axis=2) < 1.0
+    assert dark[-image.shape[0] // 4 :].any(), "what is left on the sheet is at the foot of the page"
+    assert not dark[: image.shape[0] // 2].any()
