@@ -204,18 +204,28 @@ def _run(arguments: list[str]) -> int:
     except click.ClickException as error:
         return _report(CranktopoError(error.format_message(), code=ExitCode.USAGE), arguments)
     except (click.Abort, KeyboardInterrupt):
-        return _report(CranktopoError("interrupted.", code=ExitCode.INTERRUPTED), arguments)
+        return _report(_INTERRUPTED, arguments)
     except (BrokenPipeError, SystemExit):  # click turns the first into the second
         return ExitCode.DONE
     except OSError as error:  # a file or stream that the system refuses in the middle of the work
         return _report(_NO_MEMORY if lacks_memory(error) else _system_error(error), arguments)
     except Exception as error:
+        if _wraps_interruption(error):
+            return _report(_INTERRUPTED, arguments)
         return _report(_NO_MEMORY, arguments) if lacks_memory(error) else _internal(error, arguments)
 
 
+_INTERRUPTED = CranktopoError("interrupted.", code=ExitCode.INTERRUPTED)
 _NO_MEMORY = CranktopoError(
     "not enough memory.", hint="Take larger cells or elements, or allow more memory.", code=ExitCode.SOLVER
 )
+
+
+def _wraps_interruption(error: BaseException | None) -> bool:
+    """Tell whether an interruption became this error on its way, as in the making of a class by an import."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def end_cut_off() -> None:

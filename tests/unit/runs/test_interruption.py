@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from cranktopo.app.main import main
 from cranktopo.runs.kind import interruptible
 
 
@@ -218,3 +219,20 @@ def test_a_native_module_begins_before_the_end() -> None:
     """jaxlib ended by signal 11 where Ctrl-C fell into its beginning."""
     done = subprocess.run([sys.executable, "-c", _BEGINNING], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["begun", "ended"]
+
+
+def test_an_interruption_that_a_library_turned_into_its_own_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Ctrl-C while an import makes a class: Python raises a RuntimeError from it (seen in matplotlib)."""
+
+    class Field:
+        def __set_name__(self, owner: type, name: str) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    def loaded(*_: object, **__: object) -> None:
+        type("Axes", (), {"field": Field()})
+
+    monkeypatch.setattr("cranktopo.design.loading.builtin_designs", loaded)
+    assert main(["designs", "list"]) == 130
+    assert capsys.readouterr().err == "error: interrupted.\n"
