@@ -37,19 +37,27 @@ def main() -> NoReturn:
     from cranktopo.app.main import main as run
 
     sys.unraisablehook = _raise_again
-    for number in ours:
-        signal.signal(number, interrupt)
     _watch(ours)
     code: int | str | None = 0
-    try:
-        run()
-    except SystemExit as end:
-        code = end.code
-    except KeyboardInterrupt:
-        code = _INTERRUPTED
-    for number in ours:  # nothing is left to save, only Python's own end
-        signal.signal(number, signal.SIG_DFL)
+    try:  # whatever a handler may raise in
+        for number in ours:
+            signal.signal(number, interrupt)
+        try:
+            run()
+        except SystemExit as end:
+            code = end.code
+        _leave(ours)
+    except KeyboardInterrupt:  # before the command began, or after its end
+        code = code or _INTERRUPTED
+        with suppress(KeyboardInterrupt):
+            _leave(ours)
     _end(int(code or 0))
+
+
+def _leave(numbers: list[signal.Signals]) -> None:
+    """Let signals end the process: nothing is left to save, only Python's own end."""
+    for number in numbers:
+        signal.signal(number, signal.SIG_DFL)
 
 
 def _watch(numbers: list[signal.Signals]) -> None:
