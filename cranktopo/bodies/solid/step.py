@@ -139,16 +139,15 @@ def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
     Where a face runs out in a sliver, at the rounded outlet of a drilling say, the kernel leaves its last
     triangle out, and may turn a face the wrong way.
     """
-    from trimesh.repair import fill_holes, fix_normals
+    from trimesh.repair import fill_holes
 
-    from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+    from cranktopo.numerics.surfaces.mesh import SurfaceMesh, outward
 
     body = mesh.as_trimesh()
     if body.is_watertight and body.is_winding_consistent:
         return mesh
     fill_holes(body)
-    fix_normals(body, multibody=False)
-    return SurfaceMesh(np.asarray(body.vertices, float), np.asarray(body.faces, np.int64))
+    return outward(SurfaceMesh(np.asarray(body.vertices, float), np.asarray(body.faces, np.int64)))
 
 
 def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:

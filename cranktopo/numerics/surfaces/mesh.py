@@ -128,6 +128,28 @@ def connected(nodes: int, links: NDArray[np.int64]) -> _Labels:
     return labels
 
 
+def outward(mesh: SurfaceMesh) -> SurfaceMesh:
+    """Return a mesh whose faces run around as their neighbours do, the volume inside positive.
+
+    Of every connected part the fewer faces are turned. Each face is a node twice, as it is and turned; nodes
+    of neighbours that agree are joined, so that a part falls into a sheet and the same sheet turned.
+    """
+    count = len(mesh.faces)
+    ends = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+    order = np.argsort(edge, kind="stable")
+    paired = np.flatnonzero(np.bincount(edge)[edge[order]] == 2)
+    one, other = order[paired[::2]], order[paired[1::2]]
+    alike = (ends[one, 0] < ends[one, 1]) == (ends[other, 0] < ends[other, 1])  # the edge in the same sense
+    a, b = one // 3, other // 3 + count * alike
+    twins = np.stack([a + count, (b + count) % (2 * count)], axis=1)
+    label = connected(2 * count, np.concatenate([np.stack([a, b], axis=1), twins]))
+    turned, part = label[:count] > label[count:], np.minimum(label[:count], label[count:])
+    turned ^= (np.bincount(part, turned) > np.bincount(part) / 2)[part]
+    found = SurfaceMesh(mesh.vertices_mm, np.where(turned[:, None], mesh.faces[:, ::-1], mesh.faces))
+    return found if found.volume_mm3 >= 0 else SurfaceMesh(found.vertices_mm, found.faces[:, ::-1])
+
+
 def welded(mesh: SurfaceMesh, within_mm: float) -> SurfaceMesh:
     """Return a mesh with vertices joined that lie within a distance, without triangles that lose a corner."""
     from scipy.spatial import cKDTree

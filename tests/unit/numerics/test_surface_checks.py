@@ -19,6 +19,7 @@ from cranktopo.numerics.surfaces.mesh import (
     check_manifold,
     check_self_intersection,
     mesh_of,
+    outward,
     shell_volumes_mm3,
     shells,
     solid_of,
@@ -196,3 +197,21 @@ def test_gmsh_reads_the_stl(slot: WebSurface, tmp_path: Path) -> None:
 def test_unwritable_stl_is_a_clear_error(slot: WebSurface, tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match="cannot be written"):
         write_stl(tmp_path / "absent" / "web.stl", slot.half_throw)
+
+
+def test_faces_are_turned_as_their_neighbours() -> None:
+    """Of two bodies, one with a hollow, with a third of the faces turned: as they were before; and inside out."""
+    outside, hollow = (trimesh.creation.icosphere(3, radius) for radius in (3.0, 1.0))
+    hollow.invert()
+    ring = trimesh.creation.torus(5.0, 1.0)
+    ring.apply_translation([20.0, 0.0, 0.0])
+    body = trimesh.util.concatenate([outside, hollow, ring])
+    faces = np.array(body.faces, np.int64)
+    some = np.random.default_rng(1).random(len(faces)) < 0.3
+    mixed = np.where(some[:, None], faces[:, ::-1], faces)
+    for given in (mixed, mixed[:, ::-1]):
+        found = outward(SurfaceMesh(np.asarray(body.vertices), given))
+        assert (np.sort(found.faces, axis=1) == np.sort(faces, axis=1)).all()
+        assert found.as_trimesh().is_winding_consistent
+        assert found.volume_mm3 == pytest.approx(body.volume, rel=1e-12)
+    assert (shell_volumes_mm3(outward(SurfaceMesh(np.asarray(body.vertices), mixed))) < 0).sum() == 1
