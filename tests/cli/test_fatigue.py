@@ -108,7 +108,7 @@ def test_small_fillets_stay_where_the_method_needs_no_fatigue_strength(
     """Fillets of 0.8 mm change the stiffness by less than the threshold, so the plan leaves them out."""
     met = []
 
-    def solved(target: Target, *_: object) -> None:
+    def solved(target: Target, *_: object, **__: object) -> None:
         met.append(target.scene.throw.crankpin.fillet_mm)
         raise CranktopoError("met.")
 

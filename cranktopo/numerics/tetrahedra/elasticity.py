@@ -81,20 +81,23 @@ def _add_elements(body: Any, parts: Sequence[Pattern], lame: tuple[float, float]
     return volume
 
 
-def inverse_jacobians(body: Any) -> Iterator[tuple[slice, Array, Array]]:
+def inverse_jacobians(
+    body: Any, elements: NDArray[np.intp] | None = None
+) -> Iterator[tuple[slice, Array, Array]]:
     """Yield some thousand elements, the inverse Jacobian matrices of their points and the volumes of these.
 
     The points are those of the stiffness; inverses (elements, points, place, reference), volumes (elements,
-    points).
+    points). Of some elements alone, by default all; each part is a slice of these.
 
     Raises:
         CranktopoError: an element is inverted.
     """
     points, weights = quadrature(STIFFNESS_ORDER)
     reference = shape_gradients(points)
-    for start in range(0, body.nelements, _CHUNK):
+    count = body.nelements if elements is None else len(elements)
+    for start in range(0, count, _CHUNK):
         which = slice(start, start + _CHUNK)
-        minors, determinant = _jacobian(body, which, reference)
+        minors, determinant = _jacobian(body, which if elements is None else elements[which], reference)
         if determinant.min() <= 0:
             raise solver_error("mesh: an element is inverted.", "Choose another element size.")
         yield which, minors / determinant[..., None, None], determinant * weights

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,17 +64,36 @@ def nodal_stress(model: Elasticity, displacement_mm: Array, youngs_MPa: float, p
     through them gives the corners, and the means of corners the edge nodes (Barlow, Int. J. Num. Meth. Eng.,
     1976).
     """
-    cells, points = model.mesh.dofs.element_dofs, quadrature(STIFFNESS_ORDER)[0]
-    reference, spread = shape_gradients(points), nodes_from_points(points[:, 1:].T)
-    fields = displacement_mm.reshape(len(displacement_mm), -1, 3)
-    element, volume = np.empty((len(fields), cells.shape[1], 10, 6)), np.empty(cells.shape[1])
-    for which, inverse, dx in inverse_jacobians(model.mesh):
-        shapes = np.einsum("qnj,eqij->qien", reference, inverse, optimize=True)
-        slopes = np.einsum("qien,fnea->feqai", shapes, fields[:, cells[:, which]], optimize=True)
-        stress = hooke(tensor_strain(slopes), youngs_MPa, poisson)
+    cells, spread = model.mesh.dofs.element_dofs, nodes_from_points(quadrature(STIFFNESS_ORDER)[0][:, 1:].T)
+    element, volume = np.empty((len(displacement_mm), cells.shape[1], 10, 6)), np.empty(cells.shape[1])
+    for which, stress, dx in _by_chunks(model, None, displacement_mm, (youngs_MPa, poisson)):
         element[:, which] = np.einsum("nq,feqc->fenc", spread, stress, optimize=True)
         volume[which] = dx.sum(axis=1)
     return _averaged(cells, volume, element)
+
+
+def point_stresses(
+    model: Elasticity, elements: Index, displacement_mm: Array, youngs_MPa: float, poisson: float
+) -> Array:
+    """Return the stresses of displacement fields (fields, unknowns) at the points of the stiffness, MPa.
+
+    Of some elements, shape (fields, elements, points, 6).
+    """
+    chunks = _by_chunks(model, elements, displacement_mm, (youngs_MPa, poisson))
+    return np.concatenate([stress for _, stress, _ in chunks], axis=1)
+
+
+def _by_chunks(
+    model: Elasticity, elements: Index | None, displacement_mm: Array, elastic: tuple[float, float]
+) -> Iterator[tuple[slice, Array, Array]]:
+    """Yield some elements, stresses (fields, elements, points, 6) at their points, volumes of these."""
+    cells, reference = model.mesh.dofs.element_dofs, shape_gradients(quadrature(STIFFNESS_ORDER)[0])
+    cells = cells if elements is None else cells[:, elements]
+    fields = displacement_mm.reshape(len(displacement_mm), -1, 3)
+    for which, inverse, dx in inverse_jacobians(model.mesh, elements):
+        shapes = np.einsum("qnj,eqij->qien", reference, inverse, optimize=True)
+        slopes = np.einsum("qien,fnea->feqai", shapes, fields[:, cells[:, which]], optimize=True)
+        yield which, hooke(tensor_strain(slopes), *elastic), dx
 
 
 def _averaged(elements: NDArray[np.intp], volume: Array, element: Array) -> NodalStress:

@@ -33,7 +33,7 @@ from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 _WANTED_PERCENT = (5.0, 2.0, 1.0, 0.5)
 _REFERENCES: dict[StudyName, tuple[str, ...]] = {
     EVALUATION: ("graded", "uniform"),
-    FILLET_STRESS: ("fillet",),
+    FILLET_STRESS: ("fillet", "coarse fillet"),
     OPTIMISER: ("cells",),
 }
 """Families that the limit of a study is extrapolated from, the first one that has two levels."""

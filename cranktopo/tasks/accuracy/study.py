@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.machine import Machine, forget_peak_memory, peak_memory_MiB, this_machine
 from cranktopo.base.notes import note
+from cranktopo.bodies.mesh.solid_mesh import serves_polynomials
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
@@ -70,7 +71,7 @@ def _solve(target: Target, fraction: float) -> Level:
     return Level(
         study=FILLET_STRESS,
         name=f"fillet {fraction:g} r",
-        family="fillet",
+        family="fillet" if serves_polynomials(fraction) else "coarse fillet",  # stresses by other means
         settings={"fillet_fraction": fraction},
         size_mm=found.quality.fillet_size_mm,
         unknowns=3 * found.quality.nodes,

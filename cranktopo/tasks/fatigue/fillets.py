@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.outlet import DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import FilletSection
 
@@ -87,6 +89,14 @@ def outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
     return near
 
 
+def rounded_outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
+    """Return which points (3, n) of the near half throw lie at a rounded outlet of an oil bore, (n,)."""
+    near = np.zeros(points_mm.shape[1], dtype=bool)
+    for outlet, at in _by_outlet(half, points_mm):
+        near |= at if outlet.rounding_mm else False
+    return near
+
+
 def _outlet(half: Scene, point_mm: Array) -> str:
     """Return the journal of the oil outlet that a point of a half throw lies at, else ""."""
     return next((journal for journal, at in _at_outlets(half, point_mm[:, None]).items() if at[0]), "")
@@ -95,14 +105,19 @@ def _outlet(half: Scene, point_mm: Array) -> str:
 def _at_outlets(half: Scene, points_mm: Array) -> dict[str, NDArray[np.bool_]]:
     """Return which points (3, n) lie at outlets, by the journal of these."""
     found: dict[str, NDArray[np.bool_]] = {}
+    for outlet, at in _by_outlet(half, points_mm):
+        journal = outlet.journal.replace("_", " ")
+        found[journal] = found.get(journal, False) | at
+    return found
+
+
+def _by_outlet(half: Scene, points_mm: Array) -> Iterator[tuple[DrillOutlet, NDArray[np.bool_]]]:
+    """Yield the outlets on journals, and which points (3, n) lie at each."""
     for bore in drill_bores(half):
         for outlet in bore.outlets:
             reach = 1.5 * bore.radius_mm / math.cos(math.radians(outlet.obliquity_deg)) + outlet.rounding_mm
             if not outlet.in_bore:
-                away = np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0)
-                journal = outlet.journal.replace("_", " ")
-                found[journal] = found.get(journal, False) | (away < reach)
-    return found
+                yield outlet, np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0) < reach
 
 
 def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:

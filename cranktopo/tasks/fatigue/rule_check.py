@@ -175,7 +175,9 @@ def _check(
     moment = force * share * web_lever_mm(scene)
     nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
     note(f"{target.name}: four-point bending, three-point bending and torsion")
-    model = solve_stresses(_held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction)
+    model = solve_stresses(
+        _held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction, by_rule=True
+    )
     scf_rule, scf_fem = concentration_factors(size), element_factors(model)
     return RuleCheck(
         target.name,

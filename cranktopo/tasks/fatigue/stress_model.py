@@ -15,10 +15,11 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.notes import Pace
 from cranktopo.base.units import MPA_PER_GPA
-from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
+from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw, serves_polynomials
 from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
+from cranktopo.numerics.tetrahedra.fitted_stress import fitted_stress
 from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
@@ -30,7 +31,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     surface_stress,
     von_mises,
 )
-from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes, outlet_nodes
+from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes, outlet_nodes, rounded_outlet_nodes
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
@@ -124,12 +125,18 @@ _STEPS = ("a mesh that follows the fillets", "unit loads", "stresses on the surf
 
 
 def solve_stresses(
-    target: Target, kinds: Collection[FieldKind], fillet_fraction: float = RULE_FRACTION
+    target: Target,
+    kinds: Collection[FieldKind],
+    fillet_fraction: float = RULE_FRACTION,
+    *,
+    by_rule: bool = False,
 ) -> StressModel:
     """Mesh a throw for stresses and solve the unit loads that are asked for.
 
     Args:
         fillet_fraction: element size in the fillets over their radius.
+        by_rule: means over the elements at a node on a regular mesh, whose quality IACS UR M53 asks for; else
+            fitted polynomials, where the elements are fine enough for them.
 
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh or solve.
@@ -138,13 +145,13 @@ def solve_stresses(
     start = time.perf_counter()
     pace = Pace(f"{target.name}: stresses", len(_STEPS))
     pace.begin(_STEPS[0])
-    meshed, scene = mesh_for_stress(target, fillet_fraction)
+    meshed, scene = mesh_for_stress(target, fillet_fraction, by_rule=by_rule)
     pace.begin(_STEPS[1])
     began_solving = time.perf_counter()
     model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
     fields = unit_fields(model, scene, meshed.mesh.mirrored, kinds, whole=meshed.whole, residual=_RESIDUAL)
     pace.begin(_STEPS[2])
-    found = stress_model(target.name, scene, meshed, model, fields, fillet_fraction)
+    found = stress_model(target.name, scene, meshed, model, fields, fillet_fraction, by_rule=by_rule)
     mesh_s, solve_s = began_solving - start, time.perf_counter() - began_solving
     return replace(found, quality=replace(found.quality, mesh_seconds=mesh_s, solve_seconds=solve_s))
 
@@ -156,14 +163,17 @@ def stress_model(
     model: Elasticity,
     fields: Sequence[UnitField],
     fillet_fraction: float,
+    *,
+    by_rule: bool = False,
 ) -> StressModel:
     """Return the stresses of displacement fields on the surface of a throw, without the times that they took.
 
     Raises:
         CranktopoError: no node on the fillets.
     """
-    youngs, poisson = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
-    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), youngs, poisson)
+    elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    moved = np.stack([f.displacement_mm for f in fields])
+    found = nodal_stress(model, moved, *elastic)
     end = scene.pitch_mm if meshed.whole else scene.pitch_mm / 2
     planes = [(2, 0.0), (2, end)] + ([(0, 0.0)] if meshed.mesh.mirrored else [])
     surface = outer_surface(model, found.elements, tuple(planes))
@@ -172,6 +182,11 @@ def stress_model(
         _where(scene, meshed.whole, partial(_on_fillet, fillet), surface.points_mm)
         for fillet in ("journal", "pin")
     )
+    if serves_polynomials(fillet_fraction) and not by_rule:
+        on = journal | pin | _where(scene, meshed.whole, rounded_outlet_nodes, surface.points_mm)
+        stress.stress_MPa[:, on], stress.depth_MPa_per_mm[:, on] = fitted_stress(
+            model, surface, on, moved, elastic
+        )
     return StressModel(
         name,
         scene,
@@ -247,8 +262,13 @@ def _step_of(target: Target) -> Path:
     return target.file
 
 
-def mesh_for_stress(target: Target, fillet_fraction: float) -> tuple[MeshedThrow, Scene]:
+def mesh_for_stress(
+    target: Target, fillet_fraction: float, *, by_rule: bool = False
+) -> tuple[MeshedThrow, Scene]:
     """Return the mesh of a target for stresses, and its scene with the fillets that the mesh has.
+
+    Args:
+        by_rule: as in `solve_stresses`.
 
     Raises:
         CranktopoError: a surface file, a fillet of radius 0, or a failed mesh.
@@ -258,10 +278,11 @@ def mesh_for_stress(target: Target, fillet_fraction: float) -> tuple[MeshedThrow
     size = min(default_element_size_mm(scene), thinner / _ACROSS_WEB)
     if target.file is None:
         check_fillets(target)
-        return mesh_throw(scene, size, fillet_fraction=fillet_fraction), scene
+        return mesh_throw(scene, size, fillet_fraction=fillet_fraction, regular=by_rule), scene
     from cranktopo.tasks.importing.imported_body import mesh_step_for_stress
 
-    return mesh_step_for_stress(_step_of(target), scene, size, fillet_fraction, target.align)
+    path = _step_of(target)
+    return mesh_step_for_stress(path, scene, size, fillet_fraction, target.align, regular=by_rule)
 
 
 def images_of(fields: Sequence[UnitField], mirrored: bool, *, whole: bool = False) -> tuple[Image, ...]:

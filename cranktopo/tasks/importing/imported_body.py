@@ -65,30 +65,53 @@ def _mesh_step(path: Path, scene: Scene, element_size_mm: float, align: bool) ->
 
 
 def mesh_step_for_stress(
-    path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool = False
+    path: Path,
+    scene: Scene,
+    element_size_mm: float,
+    fillet_fraction: float,
+    align: bool = False,
+    *,
+    regular: bool = False,
 ) -> tuple[MeshedThrow, Scene]:
     """Return the mesh of a STEP file's half throw, fine in the fillets found on it, and the scene with these.
 
     The fraction is the element size in a fillet over its radius; a journal without one raises CranktopoError.
+
+    Args:
+        regular: as in `mesh_throw`.
     """
-    return by_kernel(f"'{path}'", _mesh_for_stress, path, scene, element_size_mm, fillet_fraction, align)
+    settings = scene, element_size_mm, fillet_fraction, align, regular
+    return by_kernel(f"'{path}'", _mesh_for_stress, path, *settings)
 
 
 def _mesh_for_stress(
-    path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool
+    path: Path, scene: Scene, element_size_mm: float, fillet_fraction: float, align: bool, regular: bool
 ) -> tuple[MeshedThrow, Scene]:
     with cad_session(f"solid of {path}") as gmsh:
         found = _solid(gmsh, path, scene, align)
         gmsh.model.occ.synchronize()
         scene = with_found_fillets(gmsh, scene, str(path))
-        return _meshed(gmsh, found, scene, element_size_mm, fillet_fraction), scene
+        return _meshed(gmsh, found, scene, element_size_mm, fillet_fraction, regular), scene
 
 
 def _meshed(
-    gmsh: Any, found: _Solid, scene: Scene, size: float, fillet_fraction: float | None = None
+    gmsh: Any,
+    found: _Solid,
+    scene: Scene,
+    size: float,
+    fillet_fraction: float | None = None,
+    regular: bool = False,
 ) -> MeshedThrow:
     mirrored = _halved(gmsh.model.occ, found.body, scene)
-    mesh = mesh_body(gmsh, scene, size, mirrored=mirrored, full=found.whole, fillet_fraction=fillet_fraction)
+    mesh = mesh_body(
+        gmsh,
+        scene,
+        size,
+        mirrored=mirrored,
+        full=found.whole,
+        fillet_fraction=fillet_fraction,
+        regular=regular,
+    )
     return MeshedThrow(mesh, found.properties, found.web_mm3, found.note, found.whole)
 
 

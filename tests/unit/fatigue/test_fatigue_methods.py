@@ -123,7 +123,7 @@ def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
     data["supports"] = {**data["supports"], "bending": "clamped", "torsion": "held"}
     held: list[Scene] = []
 
-    def solved(target: Target, *_: object) -> None:
+    def solved(target: Target, *_: object, **__: object) -> None:
         held.append(target.scene)
         raise CranktopoError("enough")
 

@@ -200,7 +200,7 @@ def test_unwritable_stl_is_a_clear_error(slot: WebSurface, tmp_path: Path) -> No
 
 
 def test_faces_are_turned_as_their_neighbours() -> None:
-    """Of two bodies, one with a hollow, with a third of the faces turned: as they were before; and inside out."""
+    """Of two bodies, one with a hollow, with a third of the faces turned, or two thirds: as they were."""
     outside, hollow = (trimesh.creation.icosphere(3, radius) for radius in (3.0, 1.0))
     hollow.invert()
     ring = trimesh.creation.torus(5.0, 1.0)
