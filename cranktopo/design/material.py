@@ -172,7 +172,7 @@ class Fatigue(SceneTable):
     """Surface, size and rule factors of the fatigue methods.
 
     Defaults: size and survival factor and specimen of J. Voparil, Brno University of Technology, 2011; ground
-    fillets; drop forging and trunk piston engine of IACS UR M53.
+    fillets; free forging and trunk piston engine of IACS UR M53.
     """
 
     surface_treatment_factor: float = Field(default=1.0, ge=0.5, le=3.0)
@@ -189,8 +189,9 @@ class Fatigue(SceneTable):
     """Diameter of the specimens of the fatigue strengths."""
     roughness_um: float = Field(default=6.3, ge=0.01, le=1000)
     """Roughness Rz of the fillets."""
-    process_factor: float = Field(default=1.05, ge=0.1, le=1.5)
-    """Factor K of IACS UR M53 for the way of forging: 1.05 drop forged, 1.0 free forged, 0.93 cast."""
+    process_factor: float = Field(default=1.0, ge=0.1, le=1.5)
+    """Factor K of IACS UR M53 for the way of forging: 1.0 free forged, by default, as it asks least of the
+    forge; 1.05 with continuous grain flow or drop forged, 0.93 cast."""
     additional_stress_MPa: float = Field(default=10.0, ge=0, le=1e4)
     """Additional bending stress of IACS UR M53: 10 for trunk piston engines."""
     m53_factors: M53Factors = "lower"

@@ -89,10 +89,21 @@ def outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
     return near
 
 
+def cut_outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
+    """Return which points (3, n) of the near half throw lie at an outlet across its mid-journal plane, (n,).
+
+    That section moves as one rigid body in the model, so that a hole in it has stresses that no shaft has.
+    """
+    cut = np.zeros(points_mm.shape[1], dtype=bool)
+    for outlet, reach_mm, at in _by_outlet(half, points_mm):
+        cut |= at if abs(outlet.point_mm[2]) < reach_mm else False
+    return cut
+
+
 def rounded_outlet_nodes(half: Scene, points_mm: Array) -> NDArray[np.bool_]:
     """Return which points (3, n) of the near half throw lie at a rounded outlet of an oil bore, (n,)."""
     near = np.zeros(points_mm.shape[1], dtype=bool)
-    for outlet, at in _by_outlet(half, points_mm):
+    for outlet, _, at in _by_outlet(half, points_mm):
         near |= at if outlet.rounding_mm else False
     return near
 
@@ -105,19 +116,20 @@ def _outlet(half: Scene, point_mm: Array) -> str:
 def _at_outlets(half: Scene, points_mm: Array) -> dict[str, NDArray[np.bool_]]:
     """Return which points (3, n) lie at outlets, by the journal of these."""
     found: dict[str, NDArray[np.bool_]] = {}
-    for outlet, at in _by_outlet(half, points_mm):
+    for outlet, _, at in _by_outlet(half, points_mm):
         journal = outlet.journal.replace("_", " ")
         found[journal] = found.get(journal, False) | at
     return found
 
 
-def _by_outlet(half: Scene, points_mm: Array) -> Iterator[tuple[DrillOutlet, NDArray[np.bool_]]]:
-    """Yield the outlets on journals, and which points (3, n) lie at each."""
+def _by_outlet(half: Scene, points_mm: Array) -> Iterator[tuple[DrillOutlet, float, NDArray[np.bool_]]]:
+    """Yield the outlets on journals, how far around each one counts, mm, and which points (3, n) that are."""
     for bore in drill_bores(half):
         for outlet in bore.outlets:
             reach = 1.5 * bore.radius_mm / math.cos(math.radians(outlet.obliquity_deg)) + outlet.rounding_mm
             if not outlet.in_bore:
-                yield outlet, np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0) < reach
+                away = np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0)
+                yield outlet, reach, away < reach
 
 
 def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:

@@ -94,6 +94,19 @@ class RuleCheck:
 
     @property
     def not_judged(self) -> dict[str, str]:
+        """Places that the rule does not judge, and why."""
+        return self.unproven | self.uncovered
+
+    @property
+    def unproven(self) -> dict[str, str]:
+        """Fillets at which factors of elements govern whose mesh misses the rule's checks, and these."""
+        if self.quality.within_limits:
+            return {}
+        fillets = [fillet for fillet, by in self.governing.items() if by == "elements"]
+        return {f"{fillet} fillet": self.quality.shortfall for fillet in fillets}
+
+    @property
+    def uncovered(self) -> dict[str, str]:
         """Outlets that the rule's factors do not cover, and why."""
         leaning = {outlet.place: "; ".join(outlet.outside) for outlet in self.outlets if outlet.outside}
         return leaning | dict(self.journal_outlets)
@@ -105,7 +118,10 @@ class RuleCheck:
 
     @property
     def verdict(self) -> Verdict:
-        """Answer of the rule: it accepts a throw only if it judges every fillet and outlet of an oil bore."""
+        """Answer of the rule: it accepts a throw only if it judges every fillet and outlet of an oil bore.
+
+        Factors of elements count as judged where the mesh keeps the checks of Appendix III.
+        """
         if self.safety < LEAST_FACTOR:
             return "not accepted"
         return "not judged" if self.not_judged else "accepted"

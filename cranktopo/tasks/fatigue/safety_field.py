@@ -169,7 +169,7 @@ def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple
         np.stack([e.local.amplitude_MPa for e in found]),
         np.stack([e.local.mean_MPa for e in found]),
         judged.critical(model.judged),
-        None if model.judged.all() else judged.critical(~model.judged),
+        judged.critical(model.sharp) if model.sharp.any() else None,
         fillet,
         {web: float(safety[:, nodes].min()) for web, nodes in webs.items()},
         hardening=_hardening(model, method, found, safety),
@@ -189,7 +189,7 @@ def _safety(
     chosen = safety_method(method)
     if not isinstance(chosen, PlaneCriterion):
         return np.stack([point_safety(model, method, extremes.local) for extremes in found])
-    parts = [model.judged, ~model.judged, model.on_journal, model.on_pin, *webs]
+    parts = [model.judged, model.sharp, model.on_journal, model.on_pin, *webs]
     strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in found])
     stress = model.stress.stress_MPa
     return least_safety(stress, cycles, strength, parts, chosen, model.scene)

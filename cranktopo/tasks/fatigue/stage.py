@@ -38,7 +38,7 @@ from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_fields
 from cranktopo.tasks.fatigue.scatter import counts_scatter
 from cranktopo.tasks.fatigue.shaft_stress import worst_throw
 from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rainflow
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel
 from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.stage import print_assumed
@@ -350,15 +350,25 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
 
 
 def note_quality(field: FatigueField) -> None:
-    """Tell in a line where the mesh misses the rule's checks, and what at sharp edges is not counted."""
+    """Tell in a line where means miss the rule's checks of a mesh, and what is not counted."""
     quality = field.model.quality
-    if not quality.within_limits:
+    if not (quality.within_limits or field.model.fitted):
         note(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
     sharp = field.at_sharp_edges
     if sharp is not None and sharp.safety < field.critical.safety:
         note(
             f"note: {field.model.name}: {sharp.safety:.3f} at a sharp inner edge ({sharp.place}) is not "
             "counted: it falls with every finer mesh. Give the edge a radius."
+        )
+    note_cut_outlets(field.model)
+
+
+def note_cut_outlets(model: StressModel) -> None:
+    """Tell in a line of outlets that are not judged because the model ends in them."""
+    if model.at_cut.any():
+        note(
+            f"note: {model.name}: the oil outlet in the middle of the main journal is not judged: the throw "
+            "is cut there. One whose place_mm is above 1.5 times its radius and its rounding is."
         )
 
 

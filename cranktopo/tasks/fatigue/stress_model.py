@@ -31,7 +31,13 @@ from cranktopo.numerics.tetrahedra.stress import (
     surface_stress,
     von_mises,
 )
-from cranktopo.tasks.fatigue.fillets import Fillet, fillet_nodes, outlet_nodes, rounded_outlet_nodes
+from cranktopo.tasks.fatigue.fillets import (
+    Fillet,
+    cut_outlet_nodes,
+    fillet_nodes,
+    outlet_nodes,
+    rounded_outlet_nodes,
+)
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fea.evaluation import meshed_throw_kg
 from cranktopo.tasks.fea.targets import Target
@@ -80,6 +86,7 @@ class StressModel:
         stress: of each field per unit load.
         on_journal, on_pin: which surface nodes lie on the fillets, shape (n,).
         whole: the model is the whole throw.
+        fitted: stresses on fillets and outlets are those of polynomials, else means over elements.
     """
 
     name: str
@@ -93,6 +100,7 @@ class StressModel:
     on_pin: NDArray[np.bool_]
     quality: Quality
     whole: bool = False
+    fitted: bool = False
 
     @property
     def on_second(self) -> NDArray[np.bool_]:
@@ -101,8 +109,18 @@ class StressModel:
 
     @cached_property
     def judged(self) -> NDArray[np.bool_]:
-        """Surface nodes whose stress is no matter of the mesh: all but those at sharp inner edges, (n,)."""
-        return self.on_fillet | ~near_sharp_edges(self.surface)
+        """Surface nodes whose stress is that of the shaft: none at sharp inner edges or cut outlets, (n,)."""
+        return ~(self.sharp | self.at_cut)
+
+    @cached_property
+    def sharp(self) -> NDArray[np.bool_]:
+        """Mask of the surface nodes at sharp inner edges, where the mesh decides the stress."""
+        return ~self.on_fillet & near_sharp_edges(self.surface)
+
+    @cached_property
+    def at_cut(self) -> NDArray[np.bool_]:
+        """Mask of the surface nodes at outlets across a section where the model ends, which is held rigid."""
+        return ~self.on_fillet & _where(self.scene, self.whole, cut_outlet_nodes, self.surface.points_mm)
 
     @property
     def parts(self) -> dict[str, NDArray[np.bool_]]:
@@ -182,7 +200,8 @@ def stress_model(
         _where(scene, meshed.whole, partial(_on_fillet, fillet), surface.points_mm)
         for fillet in ("journal", "pin")
     )
-    if serves_polynomials(fillet_fraction) and not by_rule:
+    fitted = serves_polynomials(fillet_fraction) and not by_rule
+    if fitted:
         on = journal | pin | _where(scene, meshed.whole, rounded_outlet_nodes, surface.points_mm)
         stress.stress_MPa[:, on], stress.depth_MPa_per_mm[:, on] = fitted_stress(
             model, surface, on, moved, elastic
@@ -199,6 +218,7 @@ def stress_model(
         pin,
         _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1]),
         meshed.whole,
+        fitted,
     )
 
 

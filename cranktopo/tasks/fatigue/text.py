@@ -118,13 +118,18 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
         f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with an analysis of "
         "its own; `--method lsa` counts it."
         for check in checks
-        for place, why in check.not_judged.items()
+        for place, why in check.uncovered.items()
+    ]
+    lines += [
+        f"{check.name}, {place}: not judged, {why}; a smaller --fillet-fraction helps."
+        for check in checks
+        for place, why in check.unproven.items()
     ]
     lines += [f"{check.name}, {line}." for check in checks for line in check.departures]
     lines += [
         f"{check.name}, finite elements: {check.quality.shortfall}; a smaller --fillet-fraction helps."
         for check in checks
-        if not check.quality.within_limits
+        if not (check.quality.within_limits or check.unproven)
     ]
     return lines + [line for check in checks for line in _rule_hardening(check)]
 

@@ -45,7 +45,7 @@ from cranktopo.numerics.tetrahedra.stress import (
     triangle_gradients,
 )
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.fillets import fillet_nodes
+from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes, fillet_nodes
 from cranktopo.tasks.fatigue.hardened_layer import layers
 from cranktopo.tasks.fatigue.hardening import Judge, TreatedFillet, harden, of_nodes, treated
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa, lsa_strength
@@ -240,7 +240,8 @@ class FilletFatigue:
         """Return minimum and smooth safety, and the latter's derivatives by stresses and depth slopes."""
         journal, pin = (fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin"))
         fillets = journal | pin
-        on = np.flatnonzero(fillets | ~near_sharp_edges(surface))
+        cut = cut_outlet_nodes(scene, surface.points_mm)
+        on = np.flatnonzero(fillets | ~(near_sharp_edges(surface) | cut))
         masks = {"pin": pin, "journal": journal}
         hard = tuple(treated(scene, name, layer, masks[name]) for name, layer in layers(self.scene).items())
         here, judge = _at(stress, on), self._judge(fillets[on], of_nodes(hard, on))

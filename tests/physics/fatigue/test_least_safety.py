@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 import pytest
 from skfem import MeshTet, MeshTet2
@@ -11,7 +13,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.stress import near_sharp_edges, nodal_stress, outer_surface
+from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
+from cranktopo.tasks.fatigue.stage import note_quality
 from cranktopo.tasks.fea.targets import Target
 from tests.physics.fatigue.stepped_shaft import Shaft, shaft_mesh
 from tests.physics.numerics.test_surface_stress import POISSON, YOUNGS, upright
@@ -52,6 +56,37 @@ def drilled() -> Scene:
         },
         "v-twin",
     )
+
+
+def at_place(place_mm: float, rounding_mm: float = 1.0) -> Scene:
+    """The same with the outlet on the main journal so far from its middle."""
+    data = drilled().model_dump(mode="json", by_alias=True, exclude_none=True)
+    data["throw"]["drilling"][0]["from"]["place_mm"] = place_mm
+    data["throw"]["drilling"][0]["outlet_radius_mm"] = rounding_mm
+    return scene_from_dict(data, "v-twin")
+
+
+def test_an_outlet_across_the_section_where_the_model_ends_is_cut() -> None:
+    """All around it, up to one and a half radii and its rounding; one farther from the middle is not."""
+    angle = np.linspace(0.0, 2 * np.pi, 60)
+    ring = np.stack([3.0 * np.cos(angle), np.full(60, -24.0), np.abs(3.0 * np.sin(angle))])
+    pin = np.array([[0.0], [33.75 + 22.0], [41.0]])
+    assert cut_outlet_nodes(at_place(0.0), ring).all()
+    assert not cut_outlet_nodes(at_place(0.0), pin).any()
+    assert not cut_outlet_nodes(at_place(6.0), ring + np.array([[0.0], [0.0], [6.0]])).any()
+
+
+@pytest.mark.slow
+def test_a_cut_outlet_decides_no_safety(caplog: pytest.LogCaptureFixture) -> None:
+    """Its section is held rigid, which no shaft is: a marine six had 1.04 there and 2.28 off the middle."""
+    field = fatigue_field(Target("cut", at_place(0.0)), "lsa", fillet_fraction=0.5)
+    assert field.model.at_cut.any()
+    assert not (field.model.judged & field.model.at_cut).any()
+    assert field.safety[:, field.model.at_cut].min() < field.safety[:, field.model.at_cut].max()
+    assert field.critical.place.startswith("oil outlet on the crankpin")
+    with caplog.at_level(logging.INFO, logger="cranktopo.notes"):
+        note_quality(field)
+    assert "the oil outlet in the middle of the main journal is not judged" in caplog.text
 
 
 def outlet_safety(size: float) -> float:

@@ -49,10 +49,11 @@ def test_strengths_of_thin_sections_are_not_those_of_thick_ones() -> None:
     (remark,) = strength_remarks(made_of(60.0, name="34CrNiMo6"))
     assert "sections to 40 mm" in remark
     assert "60 mm" in remark
+    (printed,) = strength_remarks(made_of(60.0, name="42CrMo4"))
+    assert "ultimate_MPa = 1100 of 42CrMo4 is that of sections to 16 mm" in printed, "whatever a thesis takes"
     own = {"ultimate_MPa": 1000.0, "yield_MPa": 800.0, "fatigue_tension_MPa": 430.0}
     for fine in (
         made_of(60.0, 30.0, name="34CrNiMo6"),
-        made_of(60.0, name="42CrMo4"),  # its source names no section
         made_of(60.0, name="34CrNiMo6", fatigue_bending_MPa=460.0, **own),
     ):
         assert strength_remarks(fine) == ()

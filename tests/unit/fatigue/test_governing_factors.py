@@ -80,6 +80,10 @@ def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
 def test_a_mesh_that_misses_the_rules_checks_is_said() -> None:
     coarse = replace(check(ALLOWED, ALLOWED), quality=Quality(1.0, 0.4, 5000, 6.7, 9.2, 1.0, 1.0))
     assert any("surface-normal stress 6.7 % (at most 3 %)" in line for line in rule_remarks([coarse]))
+    assert coarse.governing == {"pin": "elements", "journal": "elements"}
+    assert coarse.verdict == "not judged", "what governs is of elements that prove nothing"
+    low = {"pin": FilletCheck(200.0, 236.0), "journal": FilletCheck(200.0, 236.0)}
+    assert replace(coarse, rule_checks=low).verdict == "accepted", "the polynomials govern, and suffice"
 
 
 def test_a_comparison_says_first_what_the_rule_answers() -> None:
@@ -134,7 +138,7 @@ def test_a_solved_throw_is_governed_by_the_lower_factors_and_not_accepted_past_i
     assert found.safety == pytest.approx(by_rule.acceptability)
     assert found.safety > 1.15
     assert found.verdict == "not judged"
-    assert "leans 25 deg" in next(iter(found.not_judged.values()))
+    assert "leans 25 deg" in next(iter(found.uncovered.values()))
 
 
 def test_polynomials_asked_for_outside_their_validity_are_refused_before_a_solve() -> None:
