@@ -13,7 +13,7 @@ from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.engine import Engine
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle, analyse, at_worst_speed, engine_of
+from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.states import extreme_states
@@ -44,10 +44,10 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
 
     "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
-    not tell, or a computed one above zero, counts as zero. "cycle" follows every throw of the shaft over its
-    working cycle. With `torsional_vibration` the torques are those of the vibrating shaft, at its worst speed
-    too. A load whose effect is not enabled stays zero. All cylinders fire, also where `engine.misfire` names
-    some that do not.
+    not tell, or a computed one above zero, counts as zero, and so does a largest one below it. "cycle"
+    follows every throw of the shaft over its working cycle. With `torsional_vibration` the torques are those
+    of the vibrating shaft, at its worst speed too. A load whose effect is not enabled stays zero. All
+    cylinders fire, also where `engine.misfire` names some that do not.
     """
     scene = all_firing(scene)
     if scene.engine is None:
@@ -84,13 +84,12 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
                 hint=f"Give engine.{key}, or [engine.gas].",
             )
     analysis = analyse(scene, enabled)
-    given = analysis.engine.max_gas_force_N is not None or analysis.cycle is None
-    low_radial = 0.0 if given or analysis.cycle is None else analysis.cycle.extreme("web_force_N")[1].value
+    high_radial, low_radial = _radial_extremes_N(analysis, radial.case.radial_N)
     low_torque = min(states["min_torque"].case.torque_Nm, 0.0) if "min_torque" in states else 0.0
     if analysis.engine.min_torque_Nm is not None:
         low_torque = analysis.engine.min_torque_Nm
     speed = angular_speed_rad_s(analysis.engine.speed_rpm)
-    forces = {"largest": radial.case.radial_N, "smallest": min(low_radial, 0.0)}
+    forces = {"largest": max(high_radial, 0.0), "smallest": min(low_radial, 0.0)}
     torques = {"largest": torque.case.torque_Nm, "smallest": low_torque}
     pairs = [(force, twist) for force in forces for twist in torques]
     return LoadHistory(
@@ -100,6 +99,17 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
         np.full(len(pairs), speed),
         tuple(f"{force} radial force with {twist} torque" for force, twist in pairs),
     )
+
+
+def _radial_extremes_N(analysis: LoadAnalysis, given_N: float) -> tuple[float, float]:
+    """Largest and smallest radial force on a web over the cycle; of a given gas force that and none.
+
+    Where inertia outweighs the gas, the load case of bending is the smallest force, and tells no other end.
+    """
+    if analysis.cycle is None or analysis.engine.max_gas_force_N is not None:
+        return given_N, 0.0
+    high, low = analysis.cycle.extreme("web_force_N")
+    return high.value, low.value
 
 
 def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:

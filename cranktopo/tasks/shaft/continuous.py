@@ -176,8 +176,8 @@ def _shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
         [
             forces.radial_N[index],
             forces.tangential_N[index],
-            forces.radial_aside_N_mm[index] / throw.aside_mm,
-            forces.tangential_aside_N_mm[index] / throw.aside_mm,
+            forces.radial_aside_N_mm[index] / throw.aside_moment_mm,
+            forces.tangential_aside_N_mm[index] / throw.aside_moment_mm,
             np.full(forces.angle_deg.size, forces.angular_speed_rad_s**2),
         ]
     )

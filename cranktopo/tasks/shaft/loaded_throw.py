@@ -40,12 +40,13 @@ class LoadedThrow:
         loads: section forces that do the same work as a unit load, (12,): "radial" 1 N on the pin along -y,
             "tangential" 1 N along +x, "radial aside" and "tangential aside" half of it on the near half of
             the pin and its opposite on the far one, "centrifugal" of 1 rad/s.
-        aside_mm: distance between the middles of the halves of the pin, as the mesh has them.
+        aside_moment_mm: moment of the loads "aside" about the middle of the pin, N mm per N: half the
+            distance between the middles of the halves of the pin, as the mesh has them.
     """
 
     stiffness: Array
     loads: dict[str, Array]
-    aside_mm: float
+    aside_moment_mm: float
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ def loaded_throw(blocks: Sequence[LoadedBlock], scene: Scene) -> LoadedThrow:
             loads[name] = loads.get(name, np.zeros(12)) + forces
     aside = loads["radial aside"]
     moment = aside[RX] + aside[6 + RX] - scene.pitch_mm * aside[6 + UY]
-    return LoadedThrow(throw_matrix([(part.span, part.block) for part in blocks]), loads, -2 * float(moment))
+    return LoadedThrow(throw_matrix([(part.span, part.block) for part in blocks]), loads, -float(moment))
 
 
 def _unit_loads(model: Elasticity, scene: Scene, span: Span, lateral: Lateral) -> dict[str, Array]:

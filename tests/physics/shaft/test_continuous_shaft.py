@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.throw import throw_balance
@@ -162,8 +162,8 @@ def test_section_forces_have_the_resultants_of_the_loads() -> None:
     tangential = about_near(scene, throw.loads["tangential"])
     assert tangential == pytest.approx([1, 0, 0, 0, middle, -radius], rel=1e-3, abs=1e-5)
     aside = about_near(scene, throw.loads["radial aside"])
-    assert aside == pytest.approx([0, 0, 0, -throw.aside_mm / 2, 0, 0], abs=1e-8)
-    assert throw.aside_mm == pytest.approx(scene.throw.crankpin.length_mm / 2, rel=2e-2)
+    assert aside == pytest.approx([0, 0, 0, -throw.aside_moment_mm, 0, 0], abs=1e-8)
+    assert throw.aside_moment_mm == pytest.approx(scene.throw.crankpin.length_mm / 4, rel=2e-2)
     spinning = about_near(scene, throw.loads["centrifugal"])
     unbalance_N = throw_balance(scene).throw_unbalance_kg_mm / 1000
     assert spinning[:2] == pytest.approx([0, unbalance_N], rel=2e-2, abs=1e-8)
@@ -183,6 +183,23 @@ def test_a_single_throw_carries_half_of_its_pin_force() -> None:
     expected = forces.radial_N[0] / 2 * arm
     assert np.abs(moments[0, 0]) == pytest.approx(np.abs(expected), rel=1e-4)
     assert np.abs(moments[0, 1]) == pytest.approx(np.abs(expected), rel=1e-4)
+
+
+@pytest.mark.parametrize("offset_mm", [None, 0.0, 6.0])
+def test_two_rods_on_a_pin_load_the_bearings_by_the_lever_rule(offset_mm: float | None) -> None:
+    """Of a V with one throw, beside the balance: the two rods stand aside of the middle of the pin."""
+    data = load_scene("car-diesel").model_dump(mode="json", by_alias=True, exclude_none=True)
+    data["engine"] |= {"cylinders": 2, "firing_order": [1, 2]}
+    data["engine"]["arrangement"] = {"layout": "V", "bank_angle_deg": 90.0, "throw_angles_deg": [0.0]}
+    if offset_mm is not None:
+        data["engine"]["arrangement"]["rod_offset_mm"] = offset_mm
+    scene = scene_from_dict(data)
+    _, throw = meshed(scene, 20.0)
+    cycle = shaft_cycle([throw], (0.0,), _of_throw(cycle_forces(scene), 0), None)
+    loads = main_bearings(scene, turning_masses(scene))
+    stride = round(1.0 / float(loads.angle_deg[1] - loads.angle_deg[0]))
+    for bearing, expected in zip(loads_on_bearings_N(cycle), np.abs(loads.load_N)[:, ::stride], strict=True):
+        assert np.hypot(*bearing).max() == pytest.approx(expected.max(), rel=5e-3)
 
 
 def test_a_single_throw_has_the_bearing_forces_and_films_of_the_balance() -> None:
