@@ -10,10 +10,11 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.bodies.solid.files import export_solid, surface_of
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.tasks.importing.imported_body import fillets_of_step
 
 COARSE = ("--design", "mikron-iiic-plain", "--element-size-mm", "14", "--json")
 
@@ -104,3 +105,19 @@ def test_a_step_body_that_lies_right_is_evaluated(tmp_path: Path, capsys: pytest
     out, err = capsys.readouterr()
     assert "moved" not in err
     assert json.loads(out)["evaluations"][0]["unbalance_kg_mm"] == pytest.approx(37.56, rel=1e-3)
+
+
+def test_a_throw_with_drillings_that_open_in_its_ends_lies_right(tmp_path: Path) -> None:
+    """The kernel's box of such a body reaches 1.6 mm beyond both end sections."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", by_alias=True, exclude_none=True)
+    ends = {"from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 0.0}}
+    ends["to"] = {"on": "crankpin", "angle_deg": 0.0, "place_mm": 6.0}
+    data["throw"]["drilling"] = [{**ends, "diameter_mm": 5.0, "outlet_radius_mm": 1.0}]
+    for journal in ("main_journal", "crankpin"):
+        data["throw"][journal]["bore_diameter_mm"] = 0.0
+    scene, path = scene_from_dict(data), tmp_path / "throw.step"
+    export_solid(scene, "throw", path)
+    with cad_session("box") as gmsh:
+        (body,) = gmsh.model.occ.importShapes(str(path))
+        assert gmsh.model.occ.getBoundingBox(*body)[2] < -0.1, "the case that was refused"
+    assert fillets_of_step(path, scene).throw.crankpin.fillet_mm == pytest.approx(2.5, abs=1e-3)

@@ -142,10 +142,10 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
     """Return the half throw of a STEP file in its place, or the whole one where its halves differ."""
     occ = gmsh.model.occ
     body = [step_solid(gmsh, path, f"'{path}'")]
-    low, high = (occ.getBoundingBox(*body[0])[i] for i in (2, 5))
+    low, high = _heights_mm(gmsh, body[0], scene)
     _check_unit(path, scene, low, high)
     apart = ""
-    if abs(low) < _SNAP_MM and abs(high - scene.pitch_mm) < _SNAP_MM:
+    if _reaches(low, high, scene.pitch_mm):
         apart = _halves_apart(occ, body, scene)
         if not apart:
             body = between_planes(occ, body, -1.0, scene.pitch_mm / 2, _REACH * scene.pitch_mm)
@@ -163,6 +163,24 @@ def _solid(gmsh: Any, path: Path, scene: Scene, align: bool) -> _Solid:
     web_volume = float(sum(occ.getMass(*pair) for pair in web))
     occ.remove(web, recursive=True)
     return _Solid(body, solid_properties(occ, body), web_volume, note, bool(apart))
+
+
+def _heights_mm(gmsh: Any, body: tuple[int, int], scene: Scene) -> tuple[float, float]:
+    """Return where a body begins and ends along the crank axis.
+
+    The kernel's box is that of its faces before they are trimmed: the mouth of a drilling in an end section
+    reaches beyond it. Where that fits no throw, the triangles tell.
+    """
+    low, high = (gmsh.model.occ.getBoundingBox(*body)[i] for i in (2, 5))
+    if any(_reaches(low, high, end) for end in (scene.pitch_mm / 2, scene.pitch_mm)):
+        return low, high
+    gmsh.model.occ.synchronize()
+    z = kernel_surface(gmsh).vertices_mm[:, 2]
+    return float(z.min()), float(z.max())
+
+
+def _reaches(low: float, high: float, end: float) -> bool:
+    return abs(low) < _SNAP_MM and abs(high - end) < _SNAP_MM
 
 
 def _both(throw: Manifold, scene: Scene) -> tuple[Manifold, Manifold]:
