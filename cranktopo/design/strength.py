@@ -16,6 +16,15 @@ def strength_remarks(scene: Scene) -> tuple[str, ...]:
     return tuple(filter(None, (_section_remark(scene), _proportion_remark(scene))))
 
 
+def strength_notes(scene: Scene) -> list[str]:
+    """Return what a drawing says of the material beside its name; nothing where no strength is known."""
+    material = scene.material
+    strengths = (("Rm", material.ultimate_MPa), ("Re", material.yield_MPa))
+    told = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
+    told += [material.heat_treatment] if material.heat_treatment else []
+    return [f"{material.name}: {', '.join(told)}."] if told else []
+
+
 def note_strength(name: str, scene: Scene) -> None:
     """Tell the remarks of a design that is judged by its strength."""
     for remark in strength_remarks(scene):

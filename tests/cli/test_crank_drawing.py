@@ -18,9 +18,12 @@ from cranktopo.bodies.crank_ends import ends_volume_mm3
 from cranktopo.bodies.volume import throw_volume_mm3
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.crank_drawing.balancing import balancing_notes
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, SheetLayout
 from cranktopo.tasks.crank_drawing.sheet import _places, crank_figure
+from cranktopo.throw.counterweight.table import Counterweight
 
 JOURNAL = {"outer_diameter_mm": 40.0, "length_mm": 30.0, "fillet_mm": 2.0}
 DAY = datetime(2026, 1, 2)
@@ -179,3 +182,24 @@ def test_ends_and_own_throws_are_drawn() -> None:
     assert stop - start == pytest.approx(whole, rel=1e-6)
     first, last = shape.journals[0], shape.journals[-1]
     assert [b - a for a, b in (first.z_mm, last.z_mm)] == pytest.approx([40.0, 40.0])
+
+
+def test_a_crank_that_is_unbalanced_by_design_asks_for_bob_weights() -> None:
+    """A single-cylinder crank with a counterweight: mass on the pin that brings the unbalance to nothing."""
+    engine = {"bore_mm": 80.0, "rod_length_mm": 130.0, "speed_rpm": 3000.0, "cylinders": 1}
+    heavy = small(engine=engine)
+    (own, cannot) = balancing_notes(heavy, 3.0)
+    unbalance = throw_balance(heavy).throw_unbalance_kg_mm
+    assert own.startswith(f"Unbalance by design {float(f'{unbalance * 1000:.3g}'):g} g mm")
+    assert cannot == "without counterweights it cannot be balanced to ISO 21940-11 G 16."
+    web = heavy.web.model_copy(
+        update={"counterweight": Counterweight(outer_radius_mm=75.0, half_angle_deg=75.0)}
+    )
+    weighted = heavy.model_copy(update={"web": web})
+    notes = balancing_notes(weighted, 4.0)
+    bob = -throw_balance(weighted).throw_unbalance_kg_mm / 40.0
+    assert bob > 0.05
+    assert notes[1] == f"balanced with bob weights of {bob:.3f} kg on the crankpins"
+    permitted = 1e6 * 16e-3 / (3000.0 * 2 * np.pi / 60) * 4.0
+    assert f"at most {permitted:.3g} g mm" in notes[3]
+    assert len(balancing_notes(load_scene("mikron-iiic"), 6.0)) == 2, "an in-line four is balanced as it is"

@@ -67,8 +67,15 @@ class CrankMass:
 
 def crank_mass(scene: Scene) -> CrankMass | None:
     """Return the mass properties of the whole crank; None without [crank] or an engine."""
-    if scene.crank is None or scene.engine is None:
-        return None
+    return None if scene.crank is None or scene.engine is None else drawn_crank_mass(scene)
+
+
+def drawn_crank_mass(scene: Scene) -> CrankMass:
+    """Return the mass properties of the crank as a drawing has it, by its throws alone without [crank].
+
+    Raises:
+        CranktopoError: the scene has no engine.
+    """
     places, throws = np.array(main_journal_places_mm(scene)), throw_scenes(scene)
     middle = places[-1] / 2
     along = np.exp(1j * np.radians(scene.shaft_angles_deg))

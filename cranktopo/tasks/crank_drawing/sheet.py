@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,11 +18,13 @@ from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, frame, projection_symbol
 from cranktopo.report.dxf import write_dxf
 from cranktopo.report.plot import save_figure
+from cranktopo.tasks.crank_drawing.balancing import balancing_notes
 from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, crank_shape, throw_solid
 from cranktopo.tasks.crank_drawing.crank_views import (
     STAR_MM,
@@ -237,15 +238,8 @@ def _notes(scene: Scene, shape: CrankShape) -> list[str]:
         *surface_notes(drawing),
         "A-B: axis of the outer main journals, on which it is measured.",
     ]
-    balanced = f"Balanced to ISO 21940-11 G {drawing.balance_quality:g}"
-    speed = scene.engine and max(scene.engine.speed_rpm, scene.engine.overspeed_rpm or 0.0)
-    if speed:
-        residual = 1e3 * drawing.balance_quality / (2 * math.pi * speed / 60) * mass
-        rounded = float(f"{residual:.3g}")
-        notes.append(f"{balanced} at {speed:g} rpm:")
-        notes.append(f"residual unbalance at most {rounded:g} g mm, half of it in each end plane.")
-    else:
-        notes.append(f"{balanced}.")
+    notes += strength_notes(scene)
+    notes += balancing_notes(scene, mass)
     if not shape.ends:
         notes.append("The shaft ends in the middle of its outer journals: the design has no ends.")
     return [*notes, *drawing.notes]

@@ -20,6 +20,7 @@ from cranktopo.bodies.solid.files import half_surfaces, surface_of
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
@@ -174,7 +175,8 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
     symmetric = ["Web symmetric in x."] * (not web_asymmetry(scene))
-    notes = "\n".join([*surface_notes(scene.drawing), *symmetric, *[_TURNED] * (sheet.half == "second")])
+    turned = [_TURNED] * (sheet.half == "second")
+    notes = "\n".join([*surface_notes(scene.drawing), *strength_notes(scene), *symmetric, *turned])
     page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if sheet.body is not None:
         y = bottom + _TITLE_MM + 4
