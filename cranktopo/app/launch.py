@@ -55,9 +55,14 @@ def main() -> NoReturn:
 
 
 def _leave(numbers: list[signal.Signals]) -> None:
-    """Let signals end the process: nothing is left to save, only Python's own end."""
+    """Let signals end the process at once: nothing is left to save, only Python's own end."""
     for number in numbers:
-        signal.signal(number, signal.SIG_DFL)
+        signal.signal(number, _end_at_once)
+
+
+def _end_at_once(_number: int, _frame: FrameType | None) -> NoReturn:
+    """End as interrupted, not by the signal: what the command printed may not be out yet."""
+    os._exit(_INTERRUPTED)
 
 
 def _watch(numbers: list[signal.Signals]) -> None:

@@ -173,13 +173,22 @@ launch.main()
 
 
 @pytest.mark.parametrize(
-    ("steps", "handler", "asked"), [(0, "launch.interrupt", "SIGINT"), (1, "signal.SIG_DFL", "SIGTERM")]
+    ("steps", "handler", "asked"), [(0, "launch.interrupt", "SIGINT"), (1, "launch._end_at_once", "SIGTERM")]
 )
 def test_a_signal_just_before_or_after_the_command_is_no_traceback(
     steps: int, handler: str, asked: str
 ) -> None:
     """While the handlers are put in place, or taken away: seen once in 200 kills, 0.18 s after the start."""
     code = AT_THE_EDGE.format(steps=steps, handler=handler, asked=asked)
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", "")
+
+
+@pytest.mark.parametrize("asked", ["SIGINT", "SIGTERM"])
+def test_a_signal_while_python_ends_is_no_death_by_it(asked: str) -> None:
+    """Seen once in 200 kills: exit -2 of a command that was done."""
+    code = "import signal\nfrom cranktopo.app import launch, main\nmain.main = lambda: None\n"
+    code += f"launch._end = lambda _: signal.raise_signal(signal.{asked})\nlaunch.main()"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
     assert (result.returncode, result.stdout, result.stderr) == (130, "", "")
 
