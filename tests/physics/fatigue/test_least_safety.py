@@ -22,12 +22,12 @@ from tests.physics.numerics.test_surface_stress import POISSON, YOUNGS, upright
 
 
 def drilled() -> Scene:
-    """A throw of a fast V-twin whose oil outlet, 5 mm wide and rounded by 1 mm, is the worst place."""
-    journal = {"outer_diameter_mm": 48.0, "length_mm": 30.0, "fillet_mm": 2.5}
-    pin = {"outer_diameter_mm": 44.0, "length_mm": 44.0, "fillet_mm": 2.5}
+    """A throw of a fast V-twin whose oil outlet, 5 mm wide and rounded by 0.6 mm, is the worst place."""
+    journal = {"outer_diameter_mm": 48.0, "length_mm": 30.0, "fillet_mm": 4.0}
+    pin = {"outer_diameter_mm": 44.0, "length_mm": 44.0, "fillet_mm": 4.0}
     drilling = {
         "diameter_mm": 5.0,
-        "outlet_radius_mm": 1.0,
+        "outlet_radius_mm": 0.6,
         "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 5.0},
         "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 11.0},
     }
@@ -58,11 +58,10 @@ def drilled() -> Scene:
     )
 
 
-def at_place(place_mm: float, rounding_mm: float = 1.0) -> Scene:
+def at_place(place_mm: float) -> Scene:
     """The same with the outlet on the main journal so far from its middle."""
     data = drilled().model_dump(mode="json", by_alias=True, exclude_none=True)
     data["throw"]["drilling"][0]["from"]["place_mm"] = place_mm
-    data["throw"]["drilling"][0]["outlet_radius_mm"] = rounding_mm
     return scene_from_dict(data, "v-twin")
 
 
@@ -103,7 +102,7 @@ def outlet_safety(size: float) -> float:
 
 @pytest.mark.slow
 def test_the_outlet_is_the_worst_place() -> None:
-    assert outlet_safety(0.5) == pytest.approx(1.56, rel=0.03)
+    assert outlet_safety(0.5) == pytest.approx(0.969, rel=0.03)
 
 
 @pytest.mark.slow
