@@ -69,7 +69,16 @@ class Cycle:
     @property
     def forces(self) -> ThrowForces:
         """Forces of the throw, or of the web, with the largest radial force; of equal ones the first."""
-        return max((forces for _, forces in self._unlike), key=lambda f: _size(np.abs(f.web_force_N).max()))
+        return self._shown[1]
+
+    @property
+    def place(self) -> str:
+        """Name of the throw or web that these are of; empty where all are alike."""
+        return self._shown[0]
+
+    @property
+    def _shown(self) -> tuple[str, ThrowForces]:
+        return max(self._unlike, key=lambda one: _size(np.abs(one[1].web_force_N).max()))
 
     @property
     def _unlike(self) -> tuple[tuple[str, ThrowForces], ...]:

@@ -10,7 +10,10 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.engine.analysis import analyse
 from cranktopo.engine.gas import pressure_curve
+from tests.engine_arrangements import VEE, arranged
+from tests.hostile.scenes import dumped
 
 CURVES = [
     "gas_force_N",
@@ -279,3 +282,25 @@ def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
     assert re.search(r"^torsional_vibration +on ", out, re.MULTILINE)
     assert "warning: shaft.flywheel is missing: the propeller alone" in err
     assert "shaft.throw_loss_factor = 0.02" in err
+
+
+def test_curves_of_one_web_of_two_say_whose_they_are(capsys, tmp_path):
+    """Of two rods on a pin each web feels the nearer one more; the table has both, the curves have one."""
+    scene = arranged(VEE + "throw_angles_deg = [0.0]", 2, (1, 2))
+    data = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
+    (tmp_path / "twin.toml").write_text(dumped(data), encoding="utf-8")
+    code, _, err = run(
+        capsys,
+        "loads",
+        str(tmp_path / "twin.toml"),
+        "--csv",
+        str(tmp_path / "c.csv"),
+        "--plot",
+        str(tmp_path / "p.svg"),
+    )
+    place = analyse(scene).cycle.place
+    assert code == 0
+    assert place in ("web 1 of throw 1", "web 2 of throw 1")
+    assert f"forces on the crankpin of {place}, where the radial force is largest" in err
+    assert f"radial, {place}" in (tmp_path / "p.svg").read_text(encoding="utf-8")
+    assert run(capsys, "loads", "mikron-iiic", "--csv", str(tmp_path / "m.csv"))[2].count("crankpin of") == 0

@@ -135,8 +135,18 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
 
 
 def field_remarks(fields: Sequence[FatigueField]) -> list[str]:
-    """Return what the tables do not say: hardened fillets, lives, probabilities of failure."""
-    return _hardening_remarks(fields) + _life_remarks(fields) + _scatter_remarks(fields)
+    """Return what the tables do not say: failures, hardened fillets, lives, probabilities of failure."""
+    remarks = _failures, _hardening_remarks, _life_remarks, _scatter_remarks
+    return [line for of_kind in remarks for line in of_kind(fields)]
+
+
+def _failures(fields: Sequence[FatigueField]) -> list[str]:
+    """Return one line for each target that fails, which a comparison of two does not say."""
+    return [
+        f"{field.model.name}: safety {field.critical.safety:.3f} is below 1: by this method it fails."
+        for field in fields
+        if field.critical.safety < 1
+    ]
 
 
 def _hardening_remarks(fields: Sequence[FatigueField]) -> list[str]:

@@ -56,9 +56,10 @@ def _draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
     """Radial and tangential force on the crankpin."""
-    forces = _cycle(analysis).forces
-    axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label="radial")
-    axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label="tangential")
+    cycle = _cycle(analysis)
+    forces, of_web = cycle.forces, f", {cycle.place}" if cycle.place else ""
+    axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label=f"radial{of_web}")
+    axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label=f"tangential{of_web}")
     _frame(axes, analysis, "force on the crankpin (kN)")
 
 

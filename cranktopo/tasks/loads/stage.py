@@ -9,6 +9,7 @@ import numpy as np
 
 from cranktopo.base.errors import invalid
 from cranktopo.base.files import as_path, replacing
+from cranktopo.base.notes import note
 from cranktopo.design.assumed import LOADS, THROW, VIBRATION, Assumption, assumptions
 from cranktopo.design.clearance import clearance_text, clearances_mm
 from cranktopo.design.misfire import all_firing, misfire, misfire_words
@@ -89,12 +90,16 @@ def write_load_curves(scene: DesignLike, path: Path | str, speeds_rpm: Sequence[
     """
     path = as_path(path)
     scene = as_scene(scene)
-    tables = [curve_columns(analyse(at)) for at in _at_speeds(scene, speeds_rpm)]
+    found = [analyse(at) for at in _at_speeds(scene, speeds_rpm)]
+    tables = [curve_columns(analysis) for analysis in found]
     if not tables[0]:
         raise invalid("engine.gas", None, "must be given for curves over the cycle")
     values = np.concatenate([np.column_stack(list(table.values())) for table in tables])
     with replacing(path) as temporary:
         np.savetxt(temporary, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
+    places = sorted({analysis.cycle.place for analysis in found if analysis.cycle and analysis.cycle.place})
+    if places:
+        note(f"{path}: forces on the crankpin of {' or '.join(places)}, where the radial force is largest")
 
 
 def plot_load_curves(scene: DesignLike, path: Path | str, speed_rpm: float | None = None) -> None:

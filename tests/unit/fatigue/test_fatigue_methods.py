@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,7 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
     pin_equivalent_MPa,
 )
+from cranktopo.tasks.fatigue.text import field_remarks
 from cranktopo.tasks.fea.targets import Target
 
 # J. Voparil, Brno University of Technology, 2011: amplitude, mean, related gradient of two crank webs.
@@ -132,3 +135,18 @@ def test_m53_takes_its_own_supports(monkeypatch: pytest.MonkeyPatch) -> None:
         rule_check.check_rule(Target("clamped", scene_from_dict(data)))
     assert (held[0].supports.bending, held[0].supports.torsion) == ("pinned", "free")
     assert held[0].throw == load_scene("mikron-iiic-plain").throw
+
+
+def test_a_safety_below_one_is_called_a_failure() -> None:
+    """As safe as another that fails is no comfort: a comparison alone does not say it."""
+    fields = [
+        SimpleNamespace(
+            model=SimpleNamespace(name=name),
+            critical=SimpleNamespace(safety=safety),
+            hardening={},
+            lives={},
+            scatter={},
+        )
+        for name, safety in (("weak", 0.872), ("sound", 1.0))
+    ]
+    assert field_remarks(fields) == ["weak: safety 0.872 is below 1: by this method it fails."]
