@@ -4,13 +4,20 @@ import csv
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.engine.analysis import analyse
+from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.tasks.loads.plot import PANELS
+from cranktopo.tasks.loads.section import loads_section
+from cranktopo.tasks.vibration.stage import shaft_vibration
 
 CURVES = [
     "gas_force_N",
@@ -279,3 +286,26 @@ def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
     assert re.search(r"^torsional_vibration +on ", out, re.MULTILINE)
     assert "warning: shaft.flywheel is missing: the propeller alone" in err
     assert "shaft.throw_loss_factor = 0.02" in err
+
+
+def test_the_torque_of_a_vibrating_shaft_is_called_by_its_section_and_speed(tmp_path: Path) -> None:
+    """Its curve swings as `vibration` has it between the last throw and what follows, not as the engine's."""
+    design = tmp_path / "turning.toml"
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    shaft = "[shaft]\nthrow_stiffness_Nm_per_rad = 1.5e5\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n"
+    design.write_text(f"{text}\n{shaft}", encoding="utf-8")
+    scene, study = load_scene(design), shaft_vibration(design)
+    own = list(study.response.speeds_rpm).index(2100.0)
+    assert study.shaft.sections[3] == "throw 4 - propeller"
+    for effects, name in (
+        (INERTIA_EFFECTS, "engine, 4 cylinders"),
+        (INERTIA_EFFECTS | {"torsional_vibration"}, "behind throw 4 of the vibrating shaft, 2100 rpm"),
+    ):
+        analysis = analyse(scene, effects)
+        axes = Figure().subplots()
+        PANELS[2](axes, analysis)
+        (curve,) = (line for line in axes.lines if line.get_label() == name)
+        swing = float(np.ptp(np.asarray(curve.get_ydata()))) / 2
+        vibrating = swing == pytest.approx(study.response.torque_amplitude_Nm[own, 3], rel=1e-6)
+        assert vibrating == ("vibrating" in name)
+        assert name in loads_section(analysis, ()).pictures[2].alt
