@@ -31,8 +31,13 @@ class ShaftTorque:
     ahead_Nm: Array | None = None
 
     @property
+    def vibrates(self) -> bool:
+        """Whether it is that of a vibrating shaft."""
+        return self.ahead_Nm is not None
+
+    @property
     def engine_Nm(self) -> Array:
-        """Torque at the takeoff, N m."""
+        """Torque behind the last throw, N m: of a shaft that does not vibrate that of the engine."""
         return np.asarray(self.passed_on_Nm[-1])
 
 

@@ -107,6 +107,14 @@ def test_life_of_roller_bearings_is_told_where_it_is_known(capsys, tmp_path):
     assert json.loads(run(capsys, "--json")[1])["main_bearings"][0]["life_h"] is None
 
 
+def test_the_loads_of_throws_that_stand_alone_are_called_so(capsys, vee):
+    _, out, _ = run(capsys, "mikron-iiic")
+    _, table = out.split("Main bearings\n")
+    assert "throws that stand alone between two bearings" in table
+    _, one_throw, _ = run(capsys, vee)
+    assert "stand alone" not in one_throw
+
+
 def test_without_gas_it_says_so(capsys):
     code, out, _ = run(capsys, "opposed-piston")
     assert code == 0

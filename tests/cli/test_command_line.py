@@ -16,7 +16,9 @@ import pytest
 from cranktopo.app.main import COMMANDS, cli, main
 from cranktopo.design.loading import designs_folder
 
-LONG = ("optimise", "evaluate", "compare", "accuracy", "fatigue", "shaft", "extract", "remodel", "iterate")
+SHORT = {"bench", "completion", "doctor", "runs list", "runs show", "runs clean"}
+SHORT |= {"designs list", "designs copy", "designs new", "designs pair", "designs sketch"}
+"""Commands that take no time and tell nothing beside their answer, or that go on until they are ended."""
 PROGRAM = [sys.executable, "-c", "from cranktopo.app.main import main; main()"]
 
 
@@ -50,15 +52,37 @@ def test_help_has_an_example_that_parses(path: str, capsys: pytest.CaptureFixtur
     assert not [word for word in left if word.startswith("-")]
 
 
-@pytest.mark.parametrize("name", LONG)
-def test_long_commands_can_be_quiet_or_verbose(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    command = commands()[name]
-    names = {option for parameter in command.params for option in parameter.opts}
-    assert {"--quiet", "-q", "--verbose", "-v"} <= names
-    required = ["x"] if name in ("compare", "extract", "remodel") else []
-    baseline = ["--baseline", "x"] if name == "compare" else []
-    assert main([name, *required, *baseline, "-q", "-v"]) == 2
+def test_every_command_that_tells_notes_can_be_quiet_or_verbose() -> None:
+    names = {
+        path: {option for parameter in command.params for option in parameter.opts}
+        for path, command in commands().items()
+        if not isinstance(command, click.Group)
+    }
+    without = {path for path, found in names.items() if not {"--quiet", "-q", "--verbose", "-v"} <= found}
+    assert without == SHORT
+
+
+@pytest.mark.parametrize("name", ["evaluate", "film", "loads", "plan", "vibration"])
+def test_quiet_and_verbose_exclude_each_other(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([name, "-q", "-v"]) == 2
     assert "exclude each other" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["film", "car-diesel"], ["loads"], ["plan"], ["export", "mikron-iiic"], ["drawing", "mikron-iiic"]],
+)
+def test_a_quick_command_that_is_quiet_tells_its_answer_alone(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = [str(tmp_path / "sheet.svg"), "--force"] if words[0] in ("export", "drawing") else []
+    found = []
+    for quiet in ([], ["-q"]):
+        assert main([*words, *file, *quiet]) == 0
+        found.append(capsys.readouterr())
+    assert found[0].out == found[1].out
+    assert "assumed" in found[0].err
+    assert found[1].err == ""
 
 
 @pytest.mark.parametrize(

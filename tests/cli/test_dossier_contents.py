@@ -9,6 +9,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
+from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.cli.test_rule_dossier import checked, row
 
 SHAFT = """
@@ -42,11 +43,31 @@ def test_everything_that_a_reviewer_asks(tmp_path: Path) -> None:
     assert row(text, "firing order")[1] == "1-3-4-2"
     assert row(text, "maximum cylinder pressure (absolute)")[1] == "5.16 MPa"
     assert row(text, "piston group")[1].endswith(" kg")
-    assert row(text, "propeller")[1].startswith("inertia_kg_m2 = 0.6")
+    assert "inertia 0.6 kg m²" in row(text, "propeller")[1]
     assert row(text, "absolute damping of a cylinder")[1] == "1.5 N m s/rad"
     assert "## Torsional vibration" in text
     assert "## Critical speeds" in text
+    assert _misfire_told(text) == pytest.approx(_misfire_computed(tmp_path / "mine.toml"), rel=1e-3)
     assert re.search(r"Document M53-mikron-iiic-plain-[0-9a-f]{8}\.", text)
+
+
+def _misfire_told(text: str) -> list[float]:
+    """Worst cylinder, its torque amplitude, and that over the judged one."""
+    found = re.search(
+        r"torque amplitude of ([\d.,]+) N m; where cylinder (\d) does not fire, the worst of all, it is "
+        r"([\d.,]+) N m at \d+ rpm, ([\d.]+) of that",
+        text,
+    )
+    assert found
+    judged, cylinder, amplitude, ratio = (float(group.replace(",", "")) for group in found.groups())
+    assert ratio == pytest.approx(amplitude / judged, abs=6e-3)
+    return [cylinder, amplitude]
+
+
+def _misfire_computed(design: Path) -> list[float]:
+    """Each cylinder as the design's own misfire, one study each."""
+    found = [shaft_vibration(design, misfire=[cylinder]).response.worst_Nm for cylinder in (1, 2, 3, 4)]
+    return [1.0 + found.index(max(found)), max(found)]
 
 
 def test_no_signature_under_what_the_rule_does_not_use(tmp_path: Path) -> None:
@@ -55,7 +76,7 @@ def test_no_signature_under_what_the_rule_does_not_use(tmp_path: Path) -> None:
     assert "fatigue.process_factor" in signed
     assert not re.search(r"size_factor|survival_factor|specimen_diameter|roughness", signed)
     assert "shaft line and damping unknown" in text
-    assert "Not calculated: it takes [shaft]" in text
+    assert "Not calculated, nor what a misfire does: it takes [shaft]" in text
 
 
 def test_the_verdict_says_what_its_strength_does_not_hold_for(tmp_path: Path) -> None:

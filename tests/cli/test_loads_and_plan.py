@@ -4,14 +4,20 @@ import csv
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.engine.analysis import analyse
+from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.tasks.loads.plot import PANELS
+from cranktopo.tasks.loads.section import loads_section
+from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.engine_arrangements import VEE, arranged
 from tests.hostile.scenes import dumped
 
@@ -304,3 +310,26 @@ def test_curves_of_one_web_of_two_say_whose_they_are(capsys, tmp_path):
     assert f"forces on the crankpin of {place}, where the radial force is largest" in err
     assert f"radial, {place}" in (tmp_path / "p.svg").read_text(encoding="utf-8")
     assert run(capsys, "loads", "mikron-iiic", "--csv", str(tmp_path / "m.csv"))[2].count("crankpin of") == 0
+
+
+def test_the_torque_of_a_vibrating_shaft_is_called_by_its_section_and_speed(tmp_path: Path) -> None:
+    """Its curve swings as `vibration` has it between the last throw and what follows, not as the engine's."""
+    design = tmp_path / "turning.toml"
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    shaft = "[shaft]\nthrow_stiffness_Nm_per_rad = 1.5e5\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n"
+    design.write_text(f"{text}\n{shaft}", encoding="utf-8")
+    scene, study = load_scene(design), shaft_vibration(design)
+    own = list(study.response.speeds_rpm).index(2100.0)
+    assert study.shaft.sections[3] == "throw 4 - propeller"
+    for effects, name in (
+        (INERTIA_EFFECTS, "engine, 4 cylinders"),
+        (INERTIA_EFFECTS | {"torsional_vibration"}, "behind throw 4 of the vibrating shaft, 2100 rpm"),
+    ):
+        analysis = analyse(scene, effects)
+        axes = Figure().subplots()
+        PANELS[2](axes, analysis)
+        (curve,) = (line for line in axes.lines if line.get_label() == name)
+        swing = float(np.ptp(np.asarray(curve.get_ydata()))) / 2
+        vibrating = swing == pytest.approx(study.response.torque_amplitude_Nm[own, 3], rel=1e-6)
+        assert vibrating == ("vibrating" in name)
+        assert name in loads_section(analysis, ()).pictures[2].alt

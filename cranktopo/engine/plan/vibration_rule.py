@@ -11,7 +11,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.effect import Estimate
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
-from cranktopo.engine.vibration.steady import critical_speeds, speeds_to_solve, vibration
+from cranktopo.engine.vibration.steady import critical_speeds, orders_to_solve, speeds_to_solve, vibration
 from cranktopo.engine.vibration.torque_harmonics import TorqueHarmonics, curve_of, torque_harmonics
 
 _SPEEDS = 60
@@ -72,8 +72,9 @@ def _amplification(scene: Scene) -> _Amplification:
     shaft, harmonics, limits = estimated_chain(scene), torque_harmonics(scene), speed_range_rpm(scene)
     assert harmonics is not None
     modes = shaft.chain.damped_modes()
-    speeds = speeds_to_solve(limits, critical_speeds(shaft, modes, harmonics, limits), _SPEEDS)
-    found = vibration(shaft, harmonics, speeds)
+    orders = orders_to_solve(shaft, modes, harmonics, limits)
+    speeds = speeds_to_solve(limits, critical_speeds(shaft, modes, harmonics, limits, orders), _SPEEDS)
+    found = vibration(shaft, harmonics, speeds, orders)
     behind = found.torque_amplitude_Nm[:, shaft.behind]
     at, section = (int(i) for i in np.unravel_index(int(behind.argmax()), behind.shape))
     share = np.abs(found.torque_Nm[at][:, shaft.behind][:, section])

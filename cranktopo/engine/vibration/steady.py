@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.units import angular_speed_rad_s
@@ -19,6 +20,13 @@ from cranktopo.engine.vibration.torque_harmonics import (
 from cranktopo.numerics.disk_chain import DampedMode
 
 ORDERS = 24
+"""Orders that are solved at least."""
+_MOST_ORDERS = 240
+"""Orders that are looked at: to 120 of the rotation, where no torque of gas is left."""
+_LEAST_SHARE = 1e-3
+"""Torque of an order over the largest of any order in a section, below which it is left out."""
+_TELLING_SHARE = 0.01
+"""The same at a critical speed, below which those of orders above the first 24 are not told."""
 _SPEEDS = 200
 _STEPS_OF_RISE = 5
 _POINTS_PER_ORDER = 16
@@ -109,7 +117,10 @@ def critical_speeds(
     range_rpm: tuple[float, float],
     orders: int = ORDERS,
 ) -> tuple[CriticalSpeed, ...]:
-    """Return every crossing of an order with a natural frequency in a range of speeds, the slowest first."""
+    """Return crossings of orders with natural frequencies in a range of speeds, the slowest first.
+
+    Orders above the first 24 meet many modes: their crossings count where their torque is felt in a section.
+    """
     shifts = harmonics.shifts[1 : orders + 1]
     majors = harmonics.in_phase()[1 : orders + 1]
     rods = len(harmonics.firing_deg) / shaft.throws
@@ -125,7 +136,46 @@ def critical_speeds(
             speed = 60.0 * mode.frequency_Hz / float(order)
             if range_rpm[0] <= speed <= range_rpm[1]:
                 found.append(CriticalSpeed(speed, float(order), number, float(share), bool(major)))
-    return tuple(sorted(found, key=lambda c: (c.speed_rpm, c.order)))
+    felt = _felt(shaft, harmonics, found) if orders > ORDERS else [True] * len(found)
+    kept = [one for one, counts in zip(found, felt, strict=True) if counts]
+    return tuple(sorted(kept, key=lambda c: (c.speed_rpm, c.order)))
+
+
+def _felt(shaft: ShaftChain, harmonics: TorqueHarmonics, found: Sequence[CriticalSpeed]) -> list[bool]:
+    """Tell of each crossing whether it is of the first 24 orders, or its torque counts in a section."""
+    places = np.rint([one.order / harmonics.orders[1] for one in found]).astype(int)
+    swing = _order_torques_Nm(shaft, harmonics, places, np.array([one.speed_rpm for one in found]))
+    counting = (swing > _TELLING_SHARE * swing.max(axis=0, initial=0.0)).any(axis=1)
+    return [bool(counts) for counts in counting | (places <= ORDERS)]
+
+
+def orders_to_solve(
+    shaft: ShaftChain, modes: Sequence[DampedMode], harmonics: TorqueHarmonics, range_rpm: tuple[float, float]
+) -> int:
+    """Return up to which order the shaft is solved: the last that counts in a section, at least 24.
+
+    Each is looked at where it meets a natural frequency and at both ends of the range, with the mean inertia.
+    """
+    if not shaft.sections:
+        return ORDERS
+    most = min(_MOST_ORDERS, len(harmonics.orders) - 1)
+    every = np.arange(1, most + 1)
+    met = np.array([60.0 * mode.frequency_Hz / harmonics.orders[every] for mode in modes]).reshape(-1, most)
+    inside = (met >= range_rpm[0]) & (met <= range_rpm[1])
+    places = np.concatenate([np.broadcast_to(every, met.shape)[inside], every, every])
+    speeds = np.concatenate([met[inside], np.repeat(range_rpm, most)])
+    swing = _order_torques_Nm(shaft, harmonics, places, speeds)
+    counting = (swing > _LEAST_SHARE * swing.max(axis=0)).any(axis=1)
+    return max(ORDERS, int(places[counting].max(initial=0)))
+
+
+def _order_torques_Nm(
+    shaft: ShaftChain, harmonics: TorqueHarmonics, places: NDArray[np.int_], speeds_rpm: Array
+) -> Array:
+    """Torque amplitudes of the sections by single orders, by number, each at its speed, (pairs, sections)."""
+    frequency = angular_speed_rad_s(1.0) * speeds_rpm * harmonics.orders[places]
+    twist = shaft.chain.response_rad(frequency, on_disks(shaft, harmonics.of_orders_Nm(places, speeds_rpm)))
+    return np.abs(shaft.chain.section_torque_Nm(frequency, twist))
 
 
 def speeds_to_solve(
@@ -146,8 +196,9 @@ def vibration(
 ) -> Vibration:
     """Return the steady vibration of a shaft at each speed.
 
-    Orders above the solved ones are taken as if the shaft were rigid. Without harmonics of the throws'
-    inertia it is their mean alone.
+    Orders above the solved ones are left out: above the natural frequencies the throws' own inertia takes
+    them up, and `orders_to_solve` tells how many count. Without harmonics of the throws' inertia it is their
+    mean alone.
     """
     solved = harmonics.orders[1 : orders + 1]
     frequency = angular_speed_rad_s(1.0) * speeds_rpm[:, None] * solved
@@ -158,12 +209,12 @@ def vibration(
     for index, speed in enumerate(speeds_rpm):
         excited = on_disks(shaft, harmonics.of_throws_Nm(float(speed)))
         if varying_kg_m2 is None:
-            twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : orders + 1])
+            twist[index] = shaft.chain.response_rad(frequency[index], excited[1 : len(solved) + 1])
         else:
             # The last orders feel those above them: as many more are solved as the inertia reaches.
             more = harmonics.orders[1 : 1 + orders + round(HARMONICS / float(harmonics.orders[1]))]
             w, torques = angular_speed_rad_s(float(speed)), excited[1 : 1 + len(more)]
-            twist[index] = coupled_response_rad(shaft, more, w, torques, varying_kg_m2)[:orders]
+            twist[index] = coupled_response_rad(shaft, more, w, torques, varying_kg_m2)[: len(solved)]
         torque[index] = shaft.chain.section_torque_Nm(frequency[index], twist[index])
         amplitude[index] = _half_range(section_curves_Nm(shaft, excited, torque[index]))
         relative = twist[index, :, :-1] - twist[index, :, 1:]
@@ -187,18 +238,12 @@ def section_curves_Nm(shaft: ShaftChain, excited: Complex, solved: Complex) -> A
 
     Args:
         excited: torques on the disks, all orders.
-        solved: torques of the sections, the orders from the first one that were solved.
+        solved: torques of the sections, the orders from the first one that were solved; others are left out.
     """
-    every = _rigid_torque_Nm(shaft, excited)
+    every = np.zeros((len(excited), len(shaft.sections)), dtype=complex)
     every[1 : len(solved) + 1] = solved
     every[0] = np.cumsum(excited[0])[:-1]
     return curve_of(every.T, 2 * len(every))
-
-
-def _rigid_torque_Nm(shaft: ShaftChain, excited: Complex) -> Complex:
-    """Torque of every section if the shaft did not twist: the disks take it up by their inertia."""
-    share = np.cumsum(shaft.chain.inertia_kg_m2) / np.sum(shaft.chain.inertia_kg_m2)
-    return np.asarray(np.cumsum(excited, axis=1) - share * excited.sum(axis=1)[:, None])[:, :-1]
 
 
 def _summed(solved: Complex) -> Array:

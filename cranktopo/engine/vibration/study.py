@@ -301,6 +301,7 @@ def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
     harmonics = torque_harmonics(with_misfire(study.scene, [cylinder]))
     assert harmonics is not None
     varying = study.varying.harmonics_kg_m2 if study.varying.included else None
-    found = vibration(study.shaft, harmonics, study.response.speeds_rpm, varying_kg_m2=varying)
+    speeds, orders = study.response.speeds_rpm, len(study.response.orders)
+    found = vibration(study.shaft, harmonics, speeds, orders, varying)
     joined = tuple(largest_swing(found, section) for section in study.joined_sections)
     return Misfire(cylinder, largest_swing(found, found.worst.section), joined)

@@ -71,6 +71,13 @@ class TorqueHarmonics:
             return np.asarray(every)
         return np.asarray(every - self.lost_at_Nm(speed_rpm)[:, None] * self.misfire_shifts)
 
+    def of_orders_Nm(self, places: NDArray[np.int_], speeds_rpm: Array) -> Complex:
+        """Return the torque on every throw of orders by number, each at its speed, (pairs, throws)."""
+        speed, mine = speeds_rpm * angular_speed_rad_s(1.0), np.arange(len(places))
+        single = self.gas_at_Nm(speeds_rpm)[mine, places] + speed**2 * self.inertia_Nm_s2[places]
+        lost = self.lost_at_Nm(speeds_rpm)[mine, places]
+        return np.asarray(single[:, None] * self.shifts[places] - lost[:, None] * self.misfire_shifts[places])
+
     def in_phase(self) -> NDArray[np.bool_]:
         """Of which orders the torques of all cylinders, if all fire, have the same phase: the major ones."""
         count = len(self.firing_deg)
@@ -275,24 +282,44 @@ def _acting_Nm(
 
     With twist x of the throws they are P x + Q conj(x): Q is the negative orders of a real motion.
     """
-    two_sided = np.concatenate([varying[:0:-1].conj(), varying])
-    scale = speed_rad_s**2 * (orders[:, None] ** 2 + orders**2) / 2
-    direct, mirrored = (
-        scale[:, :, None] * _at(two_sided, place)
-        for place in (orders[:, None] - orders, orders[:, None] + orders)
-    )
-    size = orders.size * by_throw.shape[1]
-    # Twist of throw s per torque on t, (orders, s, 1, t), times torque per twist, (orders, 1, orders, t).
-    compliance = by_throw[:, :, shaft.driven].transpose(0, 2, 1)[:, :, None, :]
-    p, q = ((compliance * one[:, None]).reshape(size, size) for one in (direct, mirrored))
-    a, b = np.eye(size) - p, -q
-    matrix = np.block([[(a + b).real, (b - a).imag], [(a + b).imag, (a - b).real]])
-    alone = twist[:, shaft.driven].ravel()
-    real, imaginary = np.split(np.linalg.solve(matrix, np.concatenate([alone.real, alone.imag])), 2)
-    x = (real + 1j * imaginary).reshape(orders.size, -1)
-    return np.asarray(
-        np.einsum("nmt,mt->nt", direct, x) + np.einsum("nmt,mt->nt", mirrored, x.conj()), dtype=complex
-    )
+    from scipy.linalg import solve_banded
+
+    compliance = by_throw[:, :, shaft.driven].transpose(0, 2, 1)
+    couplings = _couplings(orders, speed_rad_s, varying)
+    width = 2 * by_throw.shape[1]
+    reach = len(varying) * width - 1  # orders act on each other over no more than the last harmonic
+    band = np.zeros((2 * reach + 1, orders.size * width))
+    row, column = np.indices((width, width))
+    for first, second, direct, mirrored in couplings:
+        p, q = (compliance[first] * one[:, None] for one in (direct, mirrored))
+        block = np.block([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+        at = second[:, None, None] * width + column
+        band[reach + first[:, None, None] * width + row - at, at] -= block
+    band[reach] += 1.0
+    alone = twist[:, shaft.driven]
+    x = solve_banded((reach, reach), band, np.hstack([alone.real, alone.imag]).ravel(), check_finite=False)
+    real, imaginary = np.split(x.reshape(orders.size, width), 2, axis=1)
+    found, acting = real + 1j * imaginary, np.zeros_like(alone)
+    for first, second, direct, mirrored in couplings:
+        acting[first] += direct * found[second] + mirrored * found[second].conj()
+    return acting
+
+
+def _couplings(
+    orders: Array, speed_rad_s: float, varying: Complex
+) -> list[tuple[NDArray[np.int_], NDArray[np.int_], Complex, Complex]]:
+    """Pairs of orders that act on each other: places of torque and twist, torque per twist and conjugate.
+
+    Each is of shape (pairs, throws); a list entry holds the pairs of one distance.
+    """
+    two_sided, places = np.concatenate([varying[:0:-1].conj(), varying]), np.arange(len(orders))
+    found = []
+    for distance in range(1 - len(varying), len(varying)):
+        first = places[max(-distance, 0) : max(len(orders) - max(distance, 0), 0)]
+        n, m = orders[first], orders[first + distance]
+        scale = speed_rad_s**2 * (n**2 + m**2)[:, None] / 2
+        found.append((first, first + distance, scale * _at(two_sided, n - m), scale * _at(two_sided, n + m)))
+    return found
 
 
 def _at(two_sided: Complex, places: Array) -> Complex:

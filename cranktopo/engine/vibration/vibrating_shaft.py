@@ -17,6 +17,7 @@ from cranktopo.engine.vibration.steady import (
     Vibration,
     critical_speeds,
     on_disks,
+    orders_to_solve,
     section_curves_Nm,
     speeds_to_solve,
     vibration,
@@ -36,6 +37,7 @@ class VibratingShaft:
 
     Attributes:
         engine_rpm: speed of the engine, in the range or not.
+        orders: how many are solved.
     """
 
     shaft: ShaftChain
@@ -45,11 +47,12 @@ class VibratingShaft:
     modes: tuple[DampedMode, ...]
     critical: tuple[CriticalSpeed, ...]
     varying: VaryingPart
+    orders: int
 
     def at(self, speeds_rpm: Array) -> Vibration:
         """Return the steady response, with the varying inertia where it counts."""
         varying = self.varying.harmonics_kg_m2 if self.varying.included else None
-        return vibration(self.shaft, self.harmonics, speeds_rpm, varying_kg_m2=varying)
+        return vibration(self.shaft, self.harmonics, speeds_rpm, self.orders, varying)
 
     def over_the_range(self) -> Vibration:
         """Return the steady response over the scene's range, dense around its critical speeds.
@@ -66,16 +69,17 @@ class VibratingShaft:
         is not solved again.
         """
         speeds = [*self.range_rpm, worst_rpm, *(found.speed_rpm for found in self.critical)]
-        return vibration(self.shaft, self.harmonics, np.unique(speeds))
+        return vibration(self.shaft, self.harmonics, np.unique(speeds), self.orders)
 
 
 def vibrating_shaft(scene: Scene, shaft: ShaftChain, harmonics: TorqueHarmonics) -> VibratingShaft:
     """Modes, critical speeds and varying inertia of a shaft over the scene's range of speeds."""
     speeds, modes = speed_range_rpm(scene), shaft.chain.damped_modes()
-    critical = critical_speeds(shaft, modes, harmonics, speeds)
+    orders = orders_to_solve(shaft, modes, harmonics, speeds)
+    critical = critical_speeds(shaft, modes, harmonics, speeds, orders)
     part = varying_part(scene, shaft, harmonics, modes, {found.mode for found in critical})
     own = scene.engine.speed_rpm if scene.engine else 0.0
-    return VibratingShaft(shaft, harmonics, speeds, own, tuple(modes), critical, part)
+    return VibratingShaft(shaft, harmonics, speeds, own, tuple(modes), critical, part, orders)
 
 
 def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:

@@ -21,6 +21,7 @@ from cranktopo.tasks.balance.text import (
     balance_headline,
     bearing_table,
     bearings_caption,
+    bearings_words,
     counterweight_table,
     counterweights_caption,
     free_table,
@@ -71,7 +72,7 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
             Section(
                 "bearings",
                 "Main bearings",
-                "Each throw stands between its two bearings; the shaft does not join them.",
+                bearings_words(data),
                 ((bearings_caption(data), bearing_table(data)),),
                 (bearing,),
             ),

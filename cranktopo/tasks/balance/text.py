@@ -188,6 +188,16 @@ def bearings_caption(data: Balance) -> str:
     return "Main bearings" if data.gas_in_bearing_loads else "Main bearings, without gas: none is given"
 
 
+def bearings_words(data: Balance) -> str:
+    """Return what the loads of the main bearings leave out; empty for a single throw."""
+    if len(data.arrangement.throw_angles_deg) == 1:
+        return ""
+    return (
+        "Loads of main bearings are those of throws that stand alone between two bearings; a shaft that runs "
+        "through has others: cranktopo shaft."
+    )
+
+
 def arrangement_words(data: Balance) -> str:
     """Layout, throws and firing in one line."""
     engine = data.arrangement
@@ -212,12 +222,13 @@ def balance_text(data: Balance) -> str:
     """Return what `cranktopo balance` prints."""
     parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
-    told = [
-        words
-        for words in (crank_words(data.crank), balance_factor_words(data), proposal_words(data))
-        if words
-    ]
-    return "\n\n".join([*parts, *told, "\n".join(_ANGLES)])
+    told = (
+        bearings_words(data),
+        crank_words(data.crank),
+        balance_factor_words(data),
+        proposal_words(data),
+    )
+    return "\n\n".join([*parts, *filter(None, told), "\n".join(_ANGLES)])
 
 
 def angle_lines() -> tuple[str, ...]:

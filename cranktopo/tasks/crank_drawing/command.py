@@ -10,13 +10,16 @@ from pathlib import Path
 import click
 
 from cranktopo.base.formats import DRAWINGS
+from cranktopo.base.notes import note
 from cranktopo.cli.options import designs
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command()
 @click.argument("design", shell_complete=designs)
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--force", is_flag=True, help="Replace an existing file.")
+@verbosity_options
 def command(design: str, file: Path, force: bool) -> None:
     """Write the workshop drawing of the whole crank of DESIGN to FILE (.pdf, .svg, .png or .dxf).
 
@@ -39,6 +42,6 @@ def command(design: str, file: Path, force: bool) -> None:
     scene = load_scene(design, whole=True)
     assumed = assumptions(scene, (THROW,))
     if assumed:
-        click.echo(assumed_text(assumed), err=True)
+        note(assumed_text(assumed))
     sheet, scale = draw_crank(scene, file)
     click.echo(f"{file}: workshop drawing of the crank, {sheet}, {scale_text(scale)}")

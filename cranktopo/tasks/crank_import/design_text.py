@@ -100,7 +100,7 @@ def _envelope(scene: Scene) -> dict[str, Any]:
 
 def _engine_lines(scene: Scene, crank: FoundCrank) -> str:
     """Return the table of the engine as lines to fill in: CAD knows the throws, not what loads them."""
-    angles = [round((-crank.angle_deg(pin)) % 360, 3) for pin in crank.pins]
+    angles = [round(crank.angle_deg(pin), 3) for pin in crank.pins]
     stroke = 2 * scene.throw.radius_mm
     several = len(crank.pins) > 1
     return "\n".join(

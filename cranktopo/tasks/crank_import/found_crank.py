@@ -118,9 +118,12 @@ class FoundCrank:
         return np.asarray(away / np.linalg.norm(away))
 
     def angle_deg(self, pin: FoundJournal) -> float:
-        """Return the angle of a throw from the first one, 0 to 360, right-handed about the axis."""
+        """Return the angle of a throw from the first one, 0 to 360, in the sense of a design's throw angles.
+
+        That is left-handed about the axis, which runs from the free end.
+        """
         first, own = self.direction(self.pins[0]), self.direction(pin)
-        angle = math.degrees(math.atan2(float(np.cross(first, own) @ self.axis), float(first @ own)))
+        angle = math.degrees(math.atan2(float(np.cross(own, first) @ self.axis), float(first @ own)))
         return round(angle % 360, 6) % 360
 
     @property

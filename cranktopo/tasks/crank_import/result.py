@@ -24,7 +24,7 @@ class ImportedThrow(Result):
     number: int
     """Number from the low end of the crank axis, 1 first."""
     angle_deg: float
-    """Angle from the first throw, right-handed about the crank axis."""
+    """Angle from the first throw as the design has it: `engine.arrangement.throw_angles_deg`."""
     radius_mm: float
     """Throw radius."""
     diameter_mm: float

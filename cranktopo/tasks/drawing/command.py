@@ -5,14 +5,14 @@ Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import click
 
 from cranktopo.base.formats import PARTS, PLOTS, SOLIDS, SolidPart
-from cranktopo.base.notes import redirected
+from cranktopo.base.notes import note
 from cranktopo.cli.options import Choice, Number, designs, throw_option
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command()
@@ -26,6 +26,7 @@ from cranktopo.cli.options import Choice, Number, designs, throw_option
 )
 @throw_option
 @click.option("--force", is_flag=True, help="Replace an existing file.")
+@verbosity_options
 def command(
     design: str, file: Path, part: SolidPart, facet_mm: float | None, throw: int | None, force: bool
 ) -> None:
@@ -46,11 +47,10 @@ def command(
     crank = load_scene(design, whole=True)
     if part == "crankshaft" and throw is not None:
         raise click.UsageError("--throw: --part crankshaft is all throws: leave it out")
-    with redirected(partial(click.echo, err=True)):
-        scene = crank if part == "crankshaft" else one_throw(crank, throw, all_fire=False)
+    scene = crank if part == "crankshaft" else one_throw(crank, throw, all_fire=False)
     assumed = assumptions(scene, (THROW,))
     if assumed:
-        click.echo(assumed_text(assumed), err=True)
+        note(assumed_text(assumed))
     if file.suffix.lower() in PLOTS:
         from cranktopo.tasks.drawing.sheet import export_drawing
 

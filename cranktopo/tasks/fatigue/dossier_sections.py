@@ -95,18 +95,42 @@ def _rotor_rows(shaft: ShaftTable) -> _Rows:
     return rows or [("rotors", "none")]
 
 
-def vibration_sections(study: VibrationStudy | None) -> tuple[Section, ...]:
-    """Return the calculation of torsional vibration, or why there is none."""
+def vibration_sections(study: VibrationStudy | None, judged_Nm: float) -> tuple[Section, ...]:
+    """Return the calculation of torsional vibration, or why there is none.
+
+    Args:
+        judged_Nm: torque amplitude that the rule's check has.
+    """
     title = "Torsional vibration"
     if study is None:
-        text = "Not calculated: it takes [shaft] and the gas forces of [engine.gas] in the design."
+        text = (
+            "Not calculated, nor what a misfire does: it takes [shaft] and the gas forces of [engine.gas] in "
+            "the design."
+        )
         return (Section("vibration", title, text),)
     page = vibration_page(study, "")
     warned = " ".join(study.warnings)
     head = Section(
-        "vibration", title, f"{page.headline} Stiffness of the throws: {study.stiffness_source}. {warned}"
+        "vibration",
+        title,
+        f"{page.headline} {_misfire(study, judged_Nm)}Stiffness of the throws: {study.stiffness_source}. "
+        f"{warned}",
     )
     return (head, *(replace(one, anchor=f"vibration-{one.anchor}") for one in page.sections))
+
+
+def _misfire(study: VibrationStudy, judged_Nm: float) -> str:
+    """Return the largest torque with one cylinder that does not fire against that which is judged."""
+    worst = study.worst_misfire
+    if worst is None:
+        return ""
+    amplitude = worst.crankshaft.torque_amplitude_Nm
+    return (
+        "The check is of an engine that fires in all cylinders, with a torque amplitude of "
+        f"{number_text(judged_Nm)} N m; where cylinder {worst.cylinder} does not fire, the worst of all, it "
+        f"is {number_text(amplitude)} N m at {worst.crankshaft.speed_rpm:.0f} rpm, "
+        f"{amplitude / judged_Nm:.2f} of that. "
+    )
 
 
 def _listed(values: tuple[float, ...], unit: str) -> str:

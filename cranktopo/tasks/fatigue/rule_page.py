@@ -98,7 +98,7 @@ def rule_page(record: RuleRecord) -> Page:
             *_each(checks, _size),
             loads_section(record.loads, record.cases),
             effects_section(record.effects.effects),
-            *vibration_sections(record.vibration),
+            *vibration_sections(record.vibration, checks[0].loads.torque_Nm),
             *_each(checks, lambda check: _nominal(check, record.history)),
             *_each(checks, _factors),
             *_each(checks, _mesh),

@@ -6,13 +6,13 @@ Least oil film and largest film pressure of the plain bearings over the cycle.
 from __future__ import annotations
 
 import json
-from functools import partial
 from pathlib import Path
 
 import click
 
-from cranktopo.base.notes import redirected
+from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command(name="film")
@@ -26,6 +26,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
     help="Write a plot of the last speed.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
 def command(
     design: str, speeds: list[float] | None, throw: int | None, plot_path: Path | None, as_json: bool
 ) -> None:
@@ -44,8 +45,7 @@ def command(
     from cranktopo.tasks.film.stage import oil_films
     from cranktopo.tasks.film.text import film_text
 
-    with redirected(partial(click.echo, err=True)):
-        scene = one_throw(load_scene(design, whole=True), throw, all_fire=False)
+    scene = one_throw(load_scene(design, whole=True), throw, all_fire=False)
     result = oil_films(scene, speeds)
     if plot_path is not None:
         plot_films(scene, plot_path, None if speeds is None else speeds[-1])
@@ -54,4 +54,4 @@ def command(
         return
     click.echo(film_text(result))
     if result.assumed:
-        click.echo(assumed_text(result.assumed), err=True)
+        note(assumed_text(result.assumed))

@@ -6,13 +6,13 @@ Forces over the working cycle, their extremes, and the load cases.
 from __future__ import annotations
 
 import json
-from functools import partial
 from pathlib import Path
 
 import click
 
-from cranktopo.base.notes import redirected
+from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command(name="loads")
@@ -22,6 +22,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, Speeds, designs, throw_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write all curves.")
 @click.option("--plot", "plot_path", type=click.Path(dir_okay=False, path_type=Path), help="Write a plot.")
+@verbosity_options
 def command(
     design: str,
     speeds: list[float] | None,
@@ -43,8 +44,7 @@ def command(
     from cranktopo.tasks.loads.stage import loads_at_speeds, plot_load_curves, write_load_curves
 
     crank = load_scene(design, whole=True)
-    with redirected(partial(click.echo, err=True)):
-        scene = one_throw(crank, throw, all_fire=False)
+    scene = one_throw(crank, throw, all_fire=False)
     results = loads_at_speeds(scene, speeds)
     if crank is not scene:
         results = tuple(one.model_copy(update={"crank": crank_mass(crank)}) for one in results)
@@ -53,7 +53,7 @@ def command(
     if csv_path is not None:
         write_load_curves(scene, csv_path, speeds)
     for line in dict.fromkeys(warning for loads in results for warning in loads.warnings):
-        click.echo(f"warning: {scene.name}: {line}", err=True)
+        note(f"warning: {scene.name}: {line}")
     if as_json:
         sweep = results if len(results) > 1 else None
         found = results[0].model_copy(update={"sweep": sweep})
@@ -65,4 +65,4 @@ def command(
     click.echo(loads_text(results[0]) if len(results) == 1 else sweep_text(results))
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
     if assumed:
-        click.echo(assumed_text(assumed), err=True)
+        note(assumed_text(assumed))

@@ -64,17 +64,21 @@ def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 def _draw_torque(axes: Any, analysis: LoadAnalysis) -> None:
-    """Torque of one throw and of the engine."""
+    """Torque of one throw, and of the engine or in a section of a vibrating shaft."""
     cycle = _cycle(analysis)
     angle = cycle.forces.angle_deg
     axes.plot(angle, cycle.forces.torque_Nm, label="one throw")
-    axes.plot(angle, cycle.torque.engine_Nm, label=_engine(analysis))
+    axes.plot(angle, cycle.torque.engine_Nm, label=torque_words(analysis))
     axes.axhline(cycle.engine_torque()[0], color="0.5", lw=0.8, ls="--", label="engine, mean")
     _frame(axes, analysis, "torque (N m)")
 
 
-def _engine(analysis: LoadAnalysis) -> str:
-    count = analysis.engine.cylinders
+def torque_words(analysis: LoadAnalysis) -> str:
+    """Return what the torque of the shaft is: the engine's, or that in one section of a vibrating shaft."""
+    count, torque = analysis.engine.cylinders, _cycle(analysis).torque
+    if torque.vibrates:
+        section, speed = len(torque.passed_on_Nm), analysis.engine.speed_rpm
+        return f"behind throw {section} of the vibrating shaft, {speed:.0f} rpm"
     return f"engine, {count} cylinder{'s' * (count > 1)}"
 
 

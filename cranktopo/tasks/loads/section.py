@@ -9,7 +9,7 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.page import Section
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import Column, tabulate
-from cranktopo.tasks.loads.plot import PANELS
+from cranktopo.tasks.loads.plot import PANELS, torque_words
 
 _LOAD_COLUMNS: tuple[Column[LoadCase], ...] = (
     Column("load_case", 0, lambda case: case.name),
@@ -21,7 +21,6 @@ _LOAD_COLUMNS: tuple[Column[LoadCase], ...] = (
 _LOAD_ALT = (
     "Gas force, inertia force of the piston and their sum over the crank angle",
     "Radial and tangential force on the crankpin over the crank angle",
-    "Torque of one throw and of the engine over the crank angle",
 )
 
 
@@ -36,6 +35,10 @@ def loads_section(analysis: LoadAnalysis | None, cases: Sequence[LoadCase]) -> S
         if analysis.cycle is not None:
             pictures = tuple(
                 picture(f"loads-{number}", alt, panel, analysis)
-                for number, (panel, alt) in enumerate(zip(PANELS, _LOAD_ALT, strict=True), start=1)
+                for number, (panel, alt) in enumerate(zip(PANELS, _alts(analysis), strict=True), start=1)
             )
     return Section("loads", "Loads", text, (("Load cases", table),), pictures)
+
+
+def _alts(analysis: LoadAnalysis) -> tuple[str, ...]:
+    return (*_LOAD_ALT, f"Torque of one throw, and {torque_words(analysis)}, over the crank angle")

@@ -11,6 +11,7 @@ from cranktopo.tasks.modes.text import (
     critical_sentence,
     critical_table,
     error_sentence,
+    fluid_sentence,
     modes_table,
     speed_table,
     torsion_only_sentence,
@@ -38,7 +39,7 @@ def modes_page(found: ShaftModes, written: str) -> Page:
             Section(
                 "frequencies",
                 "Frequencies at rest",
-                f"{PLANES} {error_sentence(found)}".replace("\n", " "),
+                f"{PLANES} {_fluid(found)}{error_sentence(found)}".replace("\n", " "),
                 (("By mode", modes_table(found)),),
             ),
             Section(
@@ -58,6 +59,10 @@ def modes_page(found: ShaftModes, written: str) -> Page:
             ),
         ),
     )
+
+
+def _fluid(found: ShaftModes) -> str:
+    return f"{fluid_sentence(found)} " if found.disks_with_fluid_Hz else ""
 
 
 def _critical(found: ShaftModes) -> tuple[tuple[str, ResultTable], ...]:

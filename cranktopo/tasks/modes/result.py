@@ -89,5 +89,7 @@ class ShaftModes(Result):
     modes: tuple[ShaftMode, ...]
     torsion_only: tuple[str, ...]
     """Parts whose mass the design does not give: they count in torsion alone."""
+    disks_with_fluid_Hz: tuple[float, ...]
+    """Torsion by disks with the fluid of a viscous damper, slowest first; empty without one."""
     assumed: tuple[Assumption, ...]
     """Keys that the design does not give and the modes depend on."""

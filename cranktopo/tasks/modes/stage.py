@@ -20,6 +20,7 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.vibration.shaft_chain import moving_inertia_kg_mm2, shaft_chain
 from cranktopo.engine.vibration.steady import ORDERS
+from cranktopo.numerics.disk_chain import DiskChain
 from cranktopo.numerics.section_shapes import SectionShapes
 from cranktopo.numerics.turning_body import FreeModes, modes_at_rest
 from cranktopo.report.report_file import check_report_path, write_report
@@ -46,6 +47,8 @@ from cranktopo.tasks.shaft.stage import (
 STEPS = 2
 """Steps of the reduction: the second one tells what the first leaves out."""
 _MODES = 10
+_DISKS_TOLD = 3
+"""Frequencies of torsion that a damper with fluid changes most."""
 _SPEEDS = 21
 """Over the design's own range."""
 
@@ -131,8 +134,17 @@ def _result(
         stiffness_error_percent=static.error_percent,
         modes=tuple(modes),
         torsion_only=without_mass(scene.shaft or ShaftTable()),
+        disks_with_fluid_Hz=_with_fluid(scene, chain),
         assumed=filter_by_table(target.assumed, tables),
     )
+
+
+def _with_fluid(scene: Scene, chain: DiskChain) -> tuple[float, ...]:
+    """Torsion by disks with all damping, Hz, where a damper has a fluid: the modes leave it out."""
+    damper = scene.shaft.damper if scene.shaft else None
+    if damper is None or not damper.damping_Nms_per_rad:
+        return ()
+    return tuple(float(mode.frequency_Hz) for mode in chain.damped_modes()[:_DISKS_TOLD])
 
 
 def _one_step_less(model: ShaftModel) -> FreeModes:

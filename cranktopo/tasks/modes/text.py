@@ -26,6 +26,7 @@ def modes_text(found: ShaftModes) -> str:
             critical_sentence(found),
             *([terminal(critical_table(found))] if critical_table(found).rows else []),
             *([torsion_only_sentence(found)] if found.torsion_only else []),
+            *([fluid_sentence(found)] if found.disks_with_fluid_Hz else []),
             error_sentence(found),
         )
     )
@@ -113,6 +114,15 @@ def torsion_only_sentence(found: ShaftModes) -> str:
     parts = ", ".join(f"shaft.{name}.mass_kg" for name in found.torsion_only)
     verb = "is" if len(found.torsion_only) == 1 else "are"
     return f"{parts} {verb} not given: in bending and along the axis the shaft swings without it."
+
+
+def fluid_sentence(found: ShaftModes) -> str:
+    """Return that the fluid of a viscous damper holds nothing here, and what it would change."""
+    with_it = ", ".join(f"{frequency:.1f}" for frequency in found.disks_with_fluid_Hz)
+    return (
+        "The fluid of shaft.damper is left out, as all damping is: a ring without springs turns loose.\n"
+        f"cranktopo vibration has the fluid: torsion by disks is at {with_it} Hz with it."
+    )
 
 
 def error_sentence(found: ShaftModes) -> str:

@@ -6,12 +6,12 @@ Which effects a design calls for, why, and what each would cost.
 from __future__ import annotations
 
 import json
-from functools import partial
 
 import click
 
-from cranktopo.base.notes import redirected
+from cranktopo.base.notes import note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, throw_option, with_goal_options
+from cranktopo.cli.verbosity import verbosity_options
 
 
 @click.command(name="plan")
@@ -19,6 +19,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, designs, goal_options, throw_o
 @throw_option
 @goal_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@verbosity_options
 def command(
     design: str,
     throw: int | None,
@@ -56,8 +57,7 @@ def command(
     from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
     from cranktopo.tasks.plan.text import plan_text
 
-    with redirected(partial(click.echo, err=True)):
-        taken = one_throw(load_scene(design, whole=True), throw)
+    taken = one_throw(load_scene(design, whole=True), throw)
     scene = with_goal_options(taken, minimise, maximise, limits)
     goal = wanted(scene)
     effects = plan(scene, goal=goal)
@@ -83,8 +83,8 @@ def command(
             )
         click.echo(f"\n{plan_text(effects)}")
         if assumed:
-            click.echo(assumed_text(assumed), err=True)
+            note(assumed_text(assumed))
         for remark in strength_remarks(scene):
-            click.echo(f"warning: material: {remark}", err=True)
+            note(f"warning: material: {remark}")
         for line in shaft_warnings(scene) if scene.shaft else ():
-            click.echo(f"warning: {line}", err=True)
+            note(f"warning: {line}")

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
+from cranktopo.base.frames import about_z_deg
 from cranktopo.base.notes import redirected
 from cranktopo.design.crank import Crank
 from cranktopo.design.loading import load_scene, parse_scene
@@ -56,3 +58,24 @@ def test_a_journal_that_the_web_cannot_take_is_left_out() -> None:
     with redirected(notes.append):
         assert crank_of(found((40.0, 44.0, 40.0), radius_mm=26.0)) is None
     assert "are left out: " in notes[0]
+
+
+def across(about_z: float) -> Array:
+    """The direction of a throw that is turned about the axis."""
+    turn = np.radians(about_z)
+    return np.array([-np.sin(turn), np.cos(turn), 0.0])
+
+
+def test_throws_have_one_angle_in_design_and_words() -> None:
+    """A crank at 0, 120, 240 deg, turned as the exported shaft is, is told so and comes back so."""
+    three = found((40.0, 40.0, 40.0, 40.0))
+    wanted = [0.0, 120.0, 240.0]
+    pins = tuple(
+        replace(pin, centre_mm=48.0 * across(about_z_deg(angle)))
+        for pin, angle in zip(three.pins, wanted, strict=True)
+    )
+    crank = replace(three, pins=pins)
+    assert [crank.angle_deg(pin) for pin in pins] == wanted
+    assert "3 throws at 0, 120, 240 deg" in crank.words
+    text = design_text(load_scene("mikron-iiic-plain"), crank, "half-1.step", ("x.step",))
+    assert "throw_angles_deg = [0.0, 120.0, 240.0]" in text

@@ -11,8 +11,10 @@ import pytest
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.result import ShaftModes
 from cranktopo.tasks.modes.stage import shaft_modes
+from cranktopo.tasks.modes.text import modes_text
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.stage import evaluate_shaft
 from tests.studies.crank_modes import body_frequencies_Hz, crank_mesh, reduced_frequencies_Hz
@@ -94,6 +96,21 @@ def test_a_ring_on_rubber_has_a_mode_of_its_own() -> None:
     nearest = min(modes.modes, key=lambda mode: abs(mode.frequency_Hz - closed))
     assert nearest.frequency_Hz == pytest.approx(closed, rel=1e-3)
     assert nearest.disks_Hz == pytest.approx(closed, rel=1e-3)
+
+
+def test_the_fluid_of_a_damper_is_told_and_what_it_would_change() -> None:
+    """A fluid that holds ever more makes ring and hub one disk, which a pulley of both their inertias is."""
+    damper = {"kind": "viscous", "ring_inertia_kg_m2": 0.01, "hub_inertia_kg_m2": 0.02}
+    speeds = {"speeds_rpm": (700.0, 2800.0)}
+    loose = found(mikron(damper={**damper, "damping_Nms_per_rad": 1e7}), **speeds)
+    joined = found(mikron(pulley={"inertia_kg_m2": 0.03}), **speeds)
+    by_disks = [mode.disks_Hz for mode in joined.modes if mode.disks_Hz is not None]
+    assert loose.disks_with_fluid_Hz[: len(by_disks)] == pytest.approx(by_disks[:3], rel=1e-4)
+    told = f"has the fluid: torsion by disks is at {loose.disks_with_fluid_Hz[0]:.1f}, "
+    assert told in modes_text(loose)
+    assert told in str(modes_page(loose, "today").sections[0])
+    assert joined.disks_with_fluid_Hz == ()
+    assert "fluid" not in modes_text(joined)
 
 
 def test_a_heavy_flywheel_bends_the_free_shaft() -> None:
