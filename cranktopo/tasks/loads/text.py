@@ -9,6 +9,9 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
+_AS_NEEDED = 2e-3
+"""Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
+
 
 def loads_text(loads: Loads) -> str:
     """Return the tables of one speed: extremes, engine torque, balance, load cases."""
@@ -109,7 +112,6 @@ def _piston(piston: PistonExtremes | None) -> str:
 
 
 def _balance(balance: ThrowMassProperties) -> str:
-    needed = balance.counterweight_kg_mm
     one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
     own = f"\nits counterweights: {masses} kg take {balance.own_counterweight_kg_mm:.2f} kg mm"
@@ -117,11 +119,18 @@ def _balance(balance: ThrowMassProperties) -> str:
     own += "" if factor is None else f", balance factor {factor:.1f} % of the oscillating mass"
     return (
         f"balance of the throw: rotating unbalance {balance.rotating_unbalance_kg_mm:.2f} kg mm "
-        f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights "
-        f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, "
+        f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights {_needed_words(balance)}, "
         f"inertia {balance.inertia_kg_mm2:.0f} kg mm2, mass "
         f"{balance.throw_mass_kg:.3f} kg{own if one or other else ''}"
     )
+
+
+def _needed_words(balance: ThrowMassProperties) -> str:
+    """Return what counterweights are needed beside the throw's own."""
+    needed = balance.counterweight_kg_mm
+    if abs(needed) < _AS_NEEDED * balance.own_counterweight_kg_mm:
+        return "as needed"
+    return f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm"
 
 
 def crank_words(crank: CrankMass | None) -> str:
