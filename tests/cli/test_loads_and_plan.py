@@ -56,6 +56,11 @@ def test_loads_table_explains_redundant_states(capsys):
     code, out, _ = run(capsys, "loads")
     assert code == 0
     assert re.search(r"gas force +N +35857 +11 +-95\.0 +380", out)
+    piston_kg = load_scene("mikron-iiic").engine.masses.piston_group_kg
+    largest = piston_kg * 0.048 * (2100 * math.pi / 30) ** 2 * (1 + 48 / 166)
+    assert re.search(rf"inertia force of piston +N +815\.5 +153 +-{largest:.1f} +0", out), (
+        "the rod is not in it"
+    )
     assert "min_torque: -0.200 times max_torque" in out
     assert "acceleration 1.00 %" in out
 
@@ -65,6 +70,7 @@ def test_speed_sweep(capsys):
     rows = out.strip().splitlines()
     assert code == 0
     assert [row.split()[0] for row in rows[-10:]] == [str(n) for n in range(1000, 2801, 200)]
+    assert re.search(r"small +piston +main.*\n.* inertia ", out)
     inertia = {int(row.split()[0]): float(row.split()[2]) for row in rows[-10:]}
     assert inertia[2000] == pytest.approx(4 * inertia[1000], abs=0.5)
 

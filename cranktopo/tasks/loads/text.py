@@ -9,6 +9,8 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
+_LABELS = {"inertia_force": "inertia force of piston"}
+"""Beside the names of the keys: the rod's oscillating part is in the rod force."""
 _AS_NEEDED = 2e-3
 """Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
 
@@ -28,7 +30,14 @@ def loads_text(loads: Loads) -> str:
 
 def sweep_text(sweep: Sequence[Loads]) -> str:
     """Return one row per speed."""
-    header = ["speed\nrpm", "small end\nN", "inertia\nN", "radial\nN", "tangential\nN", "main journal\nN"]
+    header = [
+        "speed\nrpm",
+        "small end\nN",
+        "piston inertia\nN",
+        "radial\nN",
+        "tangential\nN",
+        "main journal\nN",
+    ]
     header += ["engine mean\nN m", "max\nN m", "min\nN m"]
     rows = []
     for loads in sweep:
@@ -59,7 +68,7 @@ def _extremes(extremes: Mapping[str, Range]) -> str:
         cells = []
         for end in (pair.max, pair.min):
             cells += [_number(end.value), f"{end.deg:g}"]
-        rows.append([label.replace("_", " "), {"Nm": "N m"}.get(unit, unit), *cells])
+        rows.append([_LABELS.get(label, label.replace("_", " ")), {"Nm": "N m"}.get(unit, unit), *cells])
     return text_table("llrrrr", ("extremes of one throw", "unit", "max", "at deg", "min", "at deg"), rows)
 
 
