@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.bound.stage import bound_of
     from cranktopo.tasks.compare.result import Comparison, ComparisonResult, Entry, compare
     from cranktopo.tasks.compare.stage import ComparedTargets, compare_targets, report_comparison
+    from cranktopo.tasks.compare.text import comparison_result
     from cranktopo.tasks.crank_drawing.sheet import draw_crank
     from cranktopo.tasks.crank_import.result import CrankImport
     from cranktopo.tasks.crank_import.stage import import_crank
@@ -163,6 +164,7 @@ _HOMES = {
     "bound_of": "tasks.bound.stage",
     "sweep": "tasks.sweep.run",
     "balance_result": "tasks.balance.result",
+    "comparison_result": "tasks.compare.text",
     "report_balance": "tasks.balance.stage",
     "export_solid": "bodies.solid.files",
     "draw_crank": "tasks.crank_drawing.sheet",
@@ -276,6 +278,7 @@ __all__ = [
     "clean_runs",
     "compare",
     "compare_targets",
+    "comparison_result",
     "continue_loop",
     "double_precision",
     "draw_crank",

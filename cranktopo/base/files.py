@@ -16,7 +16,7 @@ import shutil
 import stat
 import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePath
 from typing import Any, overload
 
@@ -74,14 +74,27 @@ def read_bytes(path: str | Path, name: str, limit_MiB: float, hint: str = "") ->
     return content
 
 
-def read_text_file(path: str | Path, name: str, limit_MiB: float = _TEXT_LIMIT_MIB, hint: str = "") -> str:
-    """Return the text of a UTF-8 file, with or without a byte-order mark; raises CranktopoError."""
+def read_text_file(
+    path: str | Path, name: str, limit_MiB: float = _TEXT_LIMIT_MIB, hint: str = "", otherwise: str = ""
+) -> str:
+    """Return the text of a UTF-8 file, with or without a byte-order mark; raises CranktopoError.
+
+    Args:
+        path: of the file.
+        name: of the file in the message.
+        limit_MiB: largest size.
+        hint: as of `check_input`.
+        otherwise: encoding of a file that is not in UTF-8; none is refused.
+    """
     content = read_bytes(path, name, limit_MiB, hint)
     if b"\0" in content:
         raise _refused(name, "is not text in UTF-8: it holds NUL bytes", "Save it as UTF-8.")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        if otherwise:
+            with suppress(UnicodeDecodeError):
+                return content.decode(otherwise)
         line = content[: error.start].count(b"\n") + 1
         raise _refused(name, f"is not text in UTF-8: line {line}", "Save it as UTF-8.") from None
 

@@ -216,6 +216,14 @@ def percent(context: click.Context, parameter: click.Parameter, value: str | Non
     return number
 
 
+def share_of(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
+    """Return the number of percent in `50%` or `50`, 0 and 100 among them, as an option's callback."""
+    number = _number(value, {"%": 1.0}, "a percentage such as 50%")
+    if number is not None and not 0 <= number <= 100:
+        raise click.BadParameter(f"{value!r} must be at least 0% and at most 100%.", context, parameter)
+    return number
+
+
 def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
     """Return the number of seconds in `90`, `120s`, `5min` or `1h`, as an option's callback."""
     number = _number(value, {"min": 60.0, "h": 3600.0, "s": 1.0}, "a time such as 30s or 2min")

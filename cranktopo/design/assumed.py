@@ -36,7 +36,9 @@ _QUIET = {
     "surface_treatment_source",
     "residual_scatter_MPa",
 }
-_WITH_INDICATOR = {"ambient_pressure_MPa"}
+_OF_TRACE = {"firing_deg"}
+"""Keys of [engine.gas] that count only where the pressure is measured."""
+_WITH_INDICATOR = {"ambient_pressure_MPa"} | _OF_TRACE
 """Keys of [engine.gas] that count where the pressure is measured."""
 _ROD_PARTS = {"rod_reciprocating_kg", "rod_rotating_kg"}
 """Keys of [engine.masses] that a rod given as a whole replaces."""
@@ -131,5 +133,5 @@ def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:
             yield from _left_out(value, key)
         elif name in table.model_fields_set or name in unused or not isinstance(value, (int, float, str)):
             continue
-        elif not measured or name in _WITH_INDICATOR:
+        elif name in _WITH_INDICATOR if measured else name not in _OF_TRACE:
             yield Assumption(key, value, _CONSEQUENCES.get(name, "") if not value else "")

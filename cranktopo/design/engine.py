@@ -27,6 +27,7 @@ from cranktopo.base.table import (
 )
 
 Turn = Annotated[float, Field(ge=0, lt=360, allow_inf_nan=False)]
+TraceAngle = Annotated[float, Field(ge=-720, le=720, allow_inf_nan=False)]
 """An angle about the crank axis, deg."""
 
 
@@ -100,7 +101,7 @@ class GasAtSpeed(SceneTable):
     rpm: TurningSpeed = Field(examples=[1000.0])
     """Speed that it belongs to; between two of them pressures are interpolated, beyond the last kept."""
     file: str | None = Field(default=None, examples=["indicator_1000.csv"])
-    """CSV of the measured pressure, as `engine.gas.indicator_csv`: 0 deg is firing top dead centre."""
+    """CSV of the measured pressure, as `engine.gas.indicator_csv`; `engine.gas.firing_deg` is that of all."""
     peak_pressure_MPa: Pressure | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
     """Peak pressure at this speed, in place of a file."""
     peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
@@ -116,8 +117,9 @@ class Gas(SceneTable):
 
     indicator_csv: str | None = Field(default=None, examples=["indicator.csv"])
     """CSV of the measured absolute pressure over one cycle, instead of the peak; relative to this file. Its
-    columns are `crank_angle_deg`, with firing top dead centre at 0 deg, and `pressure_bar` or `pressure_MPa`.
-    A trace that has it at 360 deg is shifted by 360 deg."""
+    header names crank angle and pressure with their units, such as `crank_angle_deg` and `pressure_bar`."""
+    firing_deg: TraceAngle = 0.0
+    """Angle of firing top dead centre in the measured trace: 360 where it counts from gas exchange."""
     peak_pressure_MPa: Pressure | None = Field(default=None, examples=[5.16], json_schema_extra=SHOWN)
     """Peak pressure that the combustion model is fitted to."""
     peak_angle_deg: CrankAngle | None = Field(default=None, examples=[11.0], json_schema_extra=SHOWN)
@@ -142,6 +144,11 @@ class Gas(SceneTable):
     """Polytropic exponent of expansion."""
     exhaust_opening_deg: float = Field(default=130.0, gt=60, lt=180)
     """Crank angle after firing top dead centre at which the exhaust opens."""
+
+    @property
+    def measured(self) -> bool:
+        """Whether a pressure is that of a measured trace, at one speed at least."""
+        return self.indicator_csv is not None or any(at.file is not None for at in self.map)
 
     @property
     def intake_MPa(self) -> float:

@@ -61,11 +61,10 @@ def silent_words(cylinders: Sequence[int]) -> str:
 
 def motored_words(gas: Gas) -> str:
     """Return where the pressure of a cylinder that does not fire comes from."""
-    measured = gas.indicator_csv is not None or any(at.file is not None for at in gas.map)
     modelled = gas.peak_pressure_MPa is not None or any(at.file is None for at in gas.map)
     mirrored = f"{MIRRORED}, until {gas.exhaust_opening_deg:g} deg"
     polytrope = f"compression and expansion by one polytrope, exponent {gas.polytropic_compression:g}"
-    return " or ".join([mirrored] * measured + [polytrope] * modelled)
+    return " or ".join([mirrored] * gas.measured + [polytrope] * modelled)
 
 
 def _misfiring(scene: Scene, cylinders: tuple[int, ...]) -> Scene:

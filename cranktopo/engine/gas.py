@@ -311,10 +311,9 @@ def _curve(
     """Compute the curve of what it depends on, the state of an indicator file among it."""
     angle = np.arange(0.0, cycle_deg, STEP_DEG)
     if gas.indicator_csv is not None:
-        pressure, source = (
-            _measured(gas, gas.indicator_csv, cycle_deg, angle),
-            f"indicator diagram {gas.indicator_csv}",
-        )
+        pressure = _measured(gas, gas.indicator_csv, cycle_deg, angle)
+        firing = f", firing at its {gas.firing_deg:g} deg" if gas.firing_deg else ""
+        source = f"indicator diagram {gas.indicator_csv}{firing}"
     else:
         model = fit_combustion(gas, radius_mm, rod_length_mm, cycle_deg)
         pressure = combustion_pressure_MPa(model, angle)
@@ -332,7 +331,7 @@ def _measured(gas: Gas, path: str, cycle_deg: float, angle: Array) -> Array:
     """Join the measured points by a periodic monotone cubic (PCHIP: no overshoot between points)."""
     from scipy.interpolate import PchipInterpolator
 
-    measured, pressure = read_indicator(path, cycle_deg, gas.ambient_pressure_MPa)
+    measured, pressure = read_indicator(path, cycle_deg, gas.ambient_pressure_MPa, gas.firing_deg)
     turns = cycle_deg * np.array([[-1.0], [0.0], [1.0]])
     curve = PchipInterpolator((measured + turns).ravel(), np.tile(pressure, 3))
     return np.asarray(curve(angle))

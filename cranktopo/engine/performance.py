@@ -9,7 +9,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, W_PER_KW, angular_speed_rad_s
-from cranktopo.design.engine import Engine
+from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle
 from cranktopo.engine.gas import higher_elsewhere
@@ -104,8 +104,17 @@ def _peak_misplaced(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
         f"the pressure is largest {abs(after):g} deg {'after' if after > 0 else 'before'} firing top dead "
         f"centre, which is 0 deg; an engine that fires has its peak 0 to {LATEST_PEAK_DEG:g} deg after it"
     )
-    turn = ": the trace counts from gas exchange, shift its angles by 360 deg"
-    return found + (turn if _a_turn_off(after, engine) else "")
+    return found + _firing_elsewhere(engine.gas, _a_turn_off(after, engine))
+
+
+def _firing_elsewhere(gas: Gas | None, a_turn_off: bool) -> str:
+    """Tell the key that says where a trace has firing top dead centre, and its value where that is clear."""
+    if gas is None or not gas.measured:
+        return ""
+    if a_turn_off:
+        value = (gas.firing_deg + _TURN_DEG) % (2 * _TURN_DEG)
+        return f": the trace counts from gas exchange, write engine.gas.firing_deg = {value:g}"
+    return ": engine.gas.firing_deg says where the trace has firing top dead centre"
 
 
 def _mean_too_high(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
@@ -139,7 +148,7 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     side = "late" if exponent < EXPONENTS[0] else "early"
     return (
         f"the pressure rises in compression with the exponent {exponent:.2f}, where gas has {EXPONENTS[0]:g} "
-        f"to {EXPONENTS[1]:g}: the trace is {side} by some degrees, "
+        f"to {EXPONENTS[1]:g}: the trace is {side} by some degrees (engine.gas.firing_deg), "
         "or engine.gas.compression_ratio is another"
     )
 

@@ -185,7 +185,13 @@ def test_a_proposal_that_finds_no_place_says_so(capsys, tmp_path):
     first = '<div class="bad"><dt>Proposed counterweight</dt><dd class="value">does not fit</dd>'
     text = page.read_text(encoding="utf-8")
     assert 0 < text.index(first) < text.index("<dt>Free force</dt>")
-    assert "car-diesel has no place for it: web.counterweight.outer_radius_mm" in out
+    refused = "The proposed counterweight does not fit: web.counterweight.outer_radius_mm = 86.11"
+    assert out.splitlines()[1].startswith(refused), "before what counterweights would do"
+    assert text.index(refused) < text.index("with counterweights")
+    assert '<div class="good">' not in text, "nothing is good with what does not fit"
+    assert "with counterweights, which do not fit: " in text
+    assert out.index("Nor does one with another half-angle") < out.index("[web.counterweight]")
+    assert run(capsys, "car-diesel", "--propose", "20%", "--json")[0] == 0
 
 
 def test_what_counterweights_make_worse_comes_first(capsys, tmp_path):
@@ -201,9 +207,79 @@ def test_what_counterweights_make_worse_comes_first(capsys, tmp_path):
 def test_a_share_that_nothing_can_balance_is_refused(capsys, weighted_vee):
     code, _, err = run(capsys, "opposed-piston", "--propose", "50%")
     assert (code, "engine.masses" in err) == (3, True)
-    weighted_vee.write_text(weighted_vee.read_text().replace("half_angle_deg = 70.0", "half_angle_deg = 5.0"))
+    text = weighted_vee.read_text()
+    weighted_vee.write_text(text.replace("half_angle_deg = 70.0", "half_angle_deg = 5.0"))
+    assert json.loads(run(capsys, str(weighted_vee), "--propose", "99%", "--json")[1])["proposal"][
+        "own_angle_refused"
+    ] == ("no outer radius balances so much")
+    weighted_vee.write_text(
+        text.replace("half_angle_deg = 70.0", "half_angle_deg = 70.0\nthickness_mm = 1.0")
+    )
     code, _, err = run(capsys, str(weighted_vee), "--propose", "99%")
-    assert (code, "--propose 99%: no outer radius" in err) == (3, True)
+    assert (code, "--propose 99%: no outer radius" in err, "a thicker counterweight" in err) == (
+        3,
+        True,
+        True,
+    )
+
+
+def pasted(text, out):
+    """The design with the tables that `--propose` prints; it has none of them."""
+    lines = out[out.index("[web.counterweight]") :].split("\n\n")[0]
+    assert not re.search(r"^\[(web\.counterweight|engine\.arrangement)\]", text, re.MULTILINE)
+    return f"{text}\n{lines}\n"
+
+
+@pytest.mark.parametrize("percent", [0, 50])
+def test_what_a_proposal_prints_makes_both_commands_agree(capsys, tmp_path, percent):
+    """A single without a counterweight: `loads` called the pasted one too heavy by the oscillating share."""
+    single = MIKRON[: MIKRON.index("[envelope]")].replace("cylinders = 4", "cylinders = 1")
+    design = tmp_path / "single.toml"
+    design.write_text(single.replace("[1, 3, 4, 2]", "[1]"))
+    code, out, _ = run(capsys, str(design), "--propose", f"{percent}%")
+    assert (code, "does not fit" in out) == (0, False)
+    design.write_text(pasted(design.read_text(), out))
+    scene = load_scene(str(design))
+    assert scene.engine.arrangement.balanced_oscillating_share == percent / 100
+    found = json.loads(run(capsys, str(design), "--json")[1])
+    own = found["counterweights"][0]["own_kg_mm"]
+    assert all(weight["unbalance_kg_mm"] < 2e-3 * own for weight in found["counterweights"])
+    assert found["balance_factor_percent"] == pytest.approx(percent, abs=0.05)
+    assert main(["loads", str(design)]) == 0
+    assert "counterweights as needed, inertia" in capsys.readouterr().out
+    force = {
+        state: max(e["force_N"] for e in found["free"] if (e["state"], e["order"]) == (state, 1))
+        for state in ("as it is", "with counterweights")
+    }
+    assert force["as it is"] == pytest.approx(force["with counterweights"], rel=2e-3)
+    oscillating = scene.engine.reciprocating_kg * 1e-3 * scene.throw.radius_mm * (2100 * math.pi / 30) ** 2
+    assert force["as it is"] == pytest.approx(oscillating * max(percent, 100 - percent) / 100, rel=2e-3)
+
+
+def test_another_half_angle_is_proposed_where_that_of_the_web_does_not_fit(capsys, tmp_path):
+    """With 60 deg the radius would be 68.71 mm, with 90 deg 65.66 mm: the room is 66.2 mm."""
+    design = tmp_path / "low.toml"
+    low = re.sub(r"y_min_mm = .*", "y_min_mm = -66.2", MIKRON)
+    design.write_text(re.sub(r"half_width_mm = .*", "half_width_mm = 70.0", low))
+    code, out, _ = run(capsys, str(design), "--propose", "0%")
+    assert (code, "for the rotating masses alone" in out) == (0, True)
+    assert re.search(r"half-angle of the web .* does not fit: .*outer_radius_mm = 68.71", out)
+    design.write_text(pasted(design.read_text(), out))
+    found = load_scene(str(design), whole=True).web.counterweight
+    assert 65.66 < found.outer_radius_mm < 66.2
+    assert (found.half_angle_deg, run(capsys, str(design))[0]) == (80.0, 0)
+    page = tmp_path / "b.html"
+    assert run(capsys, str(design), "--propose", "0%", "--report", str(page))[0] == 0
+    text = page.read_text(encoding="utf-8")
+    assert "balances the rotating masses alone" in text
+    row = re.search(r"balanced share of the oscillating mass<.*?([-\d.]+)\W%", text)
+    assert row[1] == "0.0"
+
+
+@pytest.mark.parametrize("share", ["-1%", "101%", "half"])
+def test_a_share_that_is_none_is_wrong_use(capsys, share):
+    code, out, err = run(capsys, "car-diesel", f"--propose={share}")
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
 
 
 def test_counterweights_for_an_assumed_engine_say_so(capsys, tmp_path):

@@ -64,6 +64,11 @@ def test_loads_table_explains_redundant_states(capsys):
     code, out, _ = run(capsys, "loads")
     assert code == 0
     assert re.search(r"gas force +N +35857 +11 +-95\.0 +380", out)
+    piston_kg = load_scene("mikron-iiic").engine.masses.piston_group_kg
+    largest = piston_kg * 0.048 * (2100 * math.pi / 30) ** 2 * (1 + 48 / 166)
+    assert re.search(rf"inertia force of piston +N +815\.5 +153 +-{largest:.1f} +0", out), (
+        "the rod is not in it"
+    )
     assert "min_torque: -0.200 times max_torque" in out
     assert "acceleration 1.00 %" in out
 
@@ -73,6 +78,7 @@ def test_speed_sweep(capsys):
     rows = out.strip().splitlines()
     assert code == 0
     assert [row.split()[0] for row in rows[-10:]] == [str(n) for n in range(1000, 2801, 200)]
+    assert re.search(r"small +piston +main.*\n.* inertia ", out)
     inertia = {int(row.split()[0]): float(row.split()[2]) for row in rows[-10:]}
     assert inertia[2000] == pytest.approx(4 * inertia[1000], abs=0.5)
 
@@ -170,13 +176,53 @@ def test_a_trace_at_wrong_angles_is_warned_of(capsys, traced, late_deg, told):
         assert f"warning: mikron-iiic-plain: {line}" in err
 
 
-def test_a_trace_that_counts_from_gas_exchange_is_told_to_be_shifted(capsys, traced):
+def test_a_trace_that_counts_from_gas_exchange_is_told_the_key_and_its_value(capsys, traced):
     """The exponent, which would call the same trace early, is not told beside it."""
     (warning,) = json.loads(run(capsys, "loads", traced(360.0), "--json")[1])["warnings"]
-    assert warning.endswith("shift its angles by 360 deg")
+    assert warning.endswith("write engine.gas.firing_deg = 360")
     for late_deg in (22.0, -15.0):
-        told = " ".join(json.loads(run(capsys, "loads", traced(late_deg), "--json")[1])["warnings"])
-        assert "shift" not in told
+        told = json.loads(run(capsys, "loads", traced(late_deg), "--json")[1])["warnings"]
+        assert told[0].endswith(": engine.gas.firing_deg says where the trace has firing top dead centre")
+
+
+@pytest.mark.parametrize(
+    ("late_deg", "firing_deg"), [(360.0, 360.0), (22.0, 22.0), (-15.0, 705.0), (0.0, 0.0), (4.25, 4.25)]
+)
+def test_firing_dead_centre_of_the_trace_gives_the_loads_of_the_same_trace_from_0_deg(
+    capsys, traced, late_deg, firing_deg
+):
+    """And no warning."""
+    loads = [
+        json.loads(run(capsys, "loads", traced(*given), "--json")[1])
+        for given in ((0.0,), (late_deg, f"compression_ratio = 8.0\nfiring_deg = {firing_deg}"))
+    ]
+    plain, shifted = (found["extremes"]["tangential_force_N"] for found in loads)
+    assert shifted["max"]["deg"] == plain["max"]["deg"]
+    assert shifted["max"]["value"] == pytest.approx(plain["max"]["value"], rel=1e-9)
+    assert loads[1]["warnings"] == []
+    assert ("t.csv, firing at its" in loads[1]["pressure_source"]) == bool(firing_deg)
+    _, _, err = run(capsys, "loads", traced(0.0))
+    assert "engine.gas.firing_deg = 0" in err
+
+
+def test_the_value_counts_from_what_the_key_says_already(capsys, traced):
+    (warning,) = json.loads(run(capsys, "loads", traced(10.0, "firing_deg = 370.0"), "--json")[1])["warnings"]
+    assert warning.endswith("write engine.gas.firing_deg = 10")
+
+
+def test_one_angle_serves_all_traces_of_a_map(capsys, traced):
+    design = Path(traced(360.0, "compression_ratio = 8.0"))
+    maps = "[[engine.gas.map]]\nrpm = 1000.0\nfile = 't.csv'\n[engine.masses]"
+    text = (
+        design.read_text()
+        .replace("indicator_csv = 't.csv'", "firing_deg = 360.0")
+        .replace("[engine.masses]", maps)
+    )
+    design.write_text(text)
+    assert json.loads(run(capsys, "loads", str(design), "--json")[1])["warnings"] == []
+    design.write_text(text.replace("firing_deg = 360.0\n", ""))
+    (warning,) = json.loads(run(capsys, "loads", str(design), "--json")[1])["warnings"]
+    assert warning.endswith("write engine.gas.firing_deg = 360")
 
 
 def test_without_a_compression_ratio_only_peak_and_mean_pressure_are_judged(capsys, traced):

@@ -314,7 +314,18 @@ def _check_map(scene: Scene, gas: Gas) -> None:
             raise scene.invalid(f"{key}.peak_angle_deg", _PEAK_RANGE)
 
 
+def _check_firing(scene: Scene, gas: Gas) -> None:
+    """Check that the angle of firing top dead centre belongs to a trace."""
+    if gas.firing_deg and not gas.measured:  # stored scenes hold its default, 0
+        raise scene.invalid(
+            "engine.gas.firing_deg",
+            "is for a measured trace; the combustion model counts from firing top dead centre",
+            "Remove it, or give indicator_csv in place of the peak.",
+        )
+
+
 def _check_gas(scene: Scene, strokes: int, gas: Gas) -> None:
+    _check_firing(scene, gas)
     peak = (gas.peak_pressure_MPa, gas.peak_angle_deg)
     if gas.map:
         _check_map(scene, gas)

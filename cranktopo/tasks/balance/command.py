@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from cranktopo.base.notes import note
-from cranktopo.cli.options import DEFAULT_DESIGN, designs, percent
+from cranktopo.cli.options import DEFAULT_DESIGN, designs, share_of
 from cranktopo.cli.verbosity import verbosity_options
 
 
@@ -28,9 +28,9 @@ from cranktopo.cli.verbosity import verbosity_options
     "--propose",
     "share",
     metavar="SHARE",
-    callback=percent,
+    callback=share_of,
     help="Propose the counterweight of each web that balances this share of the oscillating mass, such as "
-    "50%, in place of engine.arrangement.balanced_oscillating_share.",
+    "50%, in place of engine.arrangement.balanced_oscillating_share; 0%: the rotating masses alone.",
 )
 @verbosity_options
 def command(design: str, as_json: bool, page: Path | None, share: float | None) -> None:

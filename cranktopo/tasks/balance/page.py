@@ -29,6 +29,7 @@ from cranktopo.tasks.balance.text import (
     order_table,
     shaft_table,
     shafts_caption,
+    share_words,
 )
 from cranktopo.tasks.loads.text import crank_words
 
@@ -99,7 +100,8 @@ def _proposed(found: ProposedCounterweight | None) -> list[tuple[str, ResultTabl
         ("outer_radius_mm", f"{found.outer_radius_mm:g} mm"),
         ("half_angle_deg", f"{found.half_angle_deg:g} deg"),
         ("thickness of the web", f"{found.thickness_mm:g} mm"),
-        ("balanced share of the oscillating mass", f"{found.balance_factor_percent:.1f} %"),
+        ("engine.arrangement.balanced_oscillating_share", f"{found.share_percent / 100:g}"),
+        ("balanced share of the oscillating mass", f"{found.balance_factor_percent:z.1f} %"),
         ("room for it", found.refused or "yes"),
     ]
     return [("Proposed [web.counterweight] of each web", pairs(rows))]
@@ -109,7 +111,7 @@ def _proposed_fact(found: ProposedCounterweight) -> Fact:
     size = f"radius {found.outer_radius_mm:.1f} mm, {found.half_angle_deg:g} deg to each side"
     if found.refused:
         return Fact("Proposed counterweight", "does not fit", f"{size}: {found.refused}", "bad")
-    return Fact("Proposed counterweight", size, f"balances {found.balance_factor_percent:.1f} %", "good")
+    return Fact("Proposed counterweight", size, f"balances {share_words(found)}", "good")
 
 
 def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tuple[Fact, ...]:
@@ -121,11 +123,12 @@ def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tu
     bearings, share = balance.bearings, engine_of(balance.scene).arranged.balanced_oscillating_share
     index = bearings[AS_IT_IS].most_loaded
     plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
+    fits = proposal is None or not proposal.refused
     oscillating = f" and {100 * share:g} % of the oscillating" if share else ""
     return (
         *([_proposed_fact(proposal)] if proposal else []),
-        Fact("Free force", f"{number_text(forces[AS_IT_IS])} N", *_against(last, forces, "N")),
-        Fact("Free moment", f"{number_text(moments[AS_IT_IS])} N m", *_against(last, moments, "N m")),
+        Fact("Free force", f"{number_text(forces[AS_IT_IS])} N", *_against(last, forces, "N", fits)),
+        Fact("Free moment", f"{number_text(moments[AS_IT_IS])} N m", *_against(last, moments, "N m", fits)),
         Fact(
             "Counterweights of a throw",
             f"{number_text(float(np.abs(balance.masses.counterweight_kg_mm).max()))} kg mm",
@@ -135,16 +138,19 @@ def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tu
         Fact(
             f"Largest load, main bearing {index + 1}",
             f"{number_text(plain)} N",
-            *_against(COUNTERWEIGHTED, {AS_IT_IS: plain, COUNTERWEIGHTED: weighted}, "N"),
+            *_against(COUNTERWEIGHTED, {AS_IT_IS: plain, COUNTERWEIGHTED: weighted}, "N", fits),
         ),
     )
 
 
-def _against(state: str, sizes: Mapping[str, float], unit: str) -> tuple[str, FactStatus]:
-    """Return what a state makes of something that is better small, and whether that is good."""
+def _against(state: str, sizes: Mapping[str, float], unit: str, fits: bool) -> tuple[str, FactStatus]:
+    """Return what a state makes of something that is better small, and whether that is good.
+
+    Nothing is good with counterweights that do not fit.
+    """
     before, after = sizes[AS_IT_IS], sizes[state]
-    note = f"{state}: {number_text(after)} {unit}"
+    note = f"{state}{'' if fits else ', which do not fit'}: {number_text(after)} {unit}"
     if number_text(after) == number_text(before):
         return note, "neutral"
     change = f", {100 * (after / before - 1):+.1f} %" if before else ""
-    return f"{note}{change}", "good" if after < before else "bad"
+    return f"{note}{change}", "bad" if after > before else "good" if fits else "neutral"

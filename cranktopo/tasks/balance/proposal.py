@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.base.result import Result
+from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.named import with_values
@@ -14,6 +16,8 @@ from cranktopo.throw.counterweight.table import Counterweight
 
 _HALF_ANGLE_DEG = 60.0
 """Of a web that has no counterweight yet."""
+OTHER_ANGLES_DEG = 20.0, 90.0, 10.0
+"""First, last and step of the half-angles that are tried where that of the web finds no place."""
 _DIGITS = 2
 _LARGEST = 3.0
 """Largest outer radius that is looked at, over the throw radius."""
@@ -31,6 +35,8 @@ class ProposedCounterweight(Result):
     """Share that the throw balances with it."""
     refused: str | None
     """Reason for which the scene has no place for it; null where it fits."""
+    own_angle_refused: str | None = UNLESS_NONE
+    """Why the web's own half-angle, or the usual 60 deg, was left for another one that fits."""
 
 
 def with_share(scene: Scene, percent: float) -> Scene:
@@ -41,48 +47,89 @@ def with_share(scene: Scene, percent: float) -> Scene:
 
 
 def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight:
-    """Return the outer radius with which a web's counterweight balances a share of the oscillating mass.
+    """Return the counterweight of a web that balances a share of the oscillating mass, or the rotating alone.
 
-    Angle, thickness and face stay as they are; a web without one gets a sector of 60 deg to both sides.
+    Its outer radius is found; thickness and face stay as they are, and the half-angle does where the scene
+    has a place for it: 60 deg for a web without a counterweight. Elsewhere the nearest half-angle that fits
+    is taken, or none: then the result says what refuses it.
 
     Raises:
         CranktopoError: different webs, no oscillating mass, or no radius that balances so much or so little.
     """
-    from scipy.optimize import brentq
-
     require_equal_halves(scene)
     if not rods_kg_mm(scene)[1]:
         raise invalid("engine.masses", None, "must be given: without them nothing oscillates")
+    own_deg = scene.web.counterweight.half_angle_deg if scene.web.counterweight else _HALF_ANGLE_DEG
+    own = found = _at_angle(scene, percent, own_deg)
+    for angle_deg in _other_angles_deg(own_deg):
+        if found is not None and not found.refused:
+            break
+        found = _at_angle(scene, percent, angle_deg)
+        own = own or found
+    if own is None:
+        raise _no_radius(scene, percent, own_deg)
+    if found is None or found.refused:
+        return own
+    if found.half_angle_deg == own_deg:
+        return found
+    why = own.refused if own.half_angle_deg == own_deg else "no outer radius balances so much"
+    return found.model_copy(update={"own_angle_refused": why})
+
+
+def _other_angles_deg(own_deg: float) -> list[float]:
+    """Half-angles to be tried beside the own one, the nearest first."""
+    first, last, step = OTHER_ANGLES_DEG
+    angles = np.arange(first, last + step / 2, step).tolist()
+    return sorted((angle for angle in angles if angle != own_deg), key=lambda angle: abs(angle - own_deg))
+
+
+def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounterweight | None:
+    """Return the counterweight of a half-angle; None where no outer radius balances the share."""
+    from scipy.optimize import brentq
 
     def excess(radius_mm: float) -> float:
-        return (throw_balance(_weighted(scene, radius_mm)).balance_factor_percent or 0.0) - percent
+        return _factor_percent(_weighted(scene, radius_mm, angle_deg)) - percent
 
     low, high = scene.throw.main_journal.radius_mm, _LARGEST * scene.throw.radius_mm
     if excess(low) > 0 or excess(high) < 0:
-        side = "already has more without one" if excess(low) > 0 else "needs another angle or thickness"
-        raise CranktopoError(
-            f"--propose {percent:g}%: no outer radius of web.counterweight gives it.",
-            hint=f"The throw {side}.",
-        )
+        return None
     radius = round(float(brentq(excess, low, high, xtol=1e-6)), _DIGITS)
-    found = _weighted(scene, radius)
-    weight, refused = found.web.counterweight, None
+    found = _weighted(scene, radius, angle_deg)
+    weight = found.web.counterweight
     assert weight is not None
-    try:
-        with_values(found, {})
-    except CranktopoError as error:
-        refused = error.message
     return ProposedCounterweight(
         share_percent=percent,
         outer_radius_mm=radius,
-        half_angle_deg=weight.half_angle_deg,
+        half_angle_deg=angle_deg,
         thickness_mm=weight.thickness_mm or scene.web.thickness_mm,
-        balance_factor_percent=throw_balance(found).balance_factor_percent or 0.0,
-        refused=refused,
+        balance_factor_percent=_factor_percent(found),
+        refused=_refusal(found),
     )
 
 
-def _weighted(scene: Scene, radius_mm: float) -> Scene:
-    own = scene.web.counterweight or Counterweight(outer_radius_mm=radius_mm, half_angle_deg=_HALF_ANGLE_DEG)
-    weight = own.model_copy(update={"outer_radius_mm": radius_mm})
+def _refusal(scene: Scene) -> str | None:
+    try:
+        with_values(scene, {})
+    except CranktopoError as error:
+        return error.message
+    return None
+
+
+def _factor_percent(scene: Scene) -> float:
+    return throw_balance(scene).balance_factor_percent or 0.0
+
+
+def _no_radius(scene: Scene, percent: float, angle_deg: float) -> CranktopoError:
+    least = _factor_percent(_weighted(scene, scene.throw.main_journal.radius_mm, angle_deg))
+    side = "already has more without one" if least > percent else "needs a thicker counterweight"
+    return CranktopoError(
+        f"--propose {percent:g}%: no outer radius of web.counterweight gives it.", hint=f"The throw {side}."
+    )
+
+
+def _weighted(scene: Scene, radius_mm: float, angle_deg: float) -> Scene:
+    weight = Counterweight(outer_radius_mm=radius_mm, half_angle_deg=angle_deg)
+    if scene.web.counterweight is not None:
+        sizes = {"outer_radius_mm": radius_mm, "half_angle_deg": angle_deg}
+        weight = scene.web.counterweight.model_copy(update=sizes)
     return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": weight})})

@@ -10,6 +10,7 @@ from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.tasks.balance.proposal import OTHER_ANGLES_DEG, ProposedCounterweight
 from cranktopo.tasks.balance.result import (
     Balance,
     MainBearing,
@@ -162,16 +163,46 @@ def balance_factor_words(data: Balance) -> str:
 
 
 def proposal_words(data: Balance) -> str:
-    """Return the counterweight that is proposed, as the scene's table; empty where none is asked for."""
+    """Return the counterweight that is proposed, as tables of the scene; empty where none is asked for."""
     found = data.proposal
     if found is None:
         return ""
-    fits = f"\n{data.design} has no place for it: {found.refused}" if found.refused else ""
-    return (
-        f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {found.share_percent:g} % of the "
-        f"oscillating mass (with it {found.balance_factor_percent:.2f} %):\n[web.counterweight]\n"
-        f"outer_radius_mm = {found.outer_radius_mm:g}\nhalf_angle_deg = {found.half_angle_deg:g}{fits}"
+    return "\n".join(
+        [
+            *_proposal_refusals(data, found),
+            f"Counterweight of each web, {found.thickness_mm:g} mm thick, for {share_words(found)}",
+            f"(with it {found.balance_factor_percent:z.2f} %); other keys of these tables stay as they are:",
+            "[web.counterweight]",
+            f"outer_radius_mm = {found.outer_radius_mm:g}",
+            f"half_angle_deg = {found.half_angle_deg:g}",
+            "[engine.arrangement]",
+            f"balanced_oscillating_share = {found.share_percent / 100:g}",
+        ]
     )
+
+
+def share_words(found: ProposedCounterweight) -> str:
+    """Return what a proposed counterweight is to balance."""
+    if not found.share_percent:
+        return "the rotating masses alone"
+    return f"the rotating and {found.share_percent:g} % of the oscillating mass"
+
+
+def proposal_refused(data: Balance) -> str:
+    """Return in a sentence that the design has no place for the counterweight asked for; empty if it has."""
+    found = data.proposal
+    if found is None or not found.refused:
+        return ""
+    return f"The proposed counterweight does not fit: {found.refused}"
+
+
+def _proposal_refusals(data: Balance, found: ProposedCounterweight) -> list[str]:
+    first, last, step = OTHER_ANGLES_DEG
+    if found.refused:
+        others = f"Nor does one with another half-angle ({first:g} to {last:g} deg by {step:g})."
+        return [proposal_refused(data), others]
+    why = found.own_angle_refused
+    return [f"The half-angle of the web (60 deg without a counterweight) does not fit: {why}"] if why else []
 
 
 def shafts_caption(data: Balance) -> str:
@@ -215,7 +246,8 @@ def balance_headline(data: Balance) -> str:
     told: dict[str, list[str]] = {}
     for state in dict.fromkeys(entry.state for entry in data.free):
         told.setdefault(_left(data, state), []).append(state)
-    return " ".join(f"{' and '.join(states).capitalize()}: {left}." for left, states in told.items())
+    left = [f"{' and '.join(states).capitalize()}: {left}." for left, states in told.items()]
+    return " ".join([proposal_refused(data), *left]).strip()
 
 
 def balance_text(data: Balance) -> str:

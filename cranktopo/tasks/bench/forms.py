@@ -13,6 +13,7 @@ from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import scene_reference
 from cranktopo.design.starting_point import LayoutName
 from cranktopo.design.writing import design_name
+from cranktopo.engine.indicator import TRACE_ENCODING
 from cranktopo.tasks.bench.edits import changed_files
 from cranktopo.tasks.designs.beginning import KNOWN, begun, begun_line
 
@@ -74,7 +75,9 @@ def read_upload(path: Path) -> tuple[str | None, str]:
         parse_scene(text, path.name, path.parent, whole=True)
         return text, path.name
     if path.suffix.lower() == ".csv":
-        read_text_file(path, f"'{path.name}'")  # the design that names it checks what it says
+        read_text_file(
+            path, f"'{path.name}'", otherwise=TRACE_ENCODING
+        )  # the design that names it checks what it says
         return None, path.name
     from cranktopo.tasks.crank_import.stage import import_crank
 

@@ -26,6 +26,7 @@ def counterweight_changes(data: dict[str, Any], percent: float) -> dict[str, Any
     changes = {
         "web.counterweight.outer_radius_mm": found.outer_radius_mm,
         "web.counterweight.half_angle_deg": found.half_angle_deg,
+        "engine.arrangement.balanced_oscillating_share": found.share_percent / 100,
     }
     if found.refused and isinstance(scene.envelope, BoxEnvelope):
         changes |= _room(scene.envelope, found)

@@ -68,7 +68,10 @@ class Entry:
 
     @cached_property
     def values(self) -> Mapping[str, float]:
-        """The compared quantities by key, in the units of their table."""
+        """The compared quantities by key, in the units of their table: kg, kN m/rad, kN/mm, kg mm.
+
+        `Quantity.unit` tells them; the `evaluation` itself is in N m/rad and N/mm.
+        """
         safeties = {safety_by(method).key: safety for method, safety in self.further_safety.items()}
         first = {} if self.safety is None else {SAFETY.key: self.safety}
         return evaluation_values(self.evaluation) | first | safeties

@@ -9,6 +9,11 @@ from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
 from cranktopo.tasks.loads.result import Loads, LoadState, PistonExtremes, Range, ThrowMassProperties
 
+_LABELS = {"inertia_force": "inertia force of piston"}
+"""Beside the names of the keys: the rod's oscillating part is in the rod force."""
+_AS_NEEDED = 2e-3
+"""Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
+
 
 def loads_text(loads: Loads) -> str:
     """Return the tables of one speed: extremes, engine torque, balance, load cases."""
@@ -25,7 +30,14 @@ def loads_text(loads: Loads) -> str:
 
 def sweep_text(sweep: Sequence[Loads]) -> str:
     """Return one row per speed."""
-    header = ["speed\nrpm", "small end\nN", "inertia\nN", "radial\nN", "tangential\nN", "main journal\nN"]
+    header = [
+        "speed\nrpm",
+        "small end\nN",
+        "piston inertia\nN",
+        "radial\nN",
+        "tangential\nN",
+        "main journal\nN",
+    ]
     header += ["engine mean\nN m", "max\nN m", "min\nN m"]
     rows = []
     for loads in sweep:
@@ -56,7 +68,7 @@ def _extremes(extremes: Mapping[str, Range]) -> str:
         cells = []
         for end in (pair.max, pair.min):
             cells += [_number(end.value), f"{end.deg:g}"]
-        rows.append([label.replace("_", " "), {"Nm": "N m"}.get(unit, unit), *cells])
+        rows.append([_LABELS.get(label, label.replace("_", " ")), {"Nm": "N m"}.get(unit, unit), *cells])
     return text_table("llrrrr", ("extremes of one throw", "unit", "max", "at deg", "min", "at deg"), rows)
 
 
@@ -109,7 +121,6 @@ def _piston(piston: PistonExtremes | None) -> str:
 
 
 def _balance(balance: ThrowMassProperties) -> str:
-    needed = balance.counterweight_kg_mm
     one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
     own = f"\nits counterweights: {masses} kg take {balance.own_counterweight_kg_mm:.2f} kg mm"
@@ -117,11 +128,18 @@ def _balance(balance: ThrowMassProperties) -> str:
     own += "" if factor is None else f", balance factor {factor:.1f} % of the oscillating mass"
     return (
         f"balance of the throw: rotating unbalance {balance.rotating_unbalance_kg_mm:.2f} kg mm "
-        f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights "
-        f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm, "
+        f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights {_needed_words(balance)}, "
         f"inertia {balance.inertia_kg_mm2:.0f} kg mm2, mass "
         f"{balance.throw_mass_kg:.3f} kg{own if one or other else ''}"
     )
+
+
+def _needed_words(balance: ThrowMassProperties) -> str:
+    """Return what counterweights are needed beside the throw's own."""
+    needed = balance.counterweight_kg_mm
+    if abs(needed) < _AS_NEEDED * balance.own_counterweight_kg_mm:
+        return "as needed"
+    return f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm"
 
 
 def crank_words(crank: CrankMass | None) -> str:

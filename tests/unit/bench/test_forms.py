@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import parse_scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.performance import implausible, power_kW
-from cranktopo.tasks.bench.forms import form_reference, new_design
+from cranktopo.tasks.bench.forms import form_reference, new_design, read_upload
 
 TWIN: dict[str, Any] = {"layout": "V", "cylinders": 2, "bore_mm": 100, "stroke_mm": 67.5, "speed_rpm": 11500}
 SIX: dict[str, Any] = {
@@ -125,3 +126,9 @@ def test_forms_have_every_table_of_the_schema() -> None:
     }
     width = next(key for table in tables for key in table["keys"] if key["name"] == "width_mm")
     assert (width["unit"], width["required"]) == ("mm", True)
+
+
+def test_a_dropped_trace_may_be_as_german_systems_write_it(tmp_path: Path) -> None:
+    trace = tmp_path / "trace.csv"
+    trace.write_bytes("Kurbelwinkel [°KW];Zylinderdruck [bar]\n0;1\n".encode("cp1252"))
+    assert read_upload(trace) == (None, "trace.csv")

@@ -100,8 +100,10 @@ def test_a_trace_with_firing_at_360_deg_is_told_with_the_gauges(tmp_path: Path) 
     trace: dict[str, Any] = {"engine.gas.indicator_csv": str(tmp_path / "trace.csv")}
     trace |= {"engine.gas.peak_pressure_MPa": None, "engine.gas.peak_angle_deg": None}
     told = live_numbers(changed_data(SIX, trace))
-    assert "shift its angles by 360 deg" in told["warnings"][0]
+    assert "write engine.gas.firing_deg = 360" in told["warnings"][0]
     assert told["rings"]["gas_force"] == "live, measured trace"
+    (line,) = live_numbers(changed_data(SIX, {**trace, "engine.gas.firing_deg": 360.0}))["warnings"]
+    assert "exponent" in line
 
 
 def test_what_plan_and_vibration_warn_of_is_told() -> None:

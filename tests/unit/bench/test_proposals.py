@@ -27,6 +27,8 @@ def test_a_counterweight_has_its_room_and_the_wanted_balance() -> None:
     assert changes["envelope.y_min_mm"] <= -changes["web.counterweight.outer_radius_mm"]
     scene = scene_from_dict(changed_data(data, changes), "twin", whole=True)
     assert throw_balance(scene).balance_factor_percent == pytest.approx(10, abs=0.1)
+    own = throw_balance(scene).own_counterweight_kg_mm
+    assert abs(throw_balance(scene).counterweight_kg_mm) < 2e-3 * own, "what it balances is what is asked for"
     with pytest.raises(CranktopoError, match="no outer radius"):
         counterweight_changes(data, 1e4)
 

@@ -70,7 +70,8 @@ def test_a_part_of_a_table_by_its_path() -> None:
 
 def test_a_measured_diagram_needs_no_combustion_model() -> None:
     found = keys(scene_with(engine={**ENGINE, "gas": {"indicator_csv": "diagram.csv"}}), LOADS)
-    assert "engine.gas.ambient_pressure_MPa" in found
+    assert {"engine.gas.ambient_pressure_MPa", "engine.gas.firing_deg"} <= set(found)
+    assert "engine.gas.firing_deg" not in keys(scene_with(engine={**ENGINE, "gas": GAS}), LOADS)
     assert not any("wiebe" in key or "compression" in key for key in found)
 
 

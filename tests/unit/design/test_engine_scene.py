@@ -36,6 +36,12 @@ REFUSED = [
     ("peak_angle_deg = 11.0", "peak_angle_deg = -5.0", r"peak_angle_deg = -5\.0: must be > 0 and < 60"),
     ("compression_ratio = 8.0", "compression_ratio = 0.8", r"engine\.gas\.compression_ratio = 0\.8"),
     ("compression_ratio = 8.0", "compresion_ratio = 8.0", r"unknown key engine\.gas\.compresion_ratio"),
+    (
+        "compression_ratio = 8.0",
+        "firing_deg = 360.0",
+        r"engine\.gas\.firing_deg = 360\.0: is for a measured trace",
+    ),
+    ("compression_ratio = 8.0", "firing_deg = 721.0", r"engine\.gas\.firing_deg = 721\.0"),
     ("compression_ratio = 8.0", "indicator_csv = 'p.csv'", r"indicator_csv and a peak are both given"),
     ('bending = "pinned"', 'bending = "spring"', r"bearing_spring_N_per_mm = None: must be at least"),
     (

@@ -48,6 +48,77 @@ def test_headers_and_separators(file, header, sep):
     assert read(file)[1] == pytest.approx(BAR / 10)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "latin-1"])
+@pytest.mark.parametrize(
+    ("header", "sep", "per_bar"),
+    [
+        ("Kurbelwinkel [°KW];Zylinderdruck [bar]", ";", 1.0),
+        ("CA [deg];p [MPa]", ";", 0.1),
+        ("Crank Angle (degCA),PCYL1 (bar)", ",", 1.0),
+        ("Winkel in Grad\tDruck, Zyl. 1 in kPa", "\t", 100.0),
+        ("Winkel, gemessen [° KW];Druck, Zyl. 1, indiziert (mbar)", ";", 1000.0),
+        ("°KW;hPa", ";", 1000.0),
+        ("CAD,Cylinder pressure [Pa]", ",", 1e5),
+        ("Crank angle [º];p bar(a)", ";", 1.0),
+        ("Winkel;Druck\nGrad;bar", ";", 1.0),
+        ("Winkel;Druck\n[°KW];[kPa]", ";", 100.0),
+        ("deg CA,pa_bar", ",", 1.0),
+    ],
+)
+def test_headers_of_indicating_systems(file, header, sep, per_bar, encoding):
+    """Numbers are the same in every encoding, and in every unit within the digits that are written."""
+    body = write(file, values=BAR * per_bar, header="", sep=sep).read_text()
+    file.write_bytes(f"{header}{body}".encode(encoding))
+    angle, pressure = read(file)
+    assert angle == pytest.approx(ANGLE)
+    assert pressure == pytest.approx(BAR / 10, rel=1e-8)
+
+
+def many(file, header):
+    """One row a point: angle, cylinder pressure, and beside it things that are no cylinder pressure."""
+    rows = [f"{a:g};{a / 7:g};{p:.9g};1.05;0.3" for a, p in zip(ANGLE, BAR, strict=True)]
+    file.write_bytes("\n".join([header, *rows]).encode("cp1252"))
+    return file
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "°KW;Zündwinkel [°];Zylinderdruck [bar];Saugrohrdruck [bar];dp/dphi [bar/°KW]",
+        "crank [deg];oil [degC];PCYL1 [bar];p_oil [bar];dQ [J/deg]",
+        "CA [deg];t [° C];pressure_bar;PCYL2 [bar];ROHR [kJ/deg]",
+        "crank_angle_deg;crank, gas exchange [deg];pressure_bar;Druck [bar];MFB [%]",
+    ],
+)
+def test_the_cylinder_pressure_among_other_columns(file, header):
+    angle, pressure = read(many(file, header))
+    assert angle == pytest.approx(ANGLE)
+    assert pressure == pytest.approx(BAR / 10, rel=1e-8)
+
+
+def test_several_cylinder_pressures_are_named_and_one_is_chosen_by_its_header(file):
+    header = "CA [deg];t;PCYL1 (bar);PCYL2 (bar);x"
+    with pytest.raises(CranktopoError) as told:
+        read(many(file, header))
+    assert "several columns fit as pressure" in told.value.message
+    assert "'PCYL1 (bar)', 'PCYL2 (bar)'" in told.value.message
+    assert "\n" not in str(told.value)
+    assert "Rename the header of the one to be read to pressure_bar" in told.value.hint
+    assert read(many(file, header.replace("PCYL1 (bar)", "pressure_bar")))[1] == pytest.approx(BAR / 10)
+    with pytest.raises(
+        CranktopoError, match=r"several columns fit as crank angle.*'CA \[deg\]', 'CA2 \[deg\]'"
+    ):
+        read(many(file, header.replace(";t;", ";CA2 [deg];")))
+
+
+def test_firing_dead_centre_may_be_anywhere_in_the_trace(file):
+    for firing in (360.0, 90.5, -359.0, 540.0):
+        late = np.interp(ANGLE, ANGLE + firing, BAR, period=720)
+        angle, pressure = read_indicator(write(file, values=late), 720.0, 0.1, firing)
+        assert np.interp(30.0, angle, pressure) == pytest.approx(np.interp(30.0, ANGLE, BAR) / 10, rel=5e-3)
+        assert 0 <= angle.min() < angle.max() < 720
+
+
 def test_columns_in_other_order_and_extra(file):
     rows = [f"{p:.9g},1,{a:g}" for a, p in zip(ANGLE, BAR, strict=True)]
     file.write_text("\n".join(["pressure_bar,cycle,angle_deg", *rows]))
@@ -116,8 +187,11 @@ def test_bad_curves_are_refused(file, case):
     ("header", "message"),
     [
         ("angle_rad,pressure_bar", "no crank angle in deg"),
-        ("angle_deg,pressure_psi", "no pressure in bar or MPa"),
-        ("angle_deg,pressure", "no pressure in bar or MPa"),
+        ("angle_deg,pressure_psi", "no pressure in bar, kPa, MPa, Pa, hPa or mbar"),
+        ("angle_deg,pressure", "no pressure in bar, kPa, MPa, Pa, hPa or mbar"),
+        ("angle_deg,dp/dphi [bar/deg]", "no pressure in bar"),
+        ("oil [deg C],pressure_bar", "no crank angle in deg"),
+        ("Kurbelwinkel [°KW],p [bar Überdruck]", "is a gauge pressure.* add that of the surroundings"),
         ("0,1.0", "no crank angle in deg"),
     ],
 )
@@ -140,6 +214,9 @@ def test_missing_cell_empty_file_and_missing_file(file):
         read(file)
     file.write_bytes(b"\xff\xfe\x00angle")
     with pytest.raises(CranktopoError, match="is not text in UTF-8"):
+        read(file)
+    file.write_bytes("°KW;bar\n0;1\n1;2\n".encode("cp1252") + b"\x81")
+    with pytest.raises(CranktopoError, match="is not text in UTF-8: line 1"):
         read(file)
     with pytest.raises(CranktopoError, match="cannot be read"):
         read(file.with_name("nothing.csv"))

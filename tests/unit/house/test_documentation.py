@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import inspect
 import os
 import re
 import subprocess
@@ -12,7 +13,9 @@ from pathlib import Path
 
 import pytest
 
+import cranktopo
 from cranktopo.app.main import COMMANDS
+from cranktopo.base.result import Result
 from tests.unit.house.test_structure import FLOORS, TASKS
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -74,6 +77,22 @@ def run_python(folder: Path, capsys: pytest.CaptureFixture[str], *, slow: bool) 
 def test_tutorial_begins_as_shown(tmp_path: Path) -> None:
     run_tutorial(tmp_path, slow=False)
     assert (tmp_path / "throw.step").is_file()
+
+
+def test_results_that_the_python_page_names_are_as_it_says() -> None:
+    """Every public model is named; what is to go on with gives its model in the way that is told."""
+    text = (PAGES / "python.md").read_text(encoding="utf-8").split("## Results")[1].split("## ")[0]
+    named = re.findall(r"`(\w+)`", text.split("for annotations:")[1].split("\n\n")[0])
+    public = {name: getattr(cranktopo, name) for name in cranktopo.__all__}
+    models = {name for name, kind in public.items() if inspect.isclass(kind) and issubclass(kind, Result)}
+    assert named == sorted(models)
+    members = re.findall(r"`([A-Z]\w+)\.(\w+)", text)
+    functions = re.findall(r"`(\w+)\(([A-Z]\w+)\)`", text)
+    assert (len(members), len(functions)) == (3, 2)
+    assert all(hasattr(getattr(cranktopo, owner), name) for owner, name in members)
+    for function, given in functions:
+        first = next(iter(inspect.signature(getattr(cranktopo, function)).parameters.values()))
+        assert first.annotation == given, function
 
 
 @pytest.mark.slow
