@@ -152,12 +152,34 @@ def test_the_next_best_takes_the_star_too() -> None:
     assert compare([entries[0], entries[2]], "a").best(TORSION) == 1
 
 
-@pytest.mark.parametrize("form", ["table", "markdown", "csv"])
+def test_latex_for_a_thesis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A name with an underscore, stars and the note on them; `--report` names the option for LaTeX."""
+    path = tmp_path / "own.toml"
+    text = design_text(NAMES[1]).replace('name = "opposed-piston-casting"', 'name = "light_casting"')
+    path.write_text(text, encoding="utf-8")
+    assert '"light_casting"' in text
+    assert main(["compare", str(path), "--baseline", NAMES[0], "--format", "latex", "--quiet"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith(r"% needs \usepackage{booktabs}")
+    assert out.count(r"\begin{tabular}") == out.count(r"\bottomrule") == out.count(r"\end{tabular}") >= 4
+    assert r"light\_casting & 1.500\rlap{*} & 90.00 & 50.00 & 0.30 & 0.40 \\" in out
+    assert " & kg & kN\\,m/rad & kN/mm & \\% & \\% \\\\" in out
+    assert out.rstrip().endswith(
+        "A star marks the best of a column, unless another is within the error bound."
+    )
+    assert main(["compare", str(path), "--baseline", NAMES[0], "--report", "page.tex"]) == 2
+    assert "tables for LaTeX come from --format latex > page.tex" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("form", ["table", "markdown", "csv", "latex"])
 def test_estimates_beside_the_values(form: str, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["compare", *NAMES, "--baseline", NAMES[0], "--format", form, "--quiet"]
     assert main(arguments) == 0
     header, *rest = capsys.readouterr().out.splitlines()
-    if form == "csv":
+    if form == "latex":
+        assert " &  &  &  & torsion & bending \\\\" in rest
+        assert sum("0.30 & 0.40" in line for line in rest) == 2
+    elif form == "csv":
         names = header.split(",")
         assert names[:6] == [
             "target",
@@ -237,7 +259,7 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("safeties")
-@pytest.mark.parametrize("form", ["table", "markdown", "csv", "json"])
+@pytest.mark.parametrize("form", ["table", "markdown", "latex", "csv", "json"])
 def test_safety_beside_stiffness(form: str, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["compare", *NAMES, "--baseline", NAMES[0], "--fatigue", "m53", "--format", form, "--quiet"]
     assert main(arguments) == 0
@@ -257,8 +279,9 @@ def test_safety_beside_stiffness(form: str, capsys: pytest.CaptureFixture[str]) 
             80.769, abs=1e-3
         )
     else:
-        assert text.rstrip().endswith(verdict)
-        assert "1.300*" in text
+        shown = verdict.replace("%", r"\%") if form == "latex" else verdict
+        assert text.rstrip().endswith(shown)
+        assert ("1.300\\rlap{*}" if form == "latex" else "1.300*") in text
         assert "80.8" in text
 
 
