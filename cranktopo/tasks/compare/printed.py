@@ -10,7 +10,13 @@ from cranktopo.report.goal_table import goal_line, limits_table
 from cranktopo.report.latex import PREAMBLE, latex, latex_text
 from cranktopo.report.result_table import ResultTable, comma_separated, escaped, markdown, terminal
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.compare.text import comparison_result, comparison_tables, flat_table
+from cranktopo.tasks.compare.text import (
+    comparison_result,
+    comparison_tables,
+    fillet_lines,
+    flat_table,
+    method_lines,
+)
 
 
 @dataclass(frozen=True)
@@ -41,8 +47,15 @@ def comparison_text(comparison: Comparison, form: str) -> str:
         return comma_separated(flat_table(comparison))
     by = _FORMS[form]
     tables = [by.table(table) for table in comparison_tables(comparison)]
-    verdicts = [by.between.join(map(by.line, one.verdicts)) for one in comparison.fatigues]
-    return "\n\n".join([*by.first, *tables, *map(by.line, by.last), *verdicts, *_goals(comparison, by)])
+    above, below = fillet_lines(comparison.bare), [*by.last, *method_lines(comparison)]
+    parts = [*by.first, *map(by.line, above), *tables, *map(by.line, below), *_verdicts(comparison, by)]
+    return "\n\n".join([*parts, *_goals(comparison, by)])
+
+
+def _verdicts(comparison: Comparison, by: _Form) -> list[str]:
+    """Return a block for each method, under its name."""
+    blocks = ((f"Safety by {one.result.method}:", *one.verdicts) for one in comparison.fatigues)
+    return [by.between.join(map(by.line, lines)) for lines in blocks]
 
 
 def _goals(comparison: Comparison, by: _Form) -> list[str]:
