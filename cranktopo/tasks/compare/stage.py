@@ -10,6 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
+from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
@@ -238,6 +239,8 @@ def comparison_bound(found: ComparedTargets) -> AnyBound | None:
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
+    for words in filter(None, [outside_words(outside_envelope(scene))]):
+        note(f"{scene.name}: {words}")
     return bounds_for_result(scene, reached, None)
 
 
