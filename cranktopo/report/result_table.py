@@ -1,4 +1,4 @@
-"""One table, four forms: terminal, Markdown, CSV, JSON rows; and plain text tables that wrap."""
+"""One table, many forms: terminal, Markdown, CSV, JSON rows; and plain text tables that wrap."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
@@ -77,11 +77,15 @@ def labelled(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def _folded(columns: Sequence[_Printed], ruled: bool) -> str:
-    """Return the columns in as few blocks as fit, each with the names of the rows, one below the other."""
+    """Return the columns in as few blocks as fit, one below the other."""
+    return "\n\n".join(_block(block, ruled) for block in _like_blocks(columns))
+
+
+def _like_blocks(columns: Sequence[_Printed]) -> list[list[_Printed]]:
+    """Return as few blocks as fit, much alike in width, each with the names of the rows."""
     fewest = len(_blocks(columns, WIDTH))
     rooms = range(WIDTH // 2 if fewest > 1 else WIDTH, WIDTH + 1)
-    alike = next(room for room in rooms if len(_blocks(columns, room)) == fewest)
-    return "\n\n".join(_block(block, ruled) for block in _blocks(columns, alike))
+    return next(found for room in rooms if len(found := _blocks(columns, room)) == fewest)
 
 
 def _blocks(columns: Sequence[_Printed], room: int) -> list[list[_Printed]]:
@@ -238,11 +242,23 @@ def tabulate(
 
 def terminal(table: ResultTable) -> str:
     """Return the table for a terminal: right-aligned numbers, a column's head broken at its unit."""
-    printed = [
-        _Printed(*table.head(column), [table.cell(row, column) for row in range(len(table.rows))], number > 0)
+    return _folded(list(_printed(table).values()), ruled=True)
+
+
+def _printed(table: ResultTable) -> dict[str, _Printed]:
+    rows = range(len(table.rows))
+    return {
+        column: _Printed(*table.head(column), [table.cell(row, column) for row in rows], number > 0)
         for number, column in enumerate(table.columns)
-    ]
-    return _folded(printed, ruled=True)
+    }
+
+
+def folded(table: ResultTable) -> list[ResultTable]:
+    """Return the blocks that a terminal shows a table in as tables, each with the names of the rows."""
+    printed = _printed(table)
+    names = {id(column): name for name, column in printed.items()}
+    blocks = [[names[id(one)] for one in block] for block in _like_blocks(list(printed.values()))]
+    return [replace(table, columns={name: table.columns[name] for name in block}) for block in blocks]
 
 
 def markdown(table: ResultTable) -> str:

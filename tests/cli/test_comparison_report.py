@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import re
 from dataclasses import replace
@@ -10,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import design_text, designs_folder, load_scene
 from cranktopo.design.named import with_values
@@ -152,12 +155,34 @@ def test_the_next_best_takes_the_star_too() -> None:
     assert compare([entries[0], entries[2]], "a").best(TORSION) == 1
 
 
-@pytest.mark.parametrize("form", ["table", "markdown", "csv"])
+def test_latex_for_a_thesis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A name with an underscore, stars and the note on them; `--report` names the option for LaTeX."""
+    path = tmp_path / "own.toml"
+    text = design_text(NAMES[1]).replace('name = "opposed-piston-casting"', 'name = "light_casting"')
+    path.write_text(text, encoding="utf-8")
+    assert '"light_casting"' in text
+    assert main(["compare", str(path), "--baseline", NAMES[0], "--format", "latex", "--quiet"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith(r"% needs \usepackage{booktabs}")
+    assert out.count(r"\begin{tabular}") == out.count(r"\bottomrule") == out.count(r"\end{tabular}") >= 4
+    assert r"light\_casting & 1.500\rlap{*} & 90.00 & 50.00 & 0.30 & 0.40 \\" in out
+    assert " & kg & kN\\,m/rad & kN/mm & \\% & \\% \\\\" in out
+    assert out.rstrip().endswith(
+        "A star marks the best of a column, unless another is within the error bound."
+    )
+    assert main(["compare", str(path), "--baseline", NAMES[0], "--report", "page.tex"]) == 2
+    assert "tables for LaTeX come from --format latex > page.tex" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("form", ["table", "markdown", "csv", "latex"])
 def test_estimates_beside_the_values(form: str, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["compare", *NAMES, "--baseline", NAMES[0], "--format", form, "--quiet"]
     assert main(arguments) == 0
     header, *rest = capsys.readouterr().out.splitlines()
-    if form == "csv":
+    if form == "latex":
+        assert " &  &  &  & torsion & bending \\\\" in rest
+        assert sum("0.30 & 0.40" in line for line in rest) == 2
+    elif form == "csv":
         names = header.split(",")
         assert names[:6] == [
             "target",
@@ -233,11 +258,12 @@ def safeties(monkeypatch: pytest.MonkeyPatch) -> None:
         return (check,)
 
     monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_inputs", lambda *_: None)
+    monkeypatch.setattr("cranktopo.tasks.compare.judged.check_inputs", lambda *_: None)
     monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", checked)
 
 
 @pytest.mark.usefixtures("safeties")
-@pytest.mark.parametrize("form", ["table", "markdown", "csv", "json"])
+@pytest.mark.parametrize("form", ["table", "markdown", "latex", "csv", "json"])
 def test_safety_beside_stiffness(form: str, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["compare", *NAMES, "--baseline", NAMES[0], "--fatigue", "m53", "--format", form, "--quiet"]
     assert main(arguments) == 0
@@ -257,8 +283,9 @@ def test_safety_beside_stiffness(form: str, capsys: pytest.CaptureFixture[str]) 
             80.769, abs=1e-3
         )
     else:
-        assert text.rstrip().endswith(verdict)
-        assert "1.300*" in text
+        shown = verdict.replace("%", r"\%") if form == "latex" else verdict
+        assert text.rstrip().endswith(shown)
+        assert ("1.300\\rlap{*}" if form == "latex" else "1.300*") in text
         assert "80.8" in text
 
 
@@ -272,10 +299,94 @@ def test_safety_on_the_page(tmp_path: Path) -> None:
     assert "not assessed" not in text
 
 
-def test_sharp_fillets_are_refused_before_the_work(
+@pytest.fixture
+def half_judged(monkeypatch: pytest.MonkeyPatch, safeties: None) -> list[str]:
+    """Names of the targets whose edges are sharp, to be filled by a test."""
+    sharp: list[str] = []
+
+    def checked(target: Target, *_: object) -> None:
+        if target.name in sharp:
+            raise CranktopoError(f"target '{target.name}': a surface file has no true fillets.")
+
+    monkeypatch.setattr("cranktopo.tasks.compare.judged.check_inputs", checked)
+    return sharp
+
+
+BESIDE = ["compare", *NAMES, "--baseline", NAMES[0], "--fatigue", "m53"]
+WHY = "opposed-piston-casting: safety not judged: a surface file has no true fillets."
+
+
+@pytest.mark.parametrize("form", ["table", "markdown", "latex", "csv", "json"])
+def test_a_target_without_fillets_has_an_empty_safety(
+    form: str, half_judged: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    half_judged.append(NAMES[1])
+    assert main([*BESIDE, "--format", form]) == 0
+    out, err = capsys.readouterr()
+    assert err.count(WHY) == 1
+    if form == "json":
+        found = json.loads(out)
+        assert found["safety_by_method"] == {"m53": {NAMES[0]: pytest.approx(1.3), NAMES[1]: None}}
+        assert [row["safety_percent"] for row in found["percent_of_baseline"]] == [100.0, None]
+        assert found["not_judged"]["m53"][NAMES[1]].endswith("a surface file has no true fillets.")
+        assert found["best"]["safety"] == NAMES[0]
+        assert [one["target"] for one in found["fatigue"]["fatigue"]] == [NAMES[0]]
+    elif form == "csv":
+        own = [row["safety"] for row in csv.DictReader(io.StringIO(out))]
+        assert own == ["1.3", ""]
+    else:
+        assert out.count(WHY) == 1
+        last = [line.rstrip(" |\\").split()[-1] for line in out.splitlines() if NAMES[1] in line]
+        assert {"latex": "--"}.get(form, "-") in last
+
+
+def test_goals_and_the_page_without_a_safety(
+    tmp_path: Path, half_judged: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A limit of the safety is unknown, every other one is judged; the page says why."""
+    path = tmp_path / "goal.toml"
+    goal = '\n[goal]\nminimise = "mass"\nlimits = { fatigue_safety = ">= 1.2", torsion = ">= 40 %" }\n'
+    named = design_text(NAMES[1]).replace('name = "opposed-piston-casting"', 'name = "own-casting"')
+    path.write_text(named + goal, encoding="utf-8")
+    half_judged.append("own-casting")
+    page = tmp_path / "page.md"
+    command = ["compare", str(path), "--baseline", NAMES[0], "--fatigue", "m53", "--quiet"]
+    assert main([*command, "--report", str(page)]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"fatigue_safety >= 1\.2 .*unknown", out)
+    assert re.search(r"bending >= 70,000 N/mm .*NO", out)
+    text = page.read_text(encoding="utf-8")
+    assert "own-casting: safety not judged: a surface file has no true fillets." in text
+
+
+def test_a_baseline_that_is_not_judged(
+    tmp_path: Path, half_judged: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The others keep their safety, without percent and without verdicts."""
+    half_judged.append(NAMES[0])
+    page = tmp_path / "page.md"
+    assert main([*BESIDE, "--json", "--quiet", "--report", str(page)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["safety_by_method"] == {"m53": {NAMES[0]: None, NAMES[1]: pytest.approx(1.05)}}
+    assert [row["safety_percent"] for row in found["percent_of_baseline"]] == [None, None]
+    assert found["fatigue"]["baseline"] is None
+    text = page.read_text(encoding="utf-8")
+    assert "No safety is compared with it." in text
+    assert "1.050, the baseline was not judged" in text
+
+
+def test_no_target_that_can_be_judged(half_judged: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    half_judged.extend(NAMES)
+    assert main(BESIDE) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "a surface file has no true fillets" in err
+
+
+def test_sharp_fillets_are_found_before_the_work(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The second target's mistake is found before the first is solved."""
+    """Of every target before the first is solved; where all have them nothing is left to judge."""
 
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
@@ -284,12 +395,7 @@ def test_sharp_fillets_are_refused_before_the_work(
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     path = tmp_path / "sharp.toml"
     path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")
-    assert (
-        main(
-            ["compare", "mikron-iiic-plain", str(path), "--baseline", "mikron-iiic-plain", "--fatigue", "lsa"]
-        )
-        == 3
-    )
+    assert main(["compare", str(path), "--baseline", str(path), "--fatigue", "lsa"]) == 3
     out, err = capsys.readouterr()
     assert out == ""
     assert "fillet_mm = 0" in err

@@ -80,7 +80,7 @@ def test_both_methods_beside_what_is_printed(capsys: pytest.CaptureFixture[str])
     )
     comparison = compare(entries, BASE, first, [second])
     values, percent, published = comparison_tables(comparison)
-    assert [values.rows[1][key] for key in ("safety", "safety_fkm")] == [1.3, 2.5]
+    assert [values.rows[1][key] for key in ("safety_lsa", "safety_fkm")] == [1.3, 2.5]
     assert percent.rows[1]["safety_fkm_percent"] == pytest.approx(125.0)
     found = {row["quantity"]: row for row in published.rows if row["target"] == SECOND}
     assert found["safety lsa"]["difference_percent"] == pytest.approx(130 - 100 * 1.104 / 1.038)
@@ -110,8 +110,8 @@ def test_every_method_is_assessed(
         asked.extend(methods)
         return [Assessed(method) for method in methods]
 
-    monkeypatch.setattr("cranktopo.tasks.compare.stage.assess_by_methods", assess)
+    monkeypatch.setattr("cranktopo.tasks.compare.judged.assess_by_methods", assess)
     assert main([*COMMAND, "--fatigue", "lsa", "--fatigue", "fkm", "--fatigue", "lsa"]) == 0
     out = capsys.readouterr().out
     assert asked == ["lsa", "fkm"]
-    assert out.rstrip().endswith("verdict lsa\n\nverdict fkm")
+    assert out.rstrip().endswith("Safety by lsa:\nverdict lsa\n\nSafety by fkm:\nverdict fkm")

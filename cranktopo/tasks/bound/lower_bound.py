@@ -20,9 +20,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import at_work, detail
 from cranktopo.bodies.cells.domain import Domain, build_domain, on_cells
+from cranktopo.bodies.cells.outside import OutsideEnvelope, outside_envelope, without_counterweight
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.halves import without_zones
 from cranktopo.design.schema import Scene
 from cranktopo.engine.load_case import LOAD_TYPES, MAIN_KINDS
 from cranktopo.engine.plan.planning import plan
@@ -115,7 +115,7 @@ class BoundModel:
 
     Attributes:
         original: the scene's own web on them.
-        outside: share of the original's volume outside of the envelope.
+        outside: what of the original lies outside of the envelope; None of halves that differ.
     """
 
     scene: Scene
@@ -123,7 +123,7 @@ class BoundModel:
     model: ThrowModel
     webs: AdmissibleDensities
     original: Assessment
-    outside: float
+    outside: OutsideEnvelope | None
 
     @property
     def reference_compliances(self) -> dict[str, float]:
@@ -153,22 +153,10 @@ def bound_model(scene: Scene, resolution_mm: float, goal: Goal | None = None) ->
     effects = plan(scene, goal=goal)
     scene = apply_physics_plan(scene, effects).with_optimise(resolution_mm=resolution_mm)
     cases = load_cases(scene, effects.enabled - set(LOAD_TYPES) | set(MAIN_KINDS))
-    domain = build_domain(_without_counterweight(scene), resolution_mm)
+    domain = build_domain(without_counterweight(scene), resolution_mm)
     model = build_model(scene, domain, cases)
-    own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
-    webs = webs_of(scene, domain, model)
-    room = webs.fixed.copy()
-    room[:, :, webs.layers] += webs.design
-    outside = float((np.maximum(own - room, 0) * domain.volume_mm3).sum() / (own * domain.volume_mm3).sum())
+    webs, outside = webs_of(scene, domain, model), outside_envelope(scene)
     return BoundModel(scene, domain, model, webs, assess_original(model, scene, domain), outside)
-
-
-def _without_counterweight(scene: Scene) -> Scene:
-    """Return the scene without one kept solid: a search over dimensions pockets it. Zones would lack it."""
-    if scene.web.counterweight is None:
-        return scene
-    bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
-    return without_zones(bare)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.bodies.cells.outside import OutsideEnvelope
 from cranktopo.design.goal.outcome import StatedGoal
 from cranktopo.design.goal.quantities import QuantityName
 
@@ -51,6 +52,9 @@ class BoundResult(Result):
     variable_stiffness: VariableStiffness
     original: dict[str, float]
     original_outside_envelope_percent: float
+    """Volume of the original web outside of the envelope, percent of the web."""
+    original_outside_envelope_mm3: float
+    """The same of one web."""
     weights: dict[str, float]
     """Percent that the bound loses per percent of each limit."""
     process: str
@@ -100,6 +104,8 @@ class BoundStatements(Result):
     statements: tuple[BoundStatement, ...]
     stiffest: dict[str, tuple[float | None, ...]]
     """Curves over the mass by their quantity and unit."""
+    outside_envelope: OutsideEnvelope | None = UNLESS_NONE
+    """What of the original web lies outside of the envelope that the bound is about."""
 
     def with_reached(self, percent: float | None) -> BoundStatements:
         """Return the same with what the first statement's quantity reached, where that is known."""

@@ -87,7 +87,8 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
             value=bound.reached, percent_of_original=100 * bound.reached / bound.original, steps=bound.steps
         ),
         original=dict(model.original.quantities),
-        original_outside_envelope_percent=100 * model.outside,
+        original_outside_envelope_percent=model.outside.percent if model.outside else 0.0,
+        original_outside_envelope_mm3=model.outside.volume_mm3 if model.outside else 0.0,
         weights={
             limit.quantity: price for limit, price in zip(problem.limits, bound.multipliers, strict=True)
         },
@@ -175,7 +176,9 @@ def _bounds(model: BoundModel, reached: Mapping[str, float], goal: Goal | None) 
             told = {"at_mass_percent": mass, "reached_percent": reached[name]}
             statements.append(_statement(model, bound).model_copy(update=told))
     return BoundStatements(
-        statements=tuple(statements), stiffest={key: tuple(curve) for key, curve in curves.items()}
+        statements=tuple(statements),
+        stiffest={key: tuple(curve) for key, curve in curves.items()},
+        outside_envelope=model.outside,
     )
 
 

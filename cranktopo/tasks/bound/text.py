@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from cranktopo.bodies.cells.outside import OutsideEnvelope, outside_words
 from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
 from cranktopo.report.goal_table import goal_words, value_text
 from cranktopo.report.page import Section
@@ -29,11 +30,10 @@ def bound_summary(found: BoundResult) -> str:
             if found.die
             else f"process {found.process!r}: what it excludes is left out, so that the bound is looser"
         )
-    share = found.original_outside_envelope_percent
-    if share > 0.1:
-        lines.append(
-            f"{share:.1f} % of the original web lies outside of the envelope, and the bound is not about it"
-        )
+    outside = OutsideEnvelope(
+        volume_mm3=found.original_outside_envelope_mm3, percent=found.original_outside_envelope_percent
+    )
+    lines += filter(None, [outside_words(outside)])
     return "\n".join(lines)
 
 
@@ -114,7 +114,8 @@ def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple
     if not told:
         return ()
     known = [entry for entry in told if isinstance(entry, BoundStatement) and entry.value is not None]
-    lines = (_statement_line(entry) for entry in told)
+    outside = bound.outside_envelope if isinstance(bound, BoundStatements) else None
+    lines = [*map(_statement_line, told), *filter(None, [outside_words(outside)])]
     text = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
     return (
         Section(

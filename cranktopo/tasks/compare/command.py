@@ -1,11 +1,10 @@
 """`cranktopo compare`
 
-Compare targets against a baseline: table, Markdown, CSV, JSON or a scatter plot.
+Compare targets against a baseline: table, Markdown, LaTeX, CSV, JSON or a scatter plot.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,7 +19,6 @@ from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.compare.result import Comparison
     from cranktopo.tasks.fatigue.stage import FatigueMethod
 
 
@@ -30,10 +28,10 @@ if TYPE_CHECKING:
 @click.option(
     "--format",
     "form",
-    type=Choice(["table", "markdown", "csv", "json"]),
+    type=Choice(["table", "markdown", "latex", "csv", "json"]),
     default="table",
     show_default=True,
-    help="Form of the result on stdout.",
+    help="Form of the result on stdout; latex needs the package booktabs.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Same as --format json.")
 @click.option(
@@ -88,6 +86,10 @@ def command(
         note("--no-bound: changes nothing without --plot or --report, which alone show the bound")
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
+    if page is not None and page.suffix.lower() == ".tex":
+        raise click.UsageError(
+            f"--report {page}: writes pages, .html or .md; tables for LaTeX come from --format latex > {page}"
+        )
     if plot is not None:
         from cranktopo.runs.destination import check_file
 
@@ -96,12 +98,13 @@ def command(
         from cranktopo.report.report_file import check_report_path
 
         check_report_path(page)
+    from cranktopo.tasks.compare.printed import comparison_text
     from cranktopo.tasks.compare.stage import compare_targets, comparison_bound, report_comparison
     from cranktopo.tasks.fea.stage import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
     found = compare_targets(targets, baseline, wanted, methods, design, align)
-    click.echo(_text(found.comparison, "json" if as_json else form))
+    click.echo(comparison_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:
         from cranktopo.tasks.compare.page import plot_stiffness_over_mass
@@ -112,22 +115,3 @@ def command(
         report_comparison(found, page, ["cranktopo", *sys.argv[1:]], stress, bound)
         note(f"report: {page}")
     warn_missed(found.missed, accuracy)
-
-
-def _text(comparison: Comparison, form: str) -> str:
-    from cranktopo.report.goal_table import goal_line, limits_table
-    from cranktopo.report.result_table import comma_separated, markdown, terminal
-    from cranktopo.tasks.compare import text as tables
-
-    if form == "json":
-        return json.dumps(tables.comparison_result(comparison).as_json(), indent=2)
-    if form == "csv":
-        return comma_separated(tables.flat_table(comparison))
-    printed = markdown if form == "markdown" else terminal
-    parts = [printed(table) for table in tables.comparison_tables(comparison)]
-    verdicts = ["\n".join(one.verdicts) for one in comparison.fatigues]
-    goals = [
-        f"{name}: {goal_line(goal, comparison.base.name)}\n\n{printed(limits_table(goal))}"
-        for name, goal in comparison.goals.items()
-    ]
-    return "\n\n".join([*parts, *verdicts, *goals])

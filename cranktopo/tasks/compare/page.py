@@ -29,7 +29,7 @@ from cranktopo.runs.destination import check_file
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.compare.text import comparison_tables
+from cranktopo.tasks.compare.text import comparison_tables, fillet_lines, method_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fatigue.text import FatigueComparison
@@ -103,7 +103,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
     return Page(
         title=f"{', '.join(others)} against {base}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
-        headline=_headline(comparison),
+        headline=" ".join((_headline(comparison), *fillet_lines(comparison.bare))),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
@@ -178,15 +178,21 @@ def _facts(comparison: Comparison) -> tuple[Fact, ...]:
 def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     """Return which entry has the best value of a quantity, and which others are within the error estimate."""
     row, level = comparison.leading(quantity), comparison.level(quantity)
-    entries = comparison.entries[row], comparison.base
-    own, base = (quantity_text(quantity, entry.values[quantity.key]) for entry in entries)
-    change = f"{own}, {_change(comparison, row, quantity)} against the baseline's {base}"
+    own = quantity_text(quantity, comparison.entries[row].values[quantity.key])
+    change = f"{own}, {_against_baseline(comparison, row, quantity)}"
     rivals = [comparison.entries[other].name for other in level if other != comparison.baseline]
     note = f"{own}, the baseline itself" if row == comparison.baseline else change
     note += ", less than the error estimate" if comparison.baseline in level else ""
     note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
     status: FactStatus = "neutral" if comparison.baseline in (row, *level) else "good"
     return Fact(label, comparison.entries[row].name, note, status)
+
+
+def _against_baseline(comparison: Comparison, row: int, quantity: Quantity) -> str:
+    if not comparison.has_percent(row, quantity):
+        return "the baseline was not judged"
+    base = quantity_text(quantity, comparison.base.values[quantity.key])
+    return f"{_change(comparison, row, quantity)} against the baseline's {base}"
 
 
 def _variants(
@@ -216,7 +222,8 @@ def _goals(comparison: Comparison) -> tuple[Section, ...]:
 
 
 def _safety(comparison: Comparison) -> str:
-    return "".join(map(_safety_by, comparison.fatigues))
+    lines = "".join(f" {line}" for line in method_lines(comparison))
+    return "".join(map(_safety_by, comparison.fatigues)) + lines
 
 
 def _safety_by(fatigue: FatigueComparison) -> str:
@@ -253,11 +260,13 @@ def _accuracy(comparison: Comparison) -> Section:
 
 def _assumed(comparison: Comparison) -> list[tuple[str, ResultTable]]:
     """Return what a target does not say, one table for all; fatigue names what it uses as well."""
-    known = comparison.fatigue.result.as_json()["fatigue"] if comparison.fatigue else []
-    entries = [entry.evaluation.result.as_json() for entry in comparison.entries]
+    fatigue = comparison.fatigue
+    known = fatigue.result.as_json()["fatigue"] if fatigue else []
+    unknown = [e for e in comparison.entries if fatigue is None or e.name in fatigue.not_judged]
+    others = [e.evaluation.result.as_json() for e in unknown]
     found = [
         {**item, "key": f"{entry['target']}: {item['key']}"}
-        for entry in known or entries
+        for entry in (*known, *others)
         for item in entry.get("assumed", ())
     ]
     return assumed_tables(found)
@@ -286,6 +295,8 @@ def plot_stiffness_over_mass(comparison: Comparison, path: Path, bound: AnyBound
     for axes, (label, points) in zip(figure.subplots(1, 2), plots.items(), strict=True):
         draw_stiffness_over_mass(axes, points, comparison.baseline, label, most.get(label))
     figure.legend(*axes.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
+    if comparison.bare:
+        figure.suptitle("all designs without fillets, as the surface of a run has none", fontsize=9)
     with replacing(path) as temporary:
         save_figure(figure, temporary, dpi=130)
 

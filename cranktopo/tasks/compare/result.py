@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.result import UNLESS_NONE, Result
@@ -17,6 +18,9 @@ from cranktopo.tasks.fea.error_bound import difference_bound_percent
 from cranktopo.tasks.fea.evaluation import Evaluation
 from cranktopo.tasks.fea.quantities import COMPARED, SAFETY, UNBALANCE, Quantity, evaluation_values
 from cranktopo.tasks.fea.result import EvaluationResult
+
+Fillets = Literal["as designed", "left out", "none", "as in the file"]
+"""Of a compared body: those of its design, left out beside a run, none on the surface of a run."""
 
 
 class ChangeErrors(Result):
@@ -32,6 +36,8 @@ class ComparisonResult(Result):
 
     schema_version: int = 1
     baseline: str
+    fillets: dict[str, Fillets]
+    """Whether mass and stiffness are with fillets, by target; beside the surface of a run all are without."""
     evaluations: list[EvaluationResult]
     percent_of_baseline: list[dict[str, Cell]]
     """Rows of the table, by its columns."""
@@ -44,6 +50,10 @@ class ComparisonResult(Result):
     """As `fatigue --json`, where it was assessed; by the first method."""
     further_fatigue: list[FatigueResult] | None = UNLESS_NONE
     """By every further method."""
+    safety_by_method: dict[str, dict[str, float | None]] | None = UNLESS_NONE
+    """Least safety by method and target; null where it was not judged."""
+    not_judged: dict[str, dict[str, str]] | None = UNLESS_NONE
+    """Why a method did not judge a target, by method and target."""
     goals: dict[str, GoalOutcome] | None = UNLESS_NONE
 
 
@@ -52,14 +62,16 @@ class Entry:
     """A compared target and what was published for it.
 
     Attributes:
-        safety: smallest fatigue safety by the first method, if it was assessed.
-        further_safety: by every further method.
+        safety: smallest fatigue safety by the first method, if it was judged.
+        further_safety: by every further method that judged it.
+        fillets: whether its mass and stiffness are with them; its safety always is.
     """
 
     evaluation: Evaluation
     published: Published | None = None
     safety: float | None = None
     further_safety: Mapping[str, float] = field(default_factory=dict)
+    fillets: Fillets = "as designed"
 
     @property
     def name(self) -> str:
@@ -96,6 +108,7 @@ class Comparison:
         further_fatigue: by every further method.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
         balanced_kg_mm: unbalance that is wanted of a throw; the nearest to it is best, not the least.
+        bare: surfaces of runs, for which all designs are compared without fillets.
     """
 
     entries: tuple[Entry, ...]
@@ -104,6 +117,7 @@ class Comparison:
     goals: Mapping[str, GoalOutcome] = field(default_factory=dict)
     further_fatigue: tuple[FatigueComparison, ...] = ()
     balanced_kg_mm: float = 0.0
+    bare: tuple[str, ...] = ()
 
     @property
     def fatigues(self) -> tuple[FatigueComparison, ...]:
@@ -127,12 +141,16 @@ class Comparison:
         return self.entries[self.baseline]
 
     def percent(self, row: int, quantity: Quantity) -> float:
-        """Return a value in percent of the baseline's; the entry has it."""
+        """Return a value in percent of the baseline's; both have it."""
         return 100 * self.entries[row].values[quantity.key] / self.base.values[quantity.key]
 
     def having(self, quantity: Quantity) -> list[int]:
         """Return the rows that have a value of a quantity: all of them but of the safety."""
         return [row for row, entry in enumerate(self.entries) if quantity.key in entry.values]
+
+    def has_percent(self, row: int, quantity: Quantity) -> bool:
+        """Tell whether both an entry and the baseline have a value of a quantity."""
+        return all(quantity.key in entry.values for entry in (self.entries[row], self.base))
 
     def change_error_percent(self, row: int, other: int, quantity: Quantity) -> float:
         """Return the bound of the error of the relative difference between two entries; 0 if it is exact."""

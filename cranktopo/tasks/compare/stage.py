@@ -10,6 +10,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
+from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
@@ -32,10 +33,13 @@ from cranktopo.runs.kind import SWEEP, kind_of, read_result, resume_command, sho
 from cranktopo.runs.manifest import file_hash, settings_hash, timestamp, versions
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.stage import bounds_for_result
+from cranktopo.tasks.compare.judged import judge
 from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
-from cranktopo.tasks.compare.result import Comparison, Entry, check_same_supports, compare
+from cranktopo.tasks.compare.result import Comparison, Entry, Fillets, check_same_supports, compare
+from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
-from cranktopo.tasks.fatigue.stage import FatigueMethod, assess_by_methods
+from cranktopo.tasks.fatigue.stage import FatigueMethod
+from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_targets
@@ -125,32 +129,34 @@ def compare_targets(
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
 
     Raises:
-        CranktopoError: no such target, different supports, no fillets for the fatigue, or a failed solve.
+        CranktopoError: no such target, different supports, a method that can judge none, or a failed solve.
     """
     given = with_picks(names)
     every = given if baseline in given else [baseline, *given]
     index = every.index(baseline)
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
-    for line in pitch_lines(targets, index):
+    bare = tuple(target.name for target in targets if target.run)
+    for line in (*fillet_lines(bare), *pitch_lines(targets, index)):
         note(line)
     methods = list(dict.fromkeys([fatigue] if isinstance(fatigue, str) else fatigue or ()))
-    fatigues, loaded = [], None
+    fatigues: list[FatigueComparison] = []
+    loaded = None
     if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        assessed = assess_by_methods(filleted, methods, baseline=index)
-        fatigues = [one.compared() for one in assessed]
-        loaded = assessed[0].targets[assessed[0].baseline or 0].scene
+        fatigues, loaded = judge(filleted, methods, index)
     found = evaluate_targets(targets, wanted)
     entries = []
     for row, (evaluation, target) in enumerate(zip(found.evaluations, targets, strict=True)):
         printed = None if target.file else target.scene.published
         safeties = {one.result.method: one.safeties[row] for one in fatigues}
         first = safeties.pop(methods[0]) if methods else None
-        entries.append(Entry(evaluation, printed, first, safeties))
+        further = {method: safety for method, safety in safeties.items() if safety is not None}
+        entries.append(Entry(evaluation, printed, first, further, _fillets(target, bool(bare))))
     comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(
         comparison,
+        bare=bare,
         goals=_evaluated_goals(targets, entries, index),
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
@@ -189,13 +195,16 @@ def _like_for_like(targets: Sequence[Target]) -> list[Target]:
     """Return the targets without fillets where one is the surface of a run, which has none."""
     if not any(target.run for target in targets):
         return list(targets)
-    bare = [
+    return [
         target if target.file else replace(target, scene=without(target.scene, "fillets"))
         for target in targets
     ]
-    if any(one.scene is not target.scene for one, target in zip(bare, targets, strict=True)):
-        note("compared without fillets, which the surface of a run has not; `cranktopo remodel` adds them")
-    return bare
+
+
+def _fillets(target: Target, left_out: bool) -> Fillets:
+    if target.file is not None:
+        return "none" if target.run else "as in the file"
+    return "left out" if left_out else "as designed"
 
 
 def _evaluated_goals(
@@ -230,6 +239,8 @@ def comparison_bound(found: ComparedTargets) -> AnyBound | None:
         return None
     best = comparison.leading(TORSION_PER_MASS)
     reached = {quantity.key: comparison.percent(best, quantity) for quantity in (MASS, TORSION, BENDING)}
+    for words in filter(None, [outside_words(outside_envelope(scene))]):
+        note(f"{scene.name}: {words}")
     return bounds_for_result(scene, reached, None)
 
 
@@ -248,6 +259,8 @@ def report_comparison(
     check_report_path(path)
     scene, effects = _loaded(found)
     cases = load_cases(scene, effects.enabled)
+    if found.comparison.bare:
+        effects = _without_fillets(effects)
     lonely = [target.name for target in found.targets if difference(target.scene)]
     if stresses and lonely:
         note(f"no stresses: the halves of {', '.join(lonely)} differ")
@@ -275,6 +288,19 @@ def _loaded(found: ComparedTargets) -> tuple[Scene, PhysicsPlan]:
         return found.loaded, plan_for_stress(found.loaded)
     scene = with_throw_stiffness(found.targets[found.comparison.baseline]).scene
     return scene, plan(scene)
+
+
+def _without_fillets(effects: PhysicsPlan) -> PhysicsPlan:
+    """Return the plan with the fillets off, and that the comparison left them out, not the design."""
+    told = {
+        "state": "off",
+        "reason": "left out of this comparison: the surface of a run has none",
+        "estimate_percent": None,
+        "changes": "mass and stiffness of the designs, which have fillets",
+    }
+    return PhysicsPlan(
+        tuple(one.model_copy(update=told) if one.name == "fillets" else one for one in effects.effects)
+    )
 
 
 def half_throws(target: Target) -> list[tuple[Target, SurfaceMesh, int]]:

@@ -42,7 +42,7 @@ def _percent_table(comparison: Comparison) -> ResultTable:
         {
             "target": entry.name,
             **{
-                q.percent_column: comparison.percent(row, q) if row in comparison.having(q) else None
+                q.percent_column: comparison.percent(row, q) if comparison.has_percent(row, q) else None
                 for q in comparison.quantities
             },
             **{f"{kind}_change_error_percent": error for kind, error in _change_errors(comparison, row)},
@@ -114,7 +114,7 @@ def _beside_published(comparison: Comparison) -> list[_Published]:
 def _ours(comparison: Comparison, row: int) -> dict[str, float]:
     named = {quantity.key: quantity for quantity in COMPARED}
     named |= {safety_by(method).key: quantity for method, quantity in comparison.safeties.items()}
-    return {key: comparison.percent(row, q) for key, q in named.items() if row in comparison.having(q)}
+    return {key: comparison.percent(row, q) for key, q in named.items() if comparison.has_percent(row, q)}
 
 
 def _published_table(comparison: Comparison) -> ResultTable | None:
@@ -148,10 +148,57 @@ def _published_rows(comparison: Comparison) -> list[Row]:
     ]
 
 
+def fillet_lines(bare: Sequence[str]) -> list[str]:
+    """Return the line that a comparison beside the surfaces of these runs is without fillets."""
+    if not bare:
+        return []
+    return [
+        f"Mass and stiffness of all designs are without fillets, as the surface of {', '.join(bare)} has "
+        "none (cranktopo remodel adds them)."
+    ]
+
+
+def method_lines(comparison: Comparison) -> list[str]:
+    """Return the line on why the numbers of several methods do not compare; none for a single one."""
+    methods = list(comparison.safeties)
+    if len(methods) < 2:
+        return []
+    told = " ".join(f"{method}: {_INCLUDES[method]}." for method in methods)
+    return [f"Safeties of different methods do not compare as numbers. {told}"]
+
+
+_INCLUDES = {
+    "lsa": "size and survival by factors, tensile mean stress, no roughness; names no least safety",
+    "fkm": "roughness, survival of 97.5 %, mean stress, no size; FKM asks for 1.2 to 1.5 for steel, by "
+    "consequence of failure and inspection",
+    "m53": "size, no mean stress, strength by the rule's formula; UR M53 asks for 1.15",
+    "findley": "strength as lsa, mean stress normal to the critical plane; names no least safety",
+    "dang_van": "strength as lsa, mean stress by the hydrostatic stress; names no least safety",
+}
+"""What each method counts, and the safety that it asks for; of the FKM guideline, table of j_F."""
+
+
 def comparison_tables(comparison: Comparison) -> list[ResultTable]:
     """Return values, percentages and, where something was published, published percentages."""
-    tables = (_value_table(comparison), _percent_table(comparison), _published_table(comparison))
+    tables = (
+        _by_method(comparison, _value_table(comparison)),
+        _by_method(comparison, _percent_table(comparison)),
+        _published_table(comparison),
+    )
     return [table for table in tables if table is not None]
+
+
+def _by_method(comparison: Comparison, table: ResultTable) -> ResultTable:
+    """Return the table with the first of several methods in the head of its safety; files keep `safety`."""
+    if len(comparison.safeties) < 2:
+        return table
+    first = safety_by(next(iter(comparison.safeties)))
+    heads = {SAFETY.column: first.column, SAFETY.percent_column: first.percent_column}
+    return ResultTable(
+        {heads.get(name, name): digits for name, digits in table.columns.items()},
+        tuple({heads.get(name, name): cell for name, cell in row.items()} for row in table.rows),
+        frozenset((row, heads.get(name, name)) for row, name in table.best),
+    )
 
 
 def flat_table(comparison: Comparison) -> ResultTable:
@@ -159,6 +206,7 @@ def flat_table(comparison: Comparison) -> ResultTable:
     parts = [_value_table(comparison), _percent_table(comparison)]
     published = _published_rows(comparison)[: len(comparison.entries)]
     parts += [ResultTable(dict.fromkeys(published[0], 1), tuple(published))] if published else []
+    parts += [ResultTable({"fillets": 0}, tuple({"fillets": entry.fillets} for entry in comparison.entries))]
     columns = {name: digits for part in parts for name, digits in part.columns.items()}
     rows = zip(*(part.rows for part in parts), strict=True)
     return ResultTable(columns, tuple({k: v for part in row for k, v in part.items()} for row in rows))
@@ -170,6 +218,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
     best = {quantity.column: comparison.best(quantity) for quantity in comparison.quantities}
     return ComparisonResult(
         baseline=comparison.base.name,
+        fillets={entry.name: entry.fillets for entry in comparison.entries},
         evaluations=[entry.evaluation.result for entry in comparison.entries],
         percent_of_baseline=records(_percent_table(comparison)),
         change_error_percent=[
@@ -180,8 +229,17 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
         published=[dict(row) for row in published] or None,
         fatigue=None if comparison.fatigue is None else comparison.fatigue.result,
         further_fatigue=[one.result for one in comparison.further_fatigue] or None,
+        safety_by_method=_safeties(comparison) or None,
+        not_judged={o.result.method: dict(o.not_judged) for o in comparison.fatigues if o.not_judged} or None,
         goals=dict(comparison.goals) or None,
     )
+
+
+def _safeties(comparison: Comparison) -> dict[str, dict[str, float | None]]:
+    return {
+        method: {entry.name: entry.values.get(quantity.key) for entry in comparison.entries}
+        for method, quantity in comparison.safeties.items()
+    }
 
 
 def _printed_values(printed: PublishedValues | None) -> dict[str, float]:

@@ -16,6 +16,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import at_work
 from cranktopo.bodies.cells.domain import Domain, build_domain, laterally_symmetric, on_cells
+from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.envelope_file import symmetrised
 from cranktopo.bodies.memory import WALL_CELLS, available_memory_MiB, check_resolution, thinnest_wall_mm
 from cranktopo.design.goal.wanted import check_known, wanted
@@ -196,7 +197,14 @@ def notices(scene: Scene, domain: Domain) -> tuple[str, ...]:
         scene: as it is simulated, without what the plan leaves out.
         domain: its cells.
     """
-    found = (_sides(scene), _die(scene, domain), length_notice(scene, domain), baseline_notice(scene))
+    outside = outside_words(outside_envelope(scene))
+    found = (
+        _sides(scene),
+        _die(scene, domain),
+        length_notice(scene, domain),
+        baseline_notice(scene),
+        outside,
+    )
     return tuple(sentence for sentence in found if sentence)
 
 

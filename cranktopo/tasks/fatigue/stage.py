@@ -95,10 +95,9 @@ class FatigueAssessment:
         )
 
     def compared(self) -> FatigueComparison:
-        """Return its share of a comparison, of two different webs the worse one; there must be a baseline."""
-        assert self.baseline is not None
-        if self.fields:
-            return compare_fatigue(self.fields, self.baseline, self.result())
+        """Return its share of a comparison, of two different webs the worse one."""
+        if self.fields or self.baseline is None:
+            return compare_fatigue(self.fields or self._worse_webs, self.baseline, self.result())
         worse, base = self._worse_webs, self.checks[self.baseline]
         index = next(number for number, check in enumerate(worse) if check is base)
         return compare_fatigue(worse, index, self.result())

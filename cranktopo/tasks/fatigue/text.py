@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
@@ -52,25 +52,29 @@ class FatigueComparison:
     """Fatigue of several targets beside a baseline.
 
     Attributes:
+        safeties: of every target; None where it was not judged.
         verdicts: answers of the rule, what it does not judge, then one line for each target but the baseline.
         result: what `fatigue --json` prints.
+        not_judged: why targets were not judged, by name.
     """
 
-    safeties: tuple[float, ...]
+    safeties: tuple[float | None, ...]
     verdicts: tuple[str, ...]
     result: FatigueResult
+    not_judged: Mapping[str, str] = field(default_factory=dict)
 
 
 def compare_fatigue(
-    results: Sequence[_FatigueResult], baseline: int, found: FatigueResult
+    results: Sequence[_FatigueResult], baseline: int | None, found: FatigueResult
 ) -> FatigueComparison:
-    """Return what a comparison shows of the fatigue of its targets."""
+    """Return what a comparison shows of the fatigue of its targets; no verdicts without a baseline."""
     safeties = tuple(_summary(result).safety for result in results)
     checks = [result for result in results if isinstance(result, RuleCheck)]
     remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
     remarks += field_remarks(fields)
-    return FatigueComparison(safeties, (*remarks, *verdicts(results, baseline)), found)
+    told = [] if baseline is None else verdicts(results, baseline)
+    return FatigueComparison(safeties, (*remarks, *told), found)
 
 
 def _acceptance(check: RuleCheck) -> str:

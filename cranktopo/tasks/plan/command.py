@@ -35,6 +35,7 @@ def command(
 
     Example: cranktopo plan opposed-piston
     """
+    from cranktopo.bodies.cells.outside import outside_envelope, outside_words
     from cranktopo.design.assumed import (
         ENVELOPE,
         GOAL,
@@ -62,6 +63,7 @@ def command(
     goal = wanted(scene)
     effects = plan(scene, goal=goal)
     todo = effort(scene)
+    outside = outside_envelope(scene)
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL))
     if as_json:
         found = DesignPlan(
@@ -69,6 +71,7 @@ def command(
             goal=None if goal is None else stated_goal(goal),
             effects=effects.effects,
             evaluations=PlannedEvaluations(number=todo.evaluations, seconds=todo.evaluation_seconds),
+            outside_envelope=outside,
             assumed=assumed,
         )
         click.echo(json.dumps(found.as_json(), indent=2))
@@ -81,6 +84,8 @@ def command(
                 f"limits by the evaluation: about {todo.evaluations} evaluations of original and surfaces, "
                 f"+{todo.evaluation_seconds:.0f} s"
             )
+        if outside_words(outside):
+            click.echo(outside_words(outside))
         click.echo(f"\n{plan_text(effects)}")
         if assumed:
             note(assumed_text(assumed))

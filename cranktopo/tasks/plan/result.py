@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.bodies.cells.outside import OutsideEnvelope
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.goal.outcome import StatedGoal
 from cranktopo.engine.plan.effect import Effect
@@ -23,4 +24,6 @@ class DesignPlan(Result):
     goal: StatedGoal | None = UNLESS_NONE
     effects: tuple[Effect, ...]
     evaluations: PlannedEvaluations
+    outside_envelope: OutsideEnvelope | None = UNLESS_NONE
+    """What of the web lies outside of the envelope; none without an envelope, or of unlike halves."""
     assumed: tuple[Assumption, ...]

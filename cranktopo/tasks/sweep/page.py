@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.typeset import typeset
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import condition_words
+from cranktopo.tasks.sweep.text import condition_words, shown_name, shown_number
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -125,7 +125,7 @@ def _columns(data: SweepResult) -> list[str]:
 
 
 def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any]:
-    label, unit = ResultTable({}, ()).head(name)
+    label, unit = ResultTable({}, ()).head(name if name in data.varied else shown_name(name))
     error, sense = ERRORS.get(name), _SENSES.get(name, 0)
     bounds = [bound for row in data.points if (bound := row.number(f"bound_{name}")) is not None]
     return {
@@ -135,13 +135,14 @@ def _column(name: str, names: Sequence[str], data: SweepResult) -> dict[str, Any
         "varied": name in data.varied,
         "sense": sense,
         "error": names.index(error) if error in names else None,
-        "bound": _cell((min if sense < 0 else max)(bounds)) if bounds else None,
+        "bound": _cell(shown_number(name, (min if sense < 0 else max)(bounds))) if bounds else None,
     }
 
 
 def _value(point: PointResult, name: str) -> Any:
-    told = point.row().get(name)
-    return told if name in _SENSES else point.varied.get(name, told)
+    if name in _SENSES:
+        return shown_number(name, point.number(name))
+    return point.varied.get(name, point.row().get(name))
 
 
 def _cell(value: Any) -> Any:

@@ -65,7 +65,15 @@ def _plain(column: pandas.Series) -> pandas.Series:
     return column.map(lambda value: value if value is None else str(value)) if mixed else column
 
 
-_QUANTITIES = {"mass_kg": 3, "torsion_Nm_per_rad": 0, "bending_N_per_mm": 0, "fatigue_safety": 3}
+_QUANTITIES = {"mass_kg": 3, "torsion_Nm_per_rad": 2, "bending_N_per_mm": 2, "fatigue_safety": 3}
+"""Decimals as they are shown."""
+_IN_THOUSANDS = {
+    "torsion_Nm_per_rad": "torsion_kNm_per_rad",
+    "bending_N_per_mm": "bending_kN_per_mm",
+    "torsion_per_mass_Nm_per_rad_kg": "torsion_per_mass_kNm_per_rad_kg",
+    "bending_per_mass_N_per_mm_kg": "bending_per_mass_kN_per_mm_kg",
+}
+"""Stiffnesses as every table for readers has them, by their names in CSV and JSON."""
 _MOST_ROWS = 20
 _MOST_REASONS = 3
 
@@ -76,7 +84,7 @@ def sweep_summary(data: SweepResult, folder: Path) -> str:
     ends = ", ".join(f"{count} {end}" for end, count in data.ends.items())
     lines = [f"{len(data.points)} points: {ends}", *_reasons(data), *_accuracy(data), *_conditions(data), ""]
     if data.front:
-        objectives = ", ".join(data.objectives)
+        objectives = ", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives)
         lines += [f"Pareto front of {objectives}: {len(data.front)} points", terminal(_front_table(data))]
         more = len(data.front) - _MOST_ROWS
         lines += [f"and {more} more, in {data.files.table}"] * (more > 0) + [""]
@@ -95,11 +103,22 @@ def _front_table(data: SweepResult) -> ResultTable:
             "point": name,
             "design": row.design,
             **{key: _cell(row.varied.get(key)) for key in data.varied},
-            **{quantity: row.number(quantity) for quantity in known},
+            **{shown_name(quantity): shown_number(quantity, row.number(quantity)) for quantity in known},
         }
         for name, row in [*shown, *((row.id, row) for row in chosen)]
     ]
-    return ResultTable({"point": 0, **apart, **dict.fromkeys(data.varied, 4), **known}, tuple(rows))
+    shown_digits = {shown_name(quantity): digits for quantity, digits in known.items()}
+    return ResultTable({"point": 0, **apart, **dict.fromkeys(data.varied, 4), **shown_digits}, tuple(rows))
+
+
+def shown_name(quantity: str) -> str:
+    """Return the name of a quantity in the unit that readers are shown."""
+    return _IN_THOUSANDS.get(quantity, quantity)
+
+
+def shown_number(quantity: str, value: float | None) -> float | None:
+    """Return a value of a quantity in the unit that readers are shown."""
+    return value / 1000 if value is not None and quantity in _IN_THOUSANDS else value
 
 
 def _designs(points: Sequence[PointResult]) -> int:

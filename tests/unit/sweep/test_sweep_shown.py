@@ -1,0 +1,70 @@
+"""Units of a sweep: readers see kN m/rad and kN/mm as everywhere, files keep their names."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from cranktopo.tasks.sweep.page import sweep_html
+from cranktopo.tasks.sweep.result import SweepFiles, SweepResult, SweepSeconds
+from cranktopo.tasks.sweep.text import frame_of, sweep_summary
+from tests.sweep_cases import point_result
+
+NUMBERS = {
+    "mass_kg": 2.0,
+    "torsion_Nm_per_rad": 134_390.0,
+    "bending_N_per_mm": 216_300.0,
+    "torsion_per_mass_Nm_per_rad_kg": 67_195.0,
+    "bound_torsion_Nm_per_rad": 150_000.0,
+}
+KEY = "supports.bearing_stiffness_N_per_mm"
+
+
+def sweep() -> SweepResult:
+    """One point, whose varied key is a stiffness too."""
+    point = point_result("a", varied={KEY: 50_000.0}, design="d", stage="evaluate", **NUMBERS)
+    return SweepResult(
+        run="run",
+        design="d",
+        varied=(KEY,),
+        sampling="grid",
+        points=(point,),
+        ends={"done": 1},
+        original=point,
+        objectives={"mass_kg": "less", "torsion_Nm_per_rad": "more"},
+        front=("a",),
+        picks={"lightest": "a"},
+        files=SweepFiles(table="table.csv", parquet="table.parquet", page="report.html"),
+        seconds=SweepSeconds(total=1.0),
+    )
+
+
+def test_the_terminal_has_the_units_of_every_table() -> None:
+    text = sweep_summary(sweep(), Path("run"))
+    assert "Pareto front of mass, torsion: 1 points" in text
+    assert re.search(r"kg\s+kN m/rad\s+kN/mm", text)
+    assert re.search(r"2\.000\s+134\.39\s+216\.30", text)
+    assert f"{KEY} = 50000" in text, "a key of the scene stays in its unit"
+
+
+def test_the_page_has_them_too() -> None:
+    data = json.loads(
+        re.findall(r"<script[^>]*application/json[^>]*>(.*?)</script>", sweep_html(sweep(), {}))[0]
+    )
+    found = {
+        column["name"]: (column["unit"], row, column["bound"])
+        for column, row in zip(data["columns"], data["rows"][0], strict=True)
+    }
+    assert found["torsion_Nm_per_rad"] == ("kN m/rad", 134.39, 150.0)
+    assert found["bending_N_per_mm"] == ("kN/mm", 216.3, None)
+    assert found["torsion_per_mass_Nm_per_rad_kg"][1] == 67.195
+    assert found[KEY][:2] == ("N/mm", 50_000.0)
+
+
+def test_files_keep_names_and_units() -> None:
+    one = sweep()
+    frame = frame_of(one.points, one.original)
+    assert frame["torsion_Nm_per_rad"][0] == 134_390.0
+    assert frame["bending_N_per_mm"][0] == 216_300.0
+    assert one.as_json()["points"][0]["torsion_Nm_per_rad"] == 134_390.0
