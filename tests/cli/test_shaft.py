@@ -10,6 +10,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from cranktopo.app.main import main
@@ -18,6 +19,7 @@ from cranktopo.design.shaft import Supports
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.shaft.stage import shaft_tables
+from cranktopo.tasks.shaft_safety.plots import safety_pictures
 from cranktopo.tasks.shaft_safety.result import (
     SafetySeconds,
     ShaftSafety,
@@ -159,8 +161,8 @@ def test_safety_needs_loads_strength_and_fillets(tmp_path: Path, capsys: pytest.
         assert "fillet_mm = 0" in said or "material." in said
 
 
-def test_safety_in_words() -> None:
-    """One row a web and a speed, absent parts left out, 80 columns, and where it is worst."""
+def judged(**more: float) -> ShaftSafety:
+    """Two webs at two speeds, alike; further parts of the webs with their safety."""
     place = CriticalPoint(
         place="pin fillet, +171 deg around, 35 deg along",
         fillet="pin",
@@ -178,23 +180,24 @@ def test_safety_in_words() -> None:
         factors={},
         states=("12", "372"),
     )
-    parts = {"pin_fillet": 1.2, "journal_fillet": 1.5, "elsewhere": 2.0}
+    parts = {"pin_fillet": 1.2, "journal_fillet": 1.5, "elsewhere": 2.0} | more
+    least = min(parts.values())
     webs = tuple(
         WebSafety(
             web=web,
             throw=(web + 1) // 2,
             **parts,
-            safety=1.2,
-            part="pin_fillet",
+            safety=least,
+            part=min(parts, key=lambda part: parts[part]),
             speed_rpm=900.0,
             over_speeds=(1.2, 1.3),
         )
         for web in (1, 2)
     )
     quality = Quality(0.4, 0.24, 10, 2.0, 4.0, 1.0, 1.0)
-    found = ShaftSafety(
+    return ShaftSafety(
         method="lsa",
-        safety=1.2,
+        safety=least,
         worst=WorstPlace(web=2, throw=1, speed_rpm=900.0, highest_deg=12.0, lowest_deg=372.0, critical=place),
         webs=webs,
         speeds=tuple(
@@ -206,6 +209,11 @@ def test_safety_in_words() -> None:
         seconds=SafetySeconds(mesh=1.0, unit_fields=1.0, stresses=1.0, cycles=1.0, safety=1.0),
         assumed=(),
     )
+
+
+def test_safety_in_words() -> None:
+    """One row a web and a speed, absent parts left out, 80 columns, and where it is worst."""
+    found = judged()
     text = "\n\n".join(safety_text(found))
     assert "outlets" not in text
     assert "Least safety 1.200: web 2 (throw 1) at 900 rpm, highest stress at 12 deg,\n" in text
@@ -213,6 +221,24 @@ def test_safety_in_words() -> None:
         ["2", "pin", "fillet"]
     ]
     assert max(map(len, text.splitlines())) <= 80
+
+
+def test_the_bars_of_a_web_have_the_part_with_the_least_safety() -> None:
+    """An outlet below 1 is seen beside fillets above."""
+    for more, names in (
+        ({}, ["pin fillet", "journal fillet", "elsewhere"]),
+        (
+            {"outlets": 0.71},
+            ["pin fillet", "journal fillet", "outlets", "elsewhere"],
+        ),
+    ):
+        found = judged(**more)
+        axes = safety_pictures(found)[0].figure.axes[0]
+        bars = {group.get_label(): [bar.get_height() for bar in group] for group in axes.containers}
+        assert list(bars) == names
+        assert min(map(min, bars.values())) == found.safety
+        centres = sorted(bar.get_x() + bar.get_width() / 2 for group in axes.containers for bar in group)
+        assert min(np.diff(centres)) > 0.1, "bars beside each other"
 
 
 @pytest.mark.slow
@@ -236,7 +262,7 @@ def test_safety_of_every_web(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     for part in (
         "Safety of every web",
         "of each web over speed",
-        "of both fillets of each web",
+        "of each part of each web",
         "Force on main bearing 5",
     ):
         assert part in text

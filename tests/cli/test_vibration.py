@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -266,6 +267,9 @@ def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFix
     for place, one in zip(outside, same["joined"], strict=True):
         swings = {speed["rpm"]: speed["torque_amplitude_Nm"][place] for speed in third["speeds"]}
         assert one["torque_amplitude_Nm"] == max(swings.values()) == swings[one["speed_rpm"]]
+    for place, one in zip(outside, same["joined_at_engine_speed"], strict=True):
+        (own,) = (speed for speed in third["speeds"] if speed["rpm"] == one["speed_rpm"] == 2100.0)
+        assert one["torque_amplitude_Nm"] == own["torque_amplitude_Nm"][place]
     assert third["worst"]["mean_torque_Nm"] < healthy["worst"]["mean_torque_Nm"]
     keyed = MEAN_INERTIA.replace("[1, 3, 4, 2]", "[1, 3, 4, 2]\nmisfire = [3]")
     by_key = printed([design(tmp_path, table, keyed)], capsys)
@@ -277,11 +281,31 @@ def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFix
     assert "Outside the crankshaft, where the worst cylinder does not fire:" in out
     assert "The pressure is that of 2100 rpm at every speed" in out
     assert "does not fire: compression" not in out  # the key gives way to the option
+    _check_own_speed(out, healthy, every, outside[-1])
     worst = max(every["misfires"], key=lambda one: one["torque_amplitude_Nm"])
     assert f"Misfire of cylinder {worst['cylinder']} is the worst" in out
     text = page.read_text(encoding="utf-8")
     assert "One cylinder that does not fire" in text
     assert "Outside the crankshaft, where the worst cylinder does not fire" in text
+
+
+def _check_own_speed(out: str, healthy: dict[str, Any], every: dict[str, Any], coupling: int) -> None:
+    """The coupling's torque at 2100 rpm stands in words: where all fire, and without the worst cylinder."""
+    own = next(speed for speed in healthy["speeds"] if speed["rpm"] == 2100.0)["torque_amplitude_Nm"]
+    name = healthy["sections"][coupling]["name"]
+    last = ((one["cylinder"], one["joined_at_engine_speed"][-1]) for one in every["misfires"])
+    silent = {cylinder: swing["torque_amplitude_Nm"] for cylinder, swing in last}
+    worst = max(silent, key=lambda cylinder: silent[cylinder])
+    assert f"Outside the crankshaft: {name} +-" in out
+    told = re.search(
+        rf"With a misfire at the engine's 2100 rpm: {re.escape(name)} \+-([\d.,]+) N m without "
+        r"cylinder (\d), \+-([\d.,]+) N m where all fire\.",
+        out,
+    )
+    assert told
+    assert float(told[1].replace(",", "")) == pytest.approx(silent[worst], abs=0.6)
+    assert silent[int(told[2])] == pytest.approx(silent[worst], rel=1e-9)
+    assert float(told[3].replace(",", "")) == pytest.approx(own[coupling], abs=0.6)
 
 
 @pytest.mark.parametrize(

@@ -145,7 +145,11 @@ class Swing:
 
 def largest_swing(response: Vibration, section: int) -> Swing:
     """Return where a section's torque swings most, of equal speeds at the lowest."""
-    speed = int(response.torque_amplitude_Nm[:, section].argmax())
+    return swing_at(response, section, int(response.torque_amplitude_Nm[:, section].argmax()))
+
+
+def swing_at(response: Vibration, section: int, speed: int) -> Swing:
+    """Return how a section's torque swings at a speed, given by its number."""
     order = response.orders[int(np.abs(response.torque_Nm[speed, :, section]).argmax())]
     amplitude = float(response.torque_amplitude_Nm[speed, section])
     return Swing(section, float(response.speeds_rpm[speed]), amplitude, float(order))
@@ -158,11 +162,13 @@ class Misfire:
     Attributes:
         crankshaft: the largest of the crankshaft.
         joined: the largest of every section that is no part of the crankshaft: coupling, damper, line.
+        joined_own: the same at the engine's own speed; empty where that is outside of the range.
     """
 
     cylinder: int
     crankshaft: Swing
     joined: tuple[Swing, ...]
+    joined_own: tuple[Swing, ...]
 
 
 @dataclass(frozen=True)
@@ -207,6 +213,18 @@ class VibrationStudy:
     def joined_sections(self) -> tuple[int, ...]:
         """Sections that are no part of the crankshaft: coupling, damper, line."""
         return tuple(i for i, inside in enumerate(self.shaft.in_crankshaft) if not inside)
+
+    @property
+    def own_speed(self) -> int | None:
+        """Number of the engine's own speed among those that are solved; None outside of the range."""
+        rpm = self.scene.engine.speed_rpm if self.scene.engine else math.nan
+        found = np.flatnonzero(self.response.speeds_rpm == rpm)
+        return int(found[0]) if len(found) else None
+
+    @property
+    def joined_own(self) -> tuple[Swing, ...]:
+        """Torque of the sections outside the crankshaft at the engine's own speed."""
+        return _own_swings(self, self.response)
 
     @property
     def shaft(self) -> ShaftChain:
@@ -304,4 +322,10 @@ def _misfire(study: VibrationStudy, cylinder: int) -> Misfire:
     speeds, orders = study.response.speeds_rpm, len(study.response.orders)
     found = vibration(study.shaft, harmonics, speeds, orders, varying)
     joined = tuple(largest_swing(found, section) for section in study.joined_sections)
-    return Misfire(cylinder, largest_swing(found, found.worst.section), joined)
+    crankshaft = largest_swing(found, found.worst.section)
+    return Misfire(cylinder, crankshaft, joined, _own_swings(study, found))
+
+
+def _own_swings(study: VibrationStudy, response: Vibration) -> tuple[Swing, ...]:
+    own = study.own_speed
+    return () if own is None else tuple(swing_at(response, one, own) for one in study.joined_sections)

@@ -12,7 +12,10 @@ from cranktopo.base.units import N_PER_KN
 from cranktopo.report.plot import GREY, Picture, picture, plain
 from cranktopo.tasks.shaft_safety.result import ShaftSafety
 
-_BAR = 0.38
+_BARS = 0.76
+"""Width of all bars of a web together."""
+_PARTS = {"pin_fillet": "C0", "journal_fillet": "C1", "outlets": "C2", "elsewhere": "C7"}
+"""Parts of a web with the colour of their bars."""
 _LIMIT: dict[str, Any] = {"color": GREY, "ls": "--", "lw": 1.0, "label": "safety of 1"}
 
 
@@ -35,7 +38,7 @@ def safety_pictures(found: ShaftSafety) -> tuple[Picture, ...]:
     """Return the least safety by web and, of several speeds, over speed."""
     worst = found.worst
     said = f"least {found.safety:.3f} at web {worst.web}, {worst.speed_rpm:,.0f} rpm"
-    pictures = [picture("safety-by-web", f"Least safety of both fillets of each web: {said}", _by_web, found)]
+    pictures = [picture("safety-by-web", f"Least safety of each part of each web: {said}", _by_web, found)]
     if len(found.speeds) > 1:
         pictures.append(
             picture("safety-over-speed", f"Least safety of each web over speed: {said}", _over_speed, found)
@@ -63,8 +66,13 @@ def bearing_pictures(loads: BearingPolar) -> tuple[Picture, ...]:
 
 def _by_web(axes: Any, found: ShaftSafety) -> None:
     webs = np.array([web.web for web in found.webs])
-    for shift, part in ((-_BAR / 2, "pin_fillet"), (_BAR / 2, "journal_fillet")):
-        axes.bar(webs + shift, [getattr(web, part) for web in found.webs], _BAR, label=part.replace("_", " "))
+    judged = [part for part in _PARTS if any(getattr(web, part) is not None for web in found.webs)]
+    wide = _BARS / len(judged)
+    for number, part in enumerate(judged):
+        values = [getattr(web, part) for web in found.webs]
+        heights = [np.nan if value is None else value for value in values]
+        place = webs + (number - (len(judged) - 1) / 2) * wide
+        axes.bar(place, heights, wide, label=part.replace("_", " "), color=_PARTS[part])
     axes.axhline(1.0, **_LIMIT)
     axes.set_xticks(webs)
     axes.set(xlabel="web, from the free end", ylabel="least safety", ylim=(0, None))

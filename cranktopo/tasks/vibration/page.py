@@ -14,6 +14,7 @@ from cranktopo.tasks.vibration.text import (
     barred_sentence,
     cancelled_sentence,
     critical_table,
+    joined_misfire_sentence,
     joined_misfire_table,
     misfire_sentence,
     misfire_table,
@@ -44,7 +45,7 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 f"resonates; dots are the critical speeds of the table. {cancelled_sentence(study)} "
                 f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
                 f"{run_up_sentence(study)} "
-                f"{misfire_sentence(study)}".rstrip(),
+                f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".rstrip(),
                 (*_critical(study), *_misfires(study)),
                 (campbell, torque),
             ),

@@ -10,7 +10,7 @@ from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.vibration.steady import CriticalSpeed
-from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.engine.vibration.study import Swing, VibrationStudy
 
 _NOT_DAMPING = {"speed_min_rpm", "speed_max_rpm", "permitted_shear_MPa", "throw_stiffness_Nm_per_rad"}
 
@@ -119,6 +119,8 @@ class MisfireWorst(Result):
     shear_MPa: float
     joined: tuple[JoinedSwing, ...]
     """Sections outside the crankshaft, each at its own worst speed."""
+    joined_at_engine_speed: tuple[JoinedSwing, ...]
+    """The same at the speed of the engine; none where that is outside of the range."""
 
 
 class ShaftVibration(Result):
@@ -233,17 +235,22 @@ def _misfires(study: VibrationStudy) -> tuple[MisfireWorst, ...]:
             torque_amplitude_Nm=one.crankshaft.torque_amplitude_Nm,
             order=one.crankshaft.order,
             shear_MPa=study.shaft.shear_MPa(one.crankshaft.torque_amplitude_Nm),
-            joined=tuple(
-                JoinedSwing(
-                    section=study.shaft.sections[swing.section],
-                    speed_rpm=swing.speed_rpm,
-                    torque_amplitude_Nm=swing.torque_amplitude_Nm,
-                    order=swing.order,
-                )
-                for swing in one.joined
-            ),
+            joined=_joined(study, one.joined),
+            joined_at_engine_speed=_joined(study, one.joined_own),
         )
         for one in study.misfires
+    )
+
+
+def _joined(study: VibrationStudy, swings: tuple[Swing, ...]) -> tuple[JoinedSwing, ...]:
+    return tuple(
+        JoinedSwing(
+            section=study.shaft.sections[swing.section],
+            speed_rpm=swing.speed_rpm,
+            torque_amplitude_Nm=swing.torque_amplitude_Nm,
+            order=swing.order,
+        )
+        for swing in swings
     )
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from cranktopo.base.units import number_text, plain_number
 from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.vibration.study import VibrationStudy, largest_swing
+from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 
 DISKS = (
@@ -87,10 +89,7 @@ def joined_misfire_table(study: VibrationStudy) -> ResultTable:
     """Return the worst cylinder that does not fire for every section that is no part of the crankshaft."""
     rows: list[Row] = []
     for place, section in enumerate(study.joined_sections):
-        cylinder, swing = max(
-            ((one.cylinder, one.joined[place]) for one in study.misfires),
-            key=lambda found: round(found[1].torque_amplitude_Nm, 6),
-        )
+        cylinder, swing = _worst_of((one.cylinder, one.joined[place]) for one in study.misfires)
         firing = largest_swing(study.response, section)
         row: dict[str, Cell] = {"section": study.shaft.sections[section], "worst_cylinder": str(cylinder)}
         row |= {"speed_rpm": swing.speed_rpm, "order": swing.order}
@@ -98,6 +97,25 @@ def joined_misfire_table(study: VibrationStudy) -> ResultTable:
         rows.append({**row, "all_fire_Nm": firing.torque_amplitude_Nm})
     columns = {"section": 0, "worst_cylinder": 0, "speed_rpm": 0, "order": 1, "torque_amplitude_Nm": 1}
     return ResultTable({**columns, "all_fire_Nm": 1}, tuple(rows))
+
+
+def joined_misfire_sentence(study: VibrationStudy) -> str:
+    """Return what a misfire does outside the crankshaft at the engine's own speed; empty where not known."""
+    told = []
+    for place, firing in enumerate(study.joined_own if study.misfires else ()):
+        cylinder, swing = _worst_of((one.cylinder, one.joined_own[place]) for one in study.misfires)
+        told.append(
+            f"{study.shaft.sections[swing.section]} +-{number_text(swing.torque_amplitude_Nm)} N m without "
+            f"cylinder {cylinder}, +-{number_text(firing.torque_amplitude_Nm)} N m where all fire"
+        )
+    if not told:
+        return ""
+    return f"With a misfire at the engine's {engine_of(study.scene).speed_rpm:.0f} rpm: {'; '.join(told)}."
+
+
+def _worst_of(swings: Iterable[tuple[int, Swing]]) -> tuple[int, Swing]:
+    """Return the cylinder with the largest torque and that torque, of equal ones the first."""
+    return max(swings, key=lambda found: round(found[1].torque_amplitude_Nm, 6))
 
 
 def misfire_sentence(study: VibrationStudy) -> str:
@@ -137,14 +155,18 @@ def sections_table(study: VibrationStudy) -> ResultTable:
 def own_speed_sentence(study: VibrationStudy) -> str:
     """Return the largest torque of the crankshaft at the engine's own speed; empty where it is not solved."""
     response, shaft = study.response, study.shaft
-    speed = engine_of(study.scene).speed_rpm
-    own = np.flatnonzero(response.speeds_rpm == speed)
-    if not len(own):
+    own = study.own_speed
+    if own is None:
         return ""
-    swings = np.where(shaft.in_crankshaft, response.torque_amplitude_Nm[own[0]], -1.0)
+    swings = np.where(shaft.in_crankshaft, response.torque_amplitude_Nm[own], -1.0)
     amplitude, between = float(swings.max()), shaft.sections[int(swings.argmax())].replace(" - ", " and ")
+    outside = "; ".join(
+        f"{shaft.sections[one.section]} +-{number_text(one.torque_amplitude_Nm)} N m"
+        for one in study.joined_own
+    )
     return (
-        f"At the engine's {speed:.0f} rpm it swings most between {between}: +-{number_text(amplitude)} N m."
+        f"At the engine's {response.speeds_rpm[own]:.0f} rpm it swings most between {between}: "
+        f"+-{number_text(amplitude)} N m.{f' Outside the crankshaft: {outside}.' if outside else ''}"
     )
 
 
@@ -256,7 +278,7 @@ def vibration_text(study: VibrationStudy) -> str:
         parts[-1:-1] = ["One cylinder that does not fire:", terminal(misfire_table(study))]
         if study.joined_sections:
             parts[-1:-1] = [f"{JOINED}:", terminal(joined_misfire_table(study))]
-        parts[-1] += f"\n{misfire_sentence(study)}"
+        parts[-1] += f"\n{misfire_sentence(study)}\n{joined_misfire_sentence(study)}".rstrip()
     parts[-1] += f"\n{barred_sentence(study)}\n{varying_sentence(study)}"
     parts[-1] += f"\n{_stiffness_sentence(study)}".rstrip()
     parts[-1] += f"\n{DISKS}"
