@@ -30,7 +30,7 @@ class Shown:
 
 Case = Acts | Refused | Shown
 MIKRON = "mikron-iiic-plain"
-QUIET = Shown("cli/test_command_line.py::test_long_commands_can_be_quiet_or_verbose")
+QUIET = Shown("cli/test_command_line.py::test_every_command_that_tells_notes_can_be_quiet_or_verbose")
 _GOAL = {
     "--minimise": Acts(MIKRON, "--minimise mass"),
     "--maximise": Acts(MIKRON, "--maximise torsion"),
