@@ -261,6 +261,10 @@ def test_another_half_angle_is_proposed_where_that_of_the_web_does_not_fit(capsy
     found = load_scene(str(design), whole=True).web.counterweight
     assert 65.66 < found.outer_radius_mm < 66.2
     assert (found.half_angle_deg, run(capsys, str(design))[0]) == (80.0, 0)
+    told = "Balance factor of each throw as it is: 0.0 % of its oscillating mass.\n"
+    assert told in run(capsys, str(design))[1], "-0.02 % are 0 %, and what is asked for"
+    assert main(["loads", str(design)]) == 0
+    assert "balance factor 0.0 % of the oscillating mass" in capsys.readouterr().out
     page = tmp_path / "b.html"
     assert run(capsys, str(design), "--propose", "0%", "--report", str(page))[0] == 0
     text = page.read_text(encoding="utf-8")
