@@ -100,9 +100,11 @@ def _peak_misplaced(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     after = _peak_after_firing_deg(cycle, engine)
     if 0 <= after <= LATEST_PEAK_DEG:
         return ""
+    firing_deg = engine.gas.firing_deg if engine.gas else 0.0
     found = (
         f"the pressure is largest {abs(after):g} deg {'after' if after > 0 else 'before'} firing top dead "
-        f"centre, which is 0 deg; an engine that fires has its peak 0 to {LATEST_PEAK_DEG:g} deg after it"
+        f"centre, which is {firing_deg:g} deg; an engine that fires has its peak 0 to {LATEST_PEAK_DEG:g} "
+        "deg after it"
     )
     return found + _firing_elsewhere(engine.gas, _a_turn_off(after, engine))
 

@@ -260,7 +260,8 @@ def test_another_half_angle_is_proposed_where_that_of_the_web_does_not_fit(capsy
     """With 60 deg the radius would be 68.71 mm, with 90 deg 65.66 mm: the room is 66.2 mm."""
     design = tmp_path / "low.toml"
     low = re.sub(r"y_min_mm = .*", "y_min_mm = -66.2", MIKRON)
-    design.write_text(re.sub(r"half_width_mm = .*", "half_width_mm = 70.0", low))
+    low = re.sub(r"half_width_mm = .*", "half_width_mm = 70.0", low)
+    design.write_text(low)
     code, out, _ = run(capsys, str(design), "--propose", "0%")
     assert (code, "for the rotating masses alone" in out) == (0, True)
     assert re.search(r"half-angle of the web .* does not fit: .*outer_radius_mm = 68.71", out)
@@ -268,12 +269,22 @@ def test_another_half_angle_is_proposed_where_that_of_the_web_does_not_fit(capsy
     found = load_scene(str(design), whole=True).web.counterweight
     assert 65.66 < found.outer_radius_mm < 66.2
     assert (found.half_angle_deg, run(capsys, str(design))[0]) == (80.0, 0)
+    told = "Balance factor of each throw as it is: 0.0 % of its oscillating mass.\n"
+    assert told in run(capsys, str(design))[1], "-0.02 % are 0 %, and what is asked for"
+    assert main(["loads", str(design)]) == 0
+    assert "balance factor 0.0 % of the oscillating mass" in capsys.readouterr().out
     page = tmp_path / "b.html"
     assert run(capsys, str(design), "--propose", "0%", "--report", str(page))[0] == 0
     text = page.read_text(encoding="utf-8")
     assert "balances the rotating masses alone" in text
     row = re.search(r"balanced share of the oscillating mass<.*?([-\d.]+)\W%", text)
     assert row[1] == "0.0"
+    assert "room with the half-angle of the web" not in text, "it has 80 deg now"
+    design.write_text(low)
+    assert run(capsys, str(design), "--propose", "0%", "--report", str(page))[0] == 0
+    assert re.search(
+        r"room with the half-angle of the web<.*outer_radius_mm = 68.71", page.read_text("utf-8")
+    )
 
 
 @pytest.mark.parametrize("share", ["-1%", "101%", "half"])

@@ -207,6 +207,7 @@ def test_firing_dead_centre_of_the_trace_gives_the_loads_of_the_same_trace_from_
 
 def test_the_value_counts_from_what_the_key_says_already(capsys, traced):
     (warning,) = json.loads(run(capsys, "loads", traced(10.0, "firing_deg = 370.0"), "--json")[1])["warnings"]
+    assert "firing top dead centre, which is 370 deg; an engine" in warning
     assert warning.endswith("write engine.gas.firing_deg = 10")
 
 

@@ -104,6 +104,8 @@ def _proposed(found: ProposedCounterweight | None) -> list[tuple[str, ResultTabl
         ("balanced share of the oscillating mass", f"{found.balance_factor_percent:z.1f} %"),
         ("room for it", found.refused or "yes"),
     ]
+    if found.own_angle_refused:
+        rows.append(("room with the half-angle of the web", found.own_angle_refused))
     return [("Proposed [web.counterweight] of each web", pairs(rows))]
 
 

@@ -158,8 +158,8 @@ def balance_factor_words(data: Balance) -> str:
     factor = data.balance_factor_percent
     if factor is None:
         return ""
-    open_ = "; its rotating masses are not balanced" if factor < 0 else ""
-    return f"Balance factor of each throw as it is: {factor:.1f} % of its oscillating mass{open_}."
+    open_ = "; its rotating masses are not balanced" if round(factor, 1) < 0 else ""
+    return f"Balance factor of each throw as it is: {factor:z.1f} % of its oscillating mass{open_}."
 
 
 def proposal_words(data: Balance) -> str:

@@ -125,7 +125,7 @@ def _balance(balance: ThrowMassProperties) -> str:
     masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
     own = f"\nits counterweights: {masses} kg take {balance.own_counterweight_kg_mm:.2f} kg mm"
     factor = balance.balance_factor_percent
-    own += "" if factor is None else f", balance factor {factor:.1f} % of the oscillating mass"
+    own += "" if factor is None else f", balance factor {factor:z.1f} % of the oscillating mass"
     return (
         f"balance of the throw: rotating unbalance {balance.rotating_unbalance_kg_mm:.2f} kg mm "
         f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights {_needed_words(balance)}, "
