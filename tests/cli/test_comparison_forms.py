@@ -10,14 +10,22 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from cranktopo.base.notes import redirected
 from cranktopo.bodies.shown_solid import shown_half
 from cranktopo.design.loading import load_scene
+from cranktopo.design.named import with_values
 from cranktopo.numerics.surfaces.files import write_stl
 from cranktopo.numerics.surfaces.mesh import mesh_of
+from cranktopo.tasks.bound.result import NoBound
 from cranktopo.tasks.compare.page import plot_stiffness_over_mass
 from cranktopo.tasks.compare.printed import comparison_text
 from cranktopo.tasks.compare.result import Entry, compare
-from cranktopo.tasks.compare.stage import ComparedTargets, compare_targets, report_comparison
+from cranktopo.tasks.compare.stage import (
+    ComparedTargets,
+    compare_targets,
+    comparison_bound,
+    report_comparison,
+)
 from cranktopo.tasks.fatigue.result import FatigueResult
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
@@ -76,6 +84,16 @@ def test_page_and_plot_say_so(
     monkeypatch.setattr(Figure, "suptitle", lambda _, text, **__: titles.append(text))
     plot_stiffness_over_mass(beside_a_run.comparison, tmp_path / "plot.svg")
     assert titles == ["all designs without fillets, as the surface of a run has none"]
+
+
+def test_a_baseline_partly_outside_of_its_envelope(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Said where a bound is shown, once."""
+    monkeypatch.setattr("cranktopo.tasks.compare.stage.bounds_for_result", lambda *_: NoBound(none=""))
+    short = with_values(load_scene("mikron-iiic-plain"), {"envelope.y_min_mm": -20.0})
+    lines: list[str] = []
+    with redirected(lines.append):
+        comparison_bound(compare_targets([short], short))
+    assert sum("2.95 % of it, lie outside of the envelope" in line for line in lines) == 1
 
 
 @pytest.mark.parametrize("form", FORMS)

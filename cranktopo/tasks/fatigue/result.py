@@ -193,6 +193,8 @@ class FieldFatigue(_TargetFatigue):
     """Least safety of the first and of the second web, where they differ."""
     critical: CriticalPoint
     """The point of least safety of fillets, oil outlets, rounded edges and faces."""
+    at_outlet: CriticalPoint | None = UNLESS_NONE
+    """The point of least safety at the outlets of oil bores, where there are any."""
     at_sharp_edges: CriticalPoint | None
     """The point of least safety at sharp inner edges, which the mesh decides; null without any."""
     judged_as: JudgedAs

@@ -63,6 +63,7 @@ class FatigueField:
         lives: by `[fatigue.spectrum]`, of the fillets and elsewhere.
         scatter: probability of failure by `[fatigue.scatter]`, of the fillets and elsewhere.
         diagram: stresses of the critical point in every state, where the method judges these.
+        at_outlet: point of least safety at an outlet of an oil bore; None without any.
     """
 
     model: StressModel
@@ -80,6 +81,7 @@ class FatigueField:
     lives: dict[str, PartLife] = field(default_factory=dict)
     scatter: dict[str, PointScatter] = field(default_factory=dict)
     diagram: PlaneDiagram | None = None
+    at_outlet: CriticalPoint | None = None
 
 
 def fatigue_field(
@@ -175,6 +177,7 @@ def field_of_states(model: StressModel, method: str, loads: Array, labels: tuple
         hardening=_hardening(model, method, found, safety),
         scatter=judged.scatter(),
         diagram=judged.diagram(),
+        at_outlet=judged.critical(model.judged_outlet) if model.judged_outlet.any() else None,
     )
 
 
@@ -190,6 +193,7 @@ def _safety(
     if not isinstance(chosen, PlaneCriterion):
         return np.stack([point_safety(model, method, extremes.local) for extremes in found])
     parts = [model.judged, model.sharp, model.on_journal, model.on_pin, *webs]
+    parts = [model.judged, ~model.judged, model.on_journal, model.on_pin, model.judged_outlet, *webs]
     strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in found])
     stress = model.stress.stress_MPa
     return least_safety(stress, cycles, strength, parts, chosen, model.scene)

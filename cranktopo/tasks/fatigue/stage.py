@@ -282,6 +282,7 @@ def _field_fatigue(
         fillet_safety=field.fillet_safety,
         web_safety=field.web_safety or None,
         critical=field.critical,
+        at_outlet=field.at_outlet,
         at_sharp_edges=field.at_sharp_edges,
         judged_as="continuous_shaft" if field.on_bearings else "throw_alone",
         load_states=len(field.labels),

@@ -134,6 +134,11 @@ class StressModel:
         return ~self.on_fillet & _where(self.scene, self.whole, outlet_nodes, self.surface.points_mm)
 
     @property
+    def judged_outlet(self) -> NDArray[np.bool_]:
+        """Surface nodes at an outlet of an oil bore whose stress is no matter of the mesh, (n,)."""
+        return self.at_outlet & self.judged
+
+    @property
     def on_fillet(self) -> NDArray[np.bool_]:
         """Tell of each surface node whether it lies on either fillet."""
         return self.on_journal | self.on_pin

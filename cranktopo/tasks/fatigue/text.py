@@ -31,6 +31,12 @@ _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
     Column("decided_by", 0, lambda f: f.critical.decided_by),
     Column("critical_place", 0, lambda f: f.critical.place),
 )
+_OUTLET_COLUMNS: tuple[Column[FatigueField], ...] = (
+    Column("outlet_safety", SAFETY.digits, lambda f: f.at_outlet.safety if f.at_outlet else None),
+    Column("outlet_place", 0, lambda f: f.at_outlet.place if f.at_outlet else None),
+)
+"""Where a throw has outlets of oil bores: the first behind the fillets, the second at the end."""
+_FILLETS_END = 9
 _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("target", 0, lambda c: c.name),
     Column("throw_kg", MASS.digits, lambda c: c.throw_kg),
@@ -83,7 +89,10 @@ def _acceptance(check: RuleCheck) -> str:
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:
     """Return one row per target: mass, safety, cyclic stress, gradient and place of the critical point."""
-    return _with_percent(tabulate(_FIELD_COLUMNS, fields), fields, baseline)
+    columns = _FIELD_COLUMNS
+    if any(field.at_outlet for field in fields):
+        columns = (*columns[:_FILLETS_END], _OUTLET_COLUMNS[0], *columns[_FILLETS_END:], _OUTLET_COLUMNS[1])
+    return _with_percent(tabulate(columns, fields), fields, baseline)
 
 
 def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable:

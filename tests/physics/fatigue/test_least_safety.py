@@ -9,6 +9,7 @@ import pytest
 from skfem import MeshTet, MeshTet2
 
 from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.numerics.tetrahedra.elasticity import assemble
@@ -94,6 +95,7 @@ def outlet_safety(size: float) -> float:
     assert field.critical.place.startswith("oil outlet on the crankpin")
     assert field.critical.safety < 0.99 * min(field.fillet_safety.values())
     assert field.critical.safety == field.safety[:, field.model.judged].min()
+    assert field.at_outlet == field.critical
     assert field.at_sharp_edges is not None
     assert not field.model.judged.all()
     assert max(field.scatter, key=lambda part: field.scatter[part].failure_probability) == "elsewhere"
@@ -108,6 +110,21 @@ def test_the_outlet_is_the_worst_place() -> None:
 @pytest.mark.slow
 def test_the_outlet_is_the_worst_place_on_two_meshes() -> None:
     assert outlet_safety(0.5) == pytest.approx(outlet_safety(0.34), rel=0.03)
+
+
+@pytest.mark.slow
+def test_the_outlet_is_told_beside_a_worse_fillet() -> None:
+    """The least of the nodes around the outlet, beside a pin fillet of half the radius."""
+    scene = with_values(drilled(), {"throw.crankpin.fillet_mm": 1.2})
+    field = fatigue_field(Target("v-twin", scene), "lsa", fillet_fraction=0.5)
+    assert field.critical.fillet is not None
+    assert field.at_outlet is not None
+    assert field.at_outlet.place.startswith("oil outlet on the crankpin")
+    assert field.at_outlet.safety > field.critical.safety
+    x, y, z = field.model.surface.points_mm
+    near = (np.hypot(x, z - field.at_outlet.point_mm[2]) < 6.0) & (y > 33.75 + 20.0)
+    away = near & field.model.judged & ~field.model.on_fillet
+    assert field.at_outlet.safety == pytest.approx(field.safety[:, away].min(), rel=1e-12)
 
 
 @pytest.mark.slow

@@ -88,6 +88,9 @@ def test_a_table_of_booktabs() -> None:
     )
     ((sides, head, rows),) = tabulars(latex(table))
     assert sides == "lrrrr"
+    assert not re.search(r"(\\\\|rule)\s*[\[*]", latex(table)), (
+        "read as an option of the row's end, or of the rule"
+    )
     assert [typeset(cell) for cell in head[-1]] == ["", "kg", "kg mm2", "%", ""]
     assert head[-1][2] == r"kg\,mm\textsuperscript{2}"
     assert [typeset(cell) for cell in head[0]] == ["target", "mass", "inertia", "change", "safety"]
