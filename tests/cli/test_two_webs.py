@@ -73,7 +73,7 @@ def test_the_rule_judges_each_web(
 ) -> None:
     """In a throw that has it twice, here by a stand-in for its elements; a comparison takes the worse one."""
 
-    def solved(target: Target, *_: object) -> SimpleNamespace:
+    def solved(target: Target, *_: object, **__: object) -> SimpleNamespace:
         return SimpleNamespace(
             scene=target.scene, throw_kg=throw_balance(target.scene).mass_kg, quality=QUALITY
         )

@@ -192,8 +192,7 @@ def _safety(
     chosen = safety_method(method)
     if not isinstance(chosen, PlaneCriterion):
         return np.stack([point_safety(model, method, extremes.local) for extremes in found])
-    parts = [model.judged, model.sharp, model.on_journal, model.on_pin, *webs]
-    parts = [model.judged, ~model.judged, model.on_journal, model.on_pin, model.judged_outlet, *webs]
+    parts = [model.judged, model.sharp, model.on_journal, model.on_pin, model.judged_outlet, *webs]
     strength = np.stack([_reversed_strength_MPa(model, extremes.local) for extremes in found])
     stress = model.stress.stress_MPa
     return least_safety(stress, cycles, strength, parts, chosen, model.scene)
