@@ -350,4 +350,8 @@ def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, A
     assert shown.count() == 1 + len(record.front), "the original and the front"
     assert page.locator("[data-detail] .title").is_hidden(), "nobody points at paper"
     mark = page.locator(".mark.point").evaluate("m => getComputedStyle(m).printColorAdjust")
+    canvas = page.locator("#viewer canvas").evaluate("c => getComputedStyle(c).objectFit")
+    assert canvas == "contain", "the web keeps its proportions"
     assert mark == "exact", "or the names of the plot's signs are without them"
+    page.evaluate("document.documentElement.classList.remove('has-3d')")
+    assert not page.locator("#point").is_visible(), "no heading over nothing where there is no 3D"
