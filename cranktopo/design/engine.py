@@ -27,8 +27,9 @@ from cranktopo.base.table import (
 )
 
 Turn = Annotated[float, Field(ge=0, lt=360, allow_inf_nan=False)]
-TraceAngle = Annotated[float, Field(ge=-720, le=720, allow_inf_nan=False)]
 """An angle about the crank axis, deg."""
+TraceAngle = Annotated[float, Field(ge=-720, le=720, allow_inf_nan=False)]
+"""An angle of a measured trace, deg, counted from wherever the indicating system does."""
 
 
 class Gear(SceneTable):
