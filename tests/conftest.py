@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import atexit
 import fcntl
 import gc
 import os
@@ -14,6 +15,10 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.precision import double_precision
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # The last act of a process of tests: else nanobind lists what lives in caches as leaked, in many lines.
+    atexit.register(os._exit, 0)
 
 # A suite that was started in the background ignores Ctrl-C, and so would the commands that it interrupts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
