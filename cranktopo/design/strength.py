@@ -17,8 +17,17 @@ def strength_remarks(scene: Scene) -> tuple[str, ...]:
 
 
 def strength_notes(scene: Scene) -> list[str]:
-    """Return what a drawing says of the material beside its name; nothing where no strength is known."""
+    """Return what a drawing says of the material beside its name; nothing where no strength is known.
+
+    A strength of the library that holds for thinner sections is no demand that a forge can meet.
+    """
     material = scene.material
+    if _section_remark(scene):
+        return [
+            f"{material.name}: strength to be agreed with the forge for {ruling_section_mm(scene):g} mm;",
+            f"Rm {material.ultimate_MPa:g} MPa of the design is that of sections to "
+            f"{library_section_mm(material.name):g} mm.",
+        ]
     strengths = (("Rm", material.ultimate_MPa), ("Re", material.yield_MPa))
     told = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
     told += [material.heat_treatment] if material.heat_treatment else []

@@ -36,7 +36,7 @@ _DELAUNAY_3D, _HXT_3D = 1, 10
 """HXT takes a fifth of the time of the other and a quarter fewer nodes; its elements are less regular."""
 _LIGHT = ("", "Relocate3D")
 """gmsh's own optimiser takes flat elements away, the other moves nodes."""
-FITTED_FRACTION = 0.25
+FITTED_FRACTION = 0.2
 """Element size on a fillet over its radius up to which stresses are those of fitted polynomials: they smooth
 the scatter of irregular elements, and follow a fillet that is not much longer than their two rings."""
 _GROWTH = 0.5

@@ -182,6 +182,8 @@ class _TargetFatigue(Result):
     """Mass of one throw."""
     safety: float
     """Least safety of fillets, oil outlets, rounded edges and faces; by the rule, acceptability."""
+    strength_remarks: tuple[str, ...] | None = UNLESS_NONE
+    """What the strengths of the material do not hold for, such as the section of the crank."""
 
 
 class FieldFatigue(_TargetFatigue):

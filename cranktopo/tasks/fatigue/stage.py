@@ -12,7 +12,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
-from cranktopo.design.strength import note_strength
+from cranktopo.design.strength import note_strength, strength_remarks
 from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
@@ -85,6 +85,10 @@ class FatigueAssessment:
         entries: list[FieldFatigue | RuleFatigue] = [
             _field_fatigue(one, told, by) if isinstance(one, FatigueField) else _rule_fatigue(one, told, by)
             for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
+        ]
+        entries = [
+            entry.model_copy(update={"strength_remarks": strength_remarks(target.scene) or None})
+            for entry, target in zip(entries, self.targets, strict=True)
         ]
         return FatigueResult(
             method=self.method,

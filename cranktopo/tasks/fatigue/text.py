@@ -79,6 +79,11 @@ def compare_fatigue(
     remarks = [*map(_acceptance, checks), *rule_remarks(checks)]
     fields = [result for result in results if isinstance(result, FatigueField)]
     remarks += field_remarks(fields)
+    remarks += dict.fromkeys(
+        f"{entry.target}: material: {remark}."
+        for entry in found.fatigue
+        for remark in entry.strength_remarks or ()
+    )
     told = [] if baseline is None else verdicts(results, baseline)
     return FatigueComparison(safeties, (*remarks, *told), found)
 

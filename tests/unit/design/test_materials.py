@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
 from cranktopo.design.material import Material, library_section_mm, material_library
 from cranktopo.design.schema import Scene
-from cranktopo.design.strength import ruling_section_mm, strength_remarks
+from cranktopo.design.strength import ruling_section_mm, strength_notes, strength_remarks
 
 LIBRARY = material_library()
 
@@ -57,6 +57,14 @@ def test_strengths_of_thin_sections_are_not_those_of_thick_ones() -> None:
         made_of(60.0, name="34CrNiMo6", fatigue_bending_MPa=460.0, **own),
     ):
         assert strength_remarks(fine) == ()
+
+
+def test_a_drawing_asks_for_no_strength_of_thinner_sections() -> None:
+    """1,100 MPa through 60 mm of 34CrNiMo6 is no demand that a forge can meet."""
+    thin, thick = made_of(60.0, 30.0, name="34CrNiMo6"), made_of(60.0, name="34CrNiMo6")
+    assert strength_notes(thin) == ["34CrNiMo6: Rm at least 1100 MPa, Re at least 900 MPa."]
+    assert strength_notes(thick)[0] == "34CrNiMo6: strength to be agreed with the forge for 60 mm;"
+    assert "at least" not in " ".join(strength_notes(thick))
 
 
 def test_other_strengths_follow_an_own_tensile_strength() -> None:

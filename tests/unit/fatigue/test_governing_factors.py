@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -148,3 +149,10 @@ def test_polynomials_asked_for_outside_their_validity_are_refused_before_a_solve
     assert outside_validity(dimensions(scene))
     with pytest.raises(CranktopoError, match=r"fatigue\.m53_factors.*Take 'lower' or 'elements'"):
         check_rule(Target("throw", scene))
+
+
+def test_a_comparison_says_what_the_strengths_do_not_hold_for() -> None:
+    """Every form of a table has it, not the terminal alone."""
+    entry = SimpleNamespace(target="thick", strength_remarks=("that of sections to 16 mm",))
+    told = compare_fatigue([check(ALLOWED, ALLOWED)], 0, SimpleNamespace(fatigue=[entry, entry])).verdicts
+    assert told.count("thick: material: that of sections to 16 mm.") == 1
