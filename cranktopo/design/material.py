@@ -39,7 +39,7 @@ _FkmGroup = Literal[
 
 LIBRARY_STRENGTHS = ("yield_MPa", "fatigue_tension_MPa", "fatigue_bending_MPa")
 """Keys of the library that follow a tensile strength which the design gives."""
-_SECTION = "sections_to_mm"
+_SECTION, _THICKER = "sections_to_mm", "thicker"
 
 
 @cache
@@ -51,7 +51,7 @@ def _entries() -> dict[str, dict[str, Any]]:
 def material_library() -> dict[str, dict[str, Any]]:
     """Return the material library shipped with the package, by name."""
     return {
-        name: {key: value for key, value in entry.items() if key != _SECTION}
+        name: {key: value for key, value in entry.items() if key not in (_SECTION, _THICKER)}
         for name, entry in _entries().items()
     }
 
@@ -59,6 +59,12 @@ def material_library() -> dict[str, dict[str, Any]]:
 def library_section_mm(name: str) -> float | None:
     """Return the thickest section that the library's strengths of a material hold for; None where unknown."""
     return _entries().get(name, {}).get(_SECTION)
+
+
+def thicker_MPa(name: str, section_mm: float) -> tuple[float, float] | None:
+    """Return the tensile and yield strength that a standard asks for in a section; None where unknown."""
+    rows = _entries().get(name, {}).get(_THICKER, ())
+    return next(((Rm, Re) for to_mm, Rm, Re in rows if section_mm <= to_mm), None)
 
 
 class Material(SceneTable):

@@ -6,7 +6,7 @@ from math import isclose
 
 from cranktopo.base.notes import note
 from cranktopo.design.halves import halves
-from cranktopo.design.material import LIBRARY_STRENGTHS, library_section_mm, material_library
+from cranktopo.design.material import LIBRARY_STRENGTHS, library_section_mm, material_library, thicker_MPa
 from cranktopo.design.schema import Scene
 from cranktopo.throw.journal import Journal
 
@@ -59,9 +59,11 @@ def _section_remark(scene: Scene) -> str:
     section = ruling_section_mm(scene)
     if most_mm is None or section <= most_mm or material.ultimate_MPa != entry["ultimate_MPa"]:
         return ""
+    thicker = thicker_MPa(material.name, section)
+    less = "less" if thicker is None else "{:g} and a yield strength of {:g} MPa".format(*thicker)
     return (
         f"ultimate_MPa = {material.ultimate_MPa:g} of {material.name} is that of sections to {most_mm:g} mm "
-        f"in the library; this crank has {section:g} mm, where the standard asks for less. "
+        f"in the library; this crank has {section:g} mm, where the standard asks for {less}. "
         "Give material.ultimate_MPa and yield_MPa of the forging"
     )
 

@@ -51,6 +51,7 @@ def test_strengths_of_thin_sections_are_not_those_of_thick_ones() -> None:
     assert "60 mm" in remark
     (printed,) = strength_remarks(made_of(60.0, name="42CrMo4"))
     assert "ultimate_MPa = 1100 of 42CrMo4 is that of sections to 16 mm" in printed, "whatever a thesis takes"
+    assert "60 mm, where the standard asks for 900 and a yield strength of 650 MPa" in printed
     own = {"ultimate_MPa": 1000.0, "yield_MPa": 800.0, "fatigue_tension_MPa": 430.0}
     for fine in (
         made_of(60.0, 30.0, name="34CrNiMo6"),
