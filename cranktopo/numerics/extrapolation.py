@@ -48,7 +48,8 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolatio
     """Return the limit of values on falling sizes (Richardson, 1911); None for fewer than two values.
 
     The band covers the limits that every plausible order would give; where none is observed a typical one
-    gives the value. Where the three finest values go to and fro, their scatter is the band.
+    gives the value, and the band reaches back to the finest value: two values may as well scatter. Where the
+    three finest values go to and fro, their scatter is the band.
     """
     if len(values) < 2:
         return None
@@ -60,6 +61,7 @@ def extrapolate(sizes: Sequence[float], values: Sequence[float]) -> Extrapolatio
     used = min(max(order or _TYPICAL_ORDER, MINIMUM_ORDER), MAXIMUM_ORDER)
     value = fine + step * _further(sizes, used)
     ends = [fine + step * _further(sizes, p) for p in (MINIMUM_ORDER, MAXIMUM_ORDER)]
+    ends += [fine] if order is None else []
     return Extrapolation(value, 100 * max(abs(end - value) for end in ends) / abs(value), order)
 
 
