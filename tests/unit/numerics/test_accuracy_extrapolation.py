@@ -64,7 +64,7 @@ def test_scatter_is_reported_as_such() -> None:
 
 
 def test_two_values_that_scatter_hold_their_limit_in_the_band() -> None:
-    """Peak stress in a fillet of 0.5 and 0.35 elements a radius; with 0.12 and 0.085 it is 345.8 and 344.3."""
+    """Peak stress in a fillet of 0.5 and 0.35 elements a radius; 345.8 and 344.3 with 0.12 and 0.085."""
     found = extrapolate((0.5, 0.35), [334.83, 343.83])
     assert found is not None
     assert abs(found.error_percent(345.0)) <= found.uncertainty_percent
