@@ -106,15 +106,7 @@ def mesh_throw(
             _set_sizes(
                 gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction
             )
-            means = regular or not serves_polynomials(fillet_fraction)
-            mesh = _generate(
-                gmsh,
-                element_size_mm,
-                mirrored,
-                stresses=fillet_fraction is not None,
-                regular=means,
-                adapt=adapt,
-            )
+            mesh = _generate(gmsh, element_size_mm, mirrored, fillet_fraction, regular=regular, adapt=adapt)
         return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
 
     try:
@@ -141,8 +133,7 @@ def mesh_body(
         fillet_fraction, regular: as in `mesh_throw`.
     """
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=full, fillet_fraction=fillet_fraction)
-    means = regular or not serves_polynomials(fillet_fraction)
-    return _generate(gmsh, element_size_mm, mirrored, stresses=fillet_fraction is not None, regular=means)
+    return _generate(gmsh, element_size_mm, mirrored, fillet_fraction, regular=regular)
 
 
 def serves_polynomials(fillet_fraction: float | None) -> bool:
@@ -151,7 +142,13 @@ def serves_polynomials(fillet_fraction: float | None) -> bool:
 
 
 def _generate(
-    gmsh: Any, size: float, mirrored: bool, *, stresses: bool, regular: bool, adapt: bool = False
+    gmsh: Any,
+    size: float,
+    mirrored: bool,
+    fillet_fraction: float | None,
+    *,
+    regular: bool,
+    adapt: bool = False,
 ) -> TetMesh:
     """Return the mesh, smooth where stresses are wanted.
 
@@ -159,6 +156,8 @@ def _generate(
     the stresses; where polynomials do that, optimisers that take a tenth of its time suffice. Bores of a
     quarter model have no seam.
     """
+    stresses = fillet_fraction is not None
+    regular = regular or not serves_polynomials(fillet_fraction)
     usual = _FRONTAL_2D if stresses and mirrored else _DELAUNAY_2D
     gmsh.option.setNumber("Mesh.Algorithm", _MESH_ADAPT_2D if adapt else usual)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D if regular or adapt else _HXT_3D)
