@@ -43,8 +43,13 @@ class Answers:
             worker.close()
 
     def live(self, data: Data, seq: int | None, tell: Tell, text: str = "") -> None:
-        """Ask for exact numbers and the picture; `seq` is the drag's, None after a release."""
-        self._live.put((data, seq, tell, text))
+        """Ask for exact numbers and the picture; `seq` is the drag's, None after a release.
+
+        A page sends no drag before it has heard of the last: it is told of one that is passed over.
+        """
+        passed = self._live.put((data, seq, tell, text))
+        if passed is not None and passed[1] is not None:
+            passed[2]({"type": "passed", "seq": passed[1]})
 
     def coarse(self, data: Data, seq: int | None, tell: Tell) -> None:
         """Ask for the stiffness of a drag; nothing before the first stiffness has settled."""

@@ -193,8 +193,14 @@ class Bench:
         self.answers.coarse(data, asked.get("seq"), tell)
 
     async def _edit(self, asked: Mapping[str, Any], tell: Tell) -> None:
-        """Take a step; a single value that breaks a sound design is told to the page and not taken."""
+        """Take a step; a single value that breaks a sound design is told to the page and not taken.
+
+        A drag that ended where it began is no step: its page is told of the design in hand again.
+        """
         project, changes = self._required, self._wanted(asked)
+        if self._changed(changes) == project.data():
+            self._show(tell)
+            return
         if len(asked["changes"]) == 1 and not isinstance(next(iter(changes.values())), dict | None):
             found = await self.answers.checked(self._changed(changes))
             if found and not await self.answers.checked(project.data()):

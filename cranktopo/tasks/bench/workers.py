@@ -88,11 +88,13 @@ class Newest:
         """True while a question is being answered."""
         return self._task is not None and not self._task.done()
 
-    def put(self, question: Any) -> None:
-        """Ask; a question that still waits is forgotten."""
-        self._waiting[:] = [question]
+    def put(self, question: Any) -> Any:
+        """Ask; return the question that still waited and is forgotten, None if there was none."""
+        forgotten = self._waiting.pop() if self._waiting else None
+        self._waiting.append(question)
         if not self.busy:
             self._task = asyncio.get_running_loop().create_task(self._work())
+        return forgotten
 
     async def _work(self) -> None:
         while self._waiting:

@@ -22,6 +22,7 @@ def asked(folder: Path, *messages: dict[str, Any]) -> list[dict[str, Any]]:
     bench = Bench(folder)
     told: list[dict[str, Any]] = []
     bench.answers = MagicMock(checked=AsyncMock(return_value=[]), known=lambda text: {})
+    bench.answers.live = lambda data, seq, tell, text="": tell({"type": "live", "seq": seq, "data": data})  # type: ignore[method-assign]
 
     async def talk() -> None:
         bench.open_text(design_text("mikron-iiic-plain"), "mine.toml", "opened", "cranktopo bench mine")
@@ -47,6 +48,13 @@ def test_a_thickness_with_and_without_the_pitch_kept_are_two_variants(tmp_path: 
     assert first["what"] == f"{THICKNESS}: 19 to 21"
     assert MAIN in second["what"]
     assert project["steps"][1]["what"].startswith(f"thickness: 21 mm; {MAIN}: "), "the step says it, too"
+
+
+def test_a_drag_that_ends_where_it_began_is_no_step(tmp_path: Path) -> None:
+    """The page kept waiting for its step: gauges stayed those of the drag, and nothing settled."""
+    told = asked(tmp_path, {"do": "edit", "changes": {THICKNESS: 19}, "what": "thickness: 19 mm"})
+    (live,) = told
+    assert (live["type"], live["seq"], live["data"]["web"]["thickness_mm"]) == ("live", None, 19)
 
 
 def test_what_is_told_as_commands_runs_in_the_folder(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ import { filterForms, showBroken, showForms } from "./forms.js";
 import { showFront } from "./front.js";
 import { showGauges } from "./gauges.js";
 import { OF_STIFFNESS, ofDesign, ofStep, pick, state } from "./state.js";
-import { complain, connect, line, next, say, status } from "./talk.js";
+import { answered, complain, connect, line, say, status } from "./talk.js";
 import { showHistory, showVariants } from "./variants.js";
 import { showGhost, showPicture } from "./view.js";
 import { outForms, showJobs } from "./work.js";
@@ -18,6 +18,7 @@ function hear(message) {
     },
     state: () => hearState(message),
     live: () => hearLive(message),
+    passed: () => answered(message.seq),
     original: () => hearOriginal(message),
     coarse: () => hearCoarse(message),
     settled: () => hearSettled(message),
@@ -25,7 +26,7 @@ function hear(message) {
     proof: () => hearProof(message),
     made: () => hearMade(message),
     busy: () => status(message.what),
-    error: () => complain(message.message),
+    error: () => (complain(message.message), answered(line.sent)),
     told: () => complain(message.message, true),
   }[message.type];
   if (act) act();
@@ -66,13 +67,13 @@ function hearState(message) {
 }
 
 function hearLive(message) {
-  if (message.seq) line.answered = Math.max(line.answered, message.seq);
-  if (message.seq && !state.dragging && !line.waiting) return next();
+  if (message.seq) answered(message.seq);
+  if (message.seq && !state.dragging) return;
   state.broken = message.broken || [];
   showBroken();
   if (message.broken) {
     if (!message.seq) status("The design breaks a rule");
-    return next();
+    return;
   }
   state.live = message.gauges;
   for (const name of ["rings", "marks", "stiffness", "warnings"]) state[name] = message[name];
@@ -83,7 +84,6 @@ function hearLive(message) {
   showPicture(message.seq);
   showFront();
   showGauges();
-  next();
 }
 
 function hearOriginal(message) {

@@ -152,7 +152,7 @@ function inputOf(path, id, help, key, value) {
     onchange: () => {
       const found = read(input.value, key);
       if (found === undefined) return mark(path, `'${input.value}' is ${numeric ? "no number" : "not understood"}.`);
-      if (found !== (value ?? null)) edit({ [path]: found }, `${words(key.name)}: ${found === null ? "as assumed" : `${shown(found)} ${key.unit}`}`.trim());
+      edit({ [path]: found }, `${words(key.name)}: ${found === null ? "as assumed" : `${shown(found)} ${key.unit}`}`.trim());
     } });
   return input;
 }
@@ -165,7 +165,7 @@ function sliderOf(path, key, value) {
       number.value = slider.value;
       drag({ [path]: Number(slider.value) });
     },
-    onchange: () => Number(slider.value) !== value && edit({ [path]: Number(slider.value) }, `${words(key.name)}: ${slider.value} ${key.unit}`) });
+    onchange: () => edit({ [path]: Number(slider.value) }, `${words(key.name)}: ${slider.value} ${key.unit}`) });
   return slider;
 }
 

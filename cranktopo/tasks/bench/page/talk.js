@@ -33,15 +33,21 @@ export function complain(text, calm = false) {
   $("message").querySelector("span").textContent = text || "";
 }
 
+// The server has answered a drag, or passed over it for a newer question: the next may go.
+export function answered(seq) {
+  line.answered = Math.max(line.answered, seq);
+  next();
+}
+
 export function drag(changes) {
   if (!state.dragging) status("Moving");
   state.dragging = true;
   line.waiting = changes;
-  if (line.answered === line.sent) next();
+  next();
 }
 
-export function next() {
-  if (!line.waiting) return;
+function next() {
+  if (!line.waiting || line.answered < line.sent) return;
   line.sent = ++line.seq;
   say({ do: "drag", changes: line.waiting, seq: line.seq, keep_pitch: state.keepPitch });
   line.waiting = null;
