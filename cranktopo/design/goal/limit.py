@@ -84,6 +84,12 @@ class Goal:
         names = (self.quantity, *(limit.quantity for limit in self.limits))
         return frozenset(QUANTITIES[name].load_case for name in names) - {""}
 
+    @property
+    def only_safety(self) -> bool:
+        """True if less is better and the fatigue safety alone keeps it from nothing at all."""
+        held = self.load_cases or not self.limits_of("fatigue_safety")
+        return QUANTITIES[self.quantity].better == "low" and not held
+
     def limits_of(self, quantity: QuantityName) -> tuple[Limit, ...]:
         """Return the limits of one quantity: none, one, or a range."""
         return tuple(limit for limit in self.limits if limit.quantity == quantity)

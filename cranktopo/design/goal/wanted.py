@@ -150,13 +150,25 @@ def check_goal(scene: Scene) -> None:
 
 
 def check_known(goal: Goal, optimiser: Optimiser) -> None:
-    """Check that an optimiser knows what it is asked for; limits that it does not know, it may leave."""
+    """Check that an optimiser knows what it is asked for; limits that it does not know, it may leave.
+
+    Raises:
+        CranktopoError: a goal that it cannot tell, or that rests on limits alone that it cannot tell.
+    """
     if optimiser not in QUANTITIES[goal.quantity].optimisers:
         raise invalid(
             f"goal.{goal.sense}",
             goal.quantity,
             f"the {optimiser} optimisation cannot tell the {QUANTITIES[goal.quantity].label} of a design",
             "Choose another goal; the evaluation of its result tells it.",
+        )
+    if optimiser == "density" and goal.only_safety:
+        raise invalid(
+            f"goal.{goal.sense}",
+            goal.quantity,
+            "the density optimisation leaves the fatigue safety to the evaluation of its surface, and no "
+            "limit asks for a stiffness",
+            "Limit torsion or bending, or use `cranktopo shape`.",
         )
 
 

@@ -41,6 +41,8 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
     """Return the estimate of a load case whose need a goal decides, not its size."""
     users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
     users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
+    if not goal.load_cases and kind in MAIN_KINDS:  # which stand for the safety where there are no fillets
+        users += _users_of_safety(goal)
     if not users:
         absent, changes = "neither goal nor limits need it", "nothing"
         if kind == "centrifugal" and _wants_safety(goal):
@@ -53,11 +55,13 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
 
 def _wants_safety(goal: Goal | None) -> str:
     """Tell why the goal needs the fatigue safety; empty when it does not."""
-    if goal is None:
-        return ""
-    limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
-    users = [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
+    users = [] if goal is None else _users_of_safety(goal)
     return f"the goal needs it: {', '.join(users)}" if users else ""
+
+
+def _users_of_safety(goal: Goal) -> list[str]:
+    limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
+    return [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
 
 
 def _signed(percent: float) -> str:
@@ -69,6 +73,8 @@ def bound(context: PlanningContext) -> Estimate:
     absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
     if context.goal is not None and context.goal.quantity in ("fatigue_safety", "balance_factor"):
         absent = f"nothing is proven about {QUANTITIES[context.goal.quantity].label}"
+    elif context.goal is not None and context.goal.only_safety:
+        absent = "stress is not part of the proof, and no limit asks for a stiffness"
     return Estimate(
         None,
         "",

@@ -128,8 +128,11 @@ def _dimensions(found: ShapeResult) -> Section:
 
 def _search(found: ShapeResult) -> Section:
     name = found.goal_on_cells.quantity.name
+    same = name == found.goal.quantity.name
+    safe = any(limit.quantity == "fatigue_safety" for limit in found.goal.limits)
     sought = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
-    stand_in, plots = "" if name == found.goal.quantity.name else sought, curves(found)
+    kept = " Cells know no fatigue: there at least the same share of the stiffness stood for the safety."
+    stand_in, plots = sought if not same else kept if safe else "", curves(found)
     ring = "; a ring marks the best" if plots else ""
     return Section(
         "search",

@@ -64,7 +64,7 @@ from cranktopo.tasks.shape.result import (
 )
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
 from cranktopo.tasks.shape.search import HELD
-from cranktopo.tasks.shape.search_goal import goal_on_cells
+from cranktopo.tasks.shape.search_goal import quantity_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.tasks.shape.start import scene_start
@@ -241,7 +241,7 @@ def _assembled(
 ) -> ShapeResult:
     """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
     goal, result, original = optimum.goal, optimum.result, optimum.original
-    table, on_cells = _sensitivities(scene, optimum), goal_on_cells(goal)
+    table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
     return ShapeResult(
         design=scene.name,
         goal=goal_outcome(goal, result.web.values, original.values, HELD),
@@ -259,7 +259,7 @@ def _assembled(
             )
             for limit, price in zip(optimum.stated.limits, optimum.multipliers.limits, strict=True)
         ),
-        goal_on_cells=GoalWords.model_validate({goal.sense: on_cells.quantity}),
+        goal_on_cells=GoalWords.model_validate({goal.sense: on_cells}),
         prices_remainder_percent=100 * optimum.multipliers.remainder,
         rule_prices=_rule_prices(scene, optimum),
         trials=optimum.trials,

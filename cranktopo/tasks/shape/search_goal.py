@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import degrees
 
@@ -11,7 +11,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.constraint import Constraint, bound_in_model, minimum_scale, scale_of, with_error
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.quantities import STIFFNESS_OF, quantity_named
+from cranktopo.design.goal.quantities import QUANTITIES, STIFFNESS_OF, QuantityName, quantity_named
 from cranktopo.engine.load_case import LoadCase
 
 
@@ -95,13 +95,49 @@ class SearchGoal:
         return replace(self, limits=moved)
 
 
-def goal_on_cells(goal: Goal) -> Goal:
-    """Return what stands for a goal where features are chosen: cells know no fatigue.
+def quantity_on_cells(goal: Goal) -> QuantityName:
+    """Return the quantity that stands for the goal's where features are chosen: cells know no fatigue.
 
     A fillet's stress follows the bending of the throw by the gas force, so the most bending stiffness within
     the same limits stands for the most safety; the finish then maximises the safety itself.
     """
-    return replace(goal, quantity="bending") if goal.quantity == "fatigue_safety" else goal
+    return "bending" if goal.quantity == "fatigue_safety" else goal.quantity
+
+
+def goal_on_cells(
+    goal: Goal, original: Mapping[str, float], judged: Callable[[], Mapping[str, float]]
+) -> Goal:
+    """Return what stands for a goal where features are chosen.
+
+    A least safety is there the same share of the original's bending stiffness, and of its torsional stiffness
+    where neither goal nor limits speak of that; the finish then keeps the safety itself.
+
+    Args:
+        original: quantities of the original web.
+        judged: tells them with its safety, which is waited for where a limit is no percentage of it.
+    """
+    asked = goal.limits_of("fatigue_safety")
+    names: tuple[QuantityName, ...] = ("bending",) if "torsion" in goal.load_cases else ("bending", "torsion")
+    known = tuple(limit for limit in goal.limits if limit not in asked)
+    found = Goal(goal.sense, quantity_on_cells(goal), known)
+    percents = [
+        limit.value if limit.percent else 100 * limit.value / judged()["fatigue_safety"]
+        for limit in asked
+        if limit.sense == ">="
+    ]
+    for name in names if percents else ():
+        found = _at_least(found, name, max(percents), original[name])
+    return found
+
+
+def _at_least(goal: Goal, name: QuantityName, percent: float, original: float) -> Goal:
+    """Return the goal with a stiffness of so many percent of the original's, if it does not ask for more."""
+    own = [limit for limit in goal.limits_of(name) if limit.sense == ">="]
+    most = max((100 * (limit.required(original) or 0.0) / original for limit in own), default=0.0)
+    if QUANTITIES[goal.quantity].load_case == name or most >= percent:
+        return goal
+    kept = tuple(limit for limit in goal.limits if limit not in own)
+    return replace(goal, limits=(*kept, Limit(name, ">=", percent, percent=True, assumed=True)))
 
 
 def search_goal_of(

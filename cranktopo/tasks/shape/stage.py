@@ -18,7 +18,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture
-from cranktopo.design.goal.limit import Goal
+from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import Layout, with_free
@@ -140,9 +140,9 @@ def optimise_shape(
     own = None if scene.original is None else Path(scene.original.file)
     before, judged = evaluated_original(scene, fatigue, settings.element_size_mm, work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
-    cases, chosen_for = cells.model.cases, goal_on_cells(goal)
-    if chosen_for != goal:
-        note(f"cells know no fatigue: features are chosen for the most {chosen_for.quantity} stiffness")
+    cases, chosen_for = cells.model.cases, goal_on_cells(goal, before.values, lambda: judged().values)
+    if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
+        note(f"cells know no fatigue; features are chosen there by another {goal_text(chosen_for, 'shape')}")
     known = {name: before.values[name] for name in cells.original if name in before.values}
     goals = (
         search_goal_of(chosen_for, cells.original, before.values, cases),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -304,6 +305,15 @@ def test_an_optimiser_refuses_a_goal_that_it_does_not_know() -> None:
     check_known(goal, "shape")
     with pytest.raises(CranktopoError, match="cannot tell the fatigue safety of a design"):
         check_known(goal, "density")
+
+
+def test_a_density_does_not_rest_on_the_safety_alone() -> None:
+    goal = wanted(with_goal(scene_with(""), minimise="mass", limits=["torsion none", "bending none"]))
+    assert goal is not None
+    check_known(goal, "shape")
+    with pytest.raises(CranktopoError, match="no limit asks for a stiffness"):
+        check_known(goal, "density")
+    check_known(replace(goal, limits=(*goal.limits, Limit("torsion", ">=", 80.0, True))), "density")
 
 
 def test_all_mistakes_are_listed() -> None:

@@ -120,7 +120,7 @@ def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_ce
     (cells,) = told.goals
     assert (cells.quantity, cells.sign, cells.limits) == ("bending", -1.0, found.stated.limits)
     assert "cells know no fatigue" in told.lines[0]
-    assert "most bending stiffness" in told.lines[0]
+    assert "largest bending stiffness" in told.lines[0]
     assert (found.best, len(found.rounds)) == (1, 3)
 
 
