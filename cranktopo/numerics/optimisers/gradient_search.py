@@ -137,6 +137,44 @@ def minimise(
     return first
 
 
+def minimise_violation(
+    objective: Objective,
+    constraints: Constraints,
+    missable: int,
+    price: float,
+    bounds: tuple[Array, Array],
+    start: Array,
+    step: float,
+    evaluations: int,
+    flat: float = 0.0,
+) -> Array:
+    """Minimise the worst violation of the first constraints, and an objective where they hold.
+
+    Where constraints contradict each other within the bounds, sequential quadratic programming stands still.
+    Elastic mode (P. E. Gill, W. Murray, M. A. Saunders, SIAM Review 47, 2005, section 6.5): one more variable
+    by which they may all be missed, at a price.
+
+    Args:
+        missable: number of constraints that may be missed.
+        price: of the objective for one of violation, above the multipliers of these constraints.
+    """
+
+    def eased(values: Array) -> tuple[float, Array]:
+        value, by_values = objective(values[:-1])
+        return value + price * float(values[-1]), np.append(by_values, price)
+
+    def loosened(values: Array) -> tuple[Array, Array]:
+        found, by_values = constraints(values[:-1])
+        ease = (np.arange(len(found)) < missable).astype(float)
+        return found - values[-1] * ease, np.column_stack([by_values, -ease])
+
+    first = np.clip(start, *bounds)
+    worst = float(constraints(first)[0][:missable].max(initial=0.0))
+    low, high = np.append(bounds[0], 0.0), np.append(bounds[1], worst)
+    best = minimise(eased, loosened, (low, high), np.append(first, worst), step, evaluations, flat)
+    return best[:-1]
+
+
 def restore_feasibility(rules: Constraints, bounds: tuple[Array, Array], start: Array) -> Array:
     """Return the parameters nearest to a start that keep the rules; itself where a search can mend it."""
     first = np.clip(start, *bounds)

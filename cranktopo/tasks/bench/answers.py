@@ -156,9 +156,9 @@ class Answers:
         self._calibrated = data, coarse, truth
 
     def _keep(self, text: str, part: str, found: dict[str, Any]) -> None:
-        before = self._settled.get(text, {"gauges": {}, "parts": ()})
-        gauges = {**before["gauges"], **found["gauges"]}
-        self._settled[text] = {**before, **found, "gauges": gauges, "parts": (*before["parts"], part)}
+        before = self._settled.get(text, {"gauges": {}, "error_percent": {}, "parts": ()})
+        joined = {name: {**before[name], **found.get(name, {})} for name in ("gauges", "error_percent")}
+        self._settled[text] = {**before, **found, **joined, "parts": (*before["parts"], part)}
         if text == self._now:
             self._factors = found.get("stiffness_factors", self._factors)
         self._tell_settled(text, self._tell_all)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
     Multipliers,
     minimise,
+    minimise_violation,
     multipliers,
     restore_feasibility,
 )
@@ -42,6 +43,8 @@ _STEEP = 2000.0
 """Factor on the goal. The method takes a curvature of 1 to begin with, while a millimetre changes the goal by
 a thousandth: without the factor the first steps would be of micrometres."""
 _ATTEMPTS = 4
+_PRICE = 10.0
+"""Of a relative excess of a limit in the goal where no web within reach keeps all: far above usual ones."""
 
 
 class WebSolver(Protocol):
@@ -237,7 +240,7 @@ def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) 
     start, reach = restore_feasibility(task.rules, task.web.bounds, start), effort.reach
     for _ in range(_ATTEMPTS):
         try:
-            return _descend(task, start, reach, effort.evaluations - task.evaluations, work)
+            return _descend(task, start, replace(effort, reach=reach), work)
         except CranktopoError as error:
             if task.evaluations == 0:
                 raise
@@ -245,12 +248,25 @@ def _minimise(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) 
             start, reach = task.sound, reach / 4
 
 
-def _descend(task: _WebSearch, start: Array, reach: float, evaluations: int, work: Work) -> None:
-    low, high = task.web.bounds
+def _descend(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) -> None:
+    (low, high), reach = task.web.bounds, effort.reach
     bounds = np.maximum(low, start - reach), np.minimum(high, start + reach)
 
     def objective(values: Array) -> tuple[float, Array]:
         work.check()
         return task.objective(values)
 
+    evaluations = effort.evaluations - task.evaluations
     minimise(objective, task.constraints, bounds, start, _STEP_MM, evaluations, _FLAT)
+    if effort.nearest and (task.best is None or task.best[0] > 0):
+        minimise_violation(
+            objective,
+            task.constraints,
+            len(task.goal.limits),
+            _PRICE * _STEEP,
+            bounds,
+            start,
+            _STEP_MM,
+            effort.evaluations,
+            _FLAT,
+        )

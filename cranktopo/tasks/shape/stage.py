@@ -46,6 +46,10 @@ _FINISH = SearchBudget(20, 0.8, nearest=True)
 """Of each finish: so near that cells brought to the evaluated web tell another one within 0.1 %."""
 _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
+_MISSED, _FARTHER = 1e-2, 5.0
+"""Violation of a limit from which on a finish reaches farther, in proportion, and how much at most."""
+_LATE_ROUNDS = 2
+"""So many times the finishes where none has kept the limits yet, as long as each comes nearer."""
 _FREE_ROUNDS = 3
 """So many times the finishes for free dimensions that cells do not know, which move a little in each."""
 _SAFE, _SURE = 5e-4, 2e-3
@@ -199,11 +203,14 @@ class _LocalRefinement:
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
         pace = Pace("finish on body-fitted elements", maximum, at_most=True, quiet_s=0.0)
-        for number in range(1, maximum + 1):
+        for number in range(1, _LATE_ROUNDS * maximum + 1):
+            best = _best(rounds, self._goal)
+            before = rounds[best]
+            if number > maximum and (before.held or best + 1 < len(rounds)):
+                break
             pace.begin()
-            before = rounds[_best(rounds, self._goal)]
             try:
-                found = self._finished(before, number, effort, violation)
+                found = self._finished(before, number, _farther(effort, before), violation)
             except CranktopoError as error:
                 note(f"finish {number} ended early, the best web before it stands: {error}")
                 break
@@ -249,6 +256,11 @@ class _LocalRefinement:
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         note(_round_text(number, found, self._original))
         return found
+
+
+def _farther(effort: SearchBudget, before: ShapeRound) -> SearchBudget:
+    """Return the length of a finish: it reaches farther beside a web that misses its limits by much."""
+    return replace(effort, reach=effort.reach * min(max(before.violation / _MISSED, 1.0), _FARTHER))
 
 
 def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:

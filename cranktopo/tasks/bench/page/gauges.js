@@ -1,6 +1,6 @@
 // Gauges against original and limit.
 import { $, lower, make, plain, signed } from "./base.js";
-import { GAUGES, SOLVED, comparable, errorOf, limitOf, state, valueAt, valueOf } from "./state.js";
+import { GAUGES, SAFETIES, SOLVED, comparable, errorOf, limitOf, state, valueAt, valueOf } from "./state.js";
 import { edit } from "./talk.js";
 
 export function showGauges() {
@@ -13,7 +13,7 @@ export function showGauges() {
     if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
     if (value === undefined && original === undefined && state.missing && name.includes("safety")) return null;
     const percent = value !== undefined && original && comparable(name) ? 100 * (value / original - 1) : null, better = gauge[4];
-    const way = percent === null || !better || Math.abs(percent) < 0.05 ? 0 : Math.sign(percent) * better * Math.sign(original);
+    const way = percent === null || !better || Math.abs(percent) < (SAFETIES(name) ? errorOf(name) : 0.05) ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limit = limitOf(name), within = errorOf(name) / 100 + 1e-4, least = limit && limit.required * (1 - within * Math.sign(limit.required)), greatest = limit && limit.required * (1 + within * Math.sign(limit.required)), holds = limit && value !== undefined && (limit.sense === ">" ? value >= least : value <= greatest);
     const stale = ring.startsWith("stale") || ring.startsWith("waits");
     if (way < 0 && !stale) worse.push(`${lower(label)} ${signed(percent)}`);

@@ -9,7 +9,7 @@ const JOBS = {
   shape: { goal: true, help: "Best dimensions of this web that can be made, judged on body-fitted elements: minutes. Comes back as a variant. Without limits, both stiffnesses stay." },
   optimise: { goal: true, help: "Topology in the design space, then a parametric web of it: about two minutes. Comes back as a variant." },
   bound: { goal: true, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge." },
-  fatigue: { help: "Safety on the fine mesh of `cranktopo fatigue`: about a minute. Comes back as a variant." },
+  fatigue: { help: "Least safety by local stress analysis, with stress and strength there: half a minute. Comes back as a variant." },
   "UR M53": { kind: "fatigue", options: { method: "m53" }, help: "Both fillets by the rule's polynomials and by elements, and which governs: about a minute. Comes back as a variant." },
   sweep: { vary: true, help: "Many values of one dimension, each evaluated; a page of its own." },
 };

@@ -1,0 +1,51 @@
+"""Sequential quadratic programming where constraints contradict each other within the bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cranktopo.base.arrays import Array
+from cranktopo.numerics.optimisers.gradient_search import minimise_violation
+
+HARD = 0.8
+"""Most sum of both numbers, a rule that is not to be broken."""
+
+
+def objective(at: Array) -> tuple[float, Array]:
+    return float(((at - 3.0) ** 2).sum()), 2 * (at - 3.0)
+
+
+def constraints(at: Array) -> tuple[Array, Array]:
+    """Return x >= 1, 1 <= y and x + y <= 0.8: with x and y below 1, both of the first are missed."""
+    return np.array([1 - at[0], 1 - at[1] ** 2, at.sum() - HARD]), np.array(
+        [[-1.0, 0.0], [0.0, -2 * at[1]], [1.0, 1.0]]
+    )
+
+
+def searched(most: float, missable: int = 2) -> Array:
+    bounds = np.zeros(2), np.full(2, most)
+    return minimise_violation(objective, constraints, missable, 100.0, bounds, np.zeros(2), 1e-7, 200)
+
+
+def test_the_worst_violation_is_the_least() -> None:
+    """1 - x = 1 - y2 on x + y = 0.8: y = (sqrt(4.2) - 1) / 2, whatever the objective says."""
+    y = (np.sqrt(1 + 4 * HARD) - 1) / 2
+    assert searched(1.0) == pytest.approx([y**2, y], abs=1e-5)
+
+
+def test_the_rest_holds_where_bounds_decide() -> None:
+    """Below 0.3 the first is missed by 0.7 at least, the second by more: both numbers go to the bound."""
+    assert searched(0.3) == pytest.approx([0.3, 0.3], abs=1e-6)
+
+
+def test_the_objective_decides_where_all_hold() -> None:
+    """Without the sum the constraints hold from 1 on: the free optimum at 3 is found."""
+
+    def two(at: Array) -> tuple[Array, Array]:
+        found, slopes = constraints(at)
+        return found[:2], slopes[:2]
+
+    bounds = np.zeros(2), np.full(2, 5.0)
+    found = minimise_violation(objective, two, 2, 100.0, bounds, np.array([0.5, 0.5]), 1e-7, 200)
+    assert found == pytest.approx([3.0, 3.0], abs=1e-5)
