@@ -64,8 +64,9 @@ if TYPE_CHECKING:
     from cranktopo.tasks.extraction.checked_surface import CheckedSurface, checked_surface
     from cranktopo.tasks.extraction.result import Extraction
     from cranktopo.tasks.extraction.stage import extract_surface
+    from cranktopo.tasks.fatigue.assessment import FatigueAssessment
     from cranktopo.tasks.fatigue.result import FatigueResult
-    from cranktopo.tasks.fatigue.stage import FatigueAssessment, assess_fatigue
+    from cranktopo.tasks.fatigue.stage import assess_fatigue
     from cranktopo.tasks.fea.evaluation import Evaluation
     from cranktopo.tasks.fea.result import EvaluationResult
     from cranktopo.tasks.fea.stage import Evaluations, MeshRequest, evaluate_target, evaluate_targets
@@ -107,7 +108,7 @@ _HOMES = {
     "ComparisonResult": "tasks.compare.result",
     "AccuracyStudy": "tasks.accuracy.stage",
     "StudyResult": "tasks.fea.studies",
-    "FatigueAssessment": "tasks.fatigue.stage",
+    "FatigueAssessment": "tasks.fatigue.assessment",
     "FatigueResult": "tasks.fatigue.result",
     "OptimisedRun": "tasks.optimise.result",
     "RunMetrics": "tasks.optimise.result",

@@ -24,6 +24,16 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put a file first that makes the default run; those that need it come after `cli`."""
+
+    def place(item: pytest.Item) -> tuple[bool, str]:
+        folder = item.path.relative_to(Path(__file__).parent).parts[0]
+        return item.path.name != "test_cells.py", "cli, browser" if folder == "browser" else folder
+
+    items.sort(key=place)
+
+
 @pytest.fixture(scope="session")
 def mikron() -> Scene:
     """The built-in design with a free topology: what a process leaves is tested where one is asked for."""

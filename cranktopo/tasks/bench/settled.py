@@ -21,8 +21,8 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
 from cranktopo.tasks.fatigue.needs import check_inputs
+from cranktopo.tasks.fatigue.remarks import yield_warning
 from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_field
-from cranktopo.tasks.fatigue.stage import yield_warning
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.targets import Target

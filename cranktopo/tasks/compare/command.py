@@ -19,7 +19,7 @@ from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.fatigue.stage import FatigueMethod
+    from cranktopo.tasks.fatigue.assessment import FatigueMethod
 
 
 @click.command()

@@ -8,8 +8,9 @@ from dataclasses import replace
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
+from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.needs import check_inputs
-from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod, assess_by_methods
+from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.targets import Target
 

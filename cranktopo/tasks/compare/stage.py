@@ -38,7 +38,7 @@ from cranktopo.tasks.compare.page import ComparisonRecord, comparison_page
 from cranktopo.tasks.compare.result import Comparison, Entry, Fillets, check_same_supports, compare
 from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
-from cranktopo.tasks.fatigue.stage import FatigueMethod
+from cranktopo.tasks.fatigue.assessment import FatigueMethod
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets

@@ -19,7 +19,7 @@ from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
     from cranktopo.engine.histories import HistoryKind
-    from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod
+    from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 
 
 @click.command()

@@ -19,8 +19,8 @@ from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import settings_hash, timestamp, versions
 from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
+from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.rule_page import RuleRecord, rule_page
-from cranktopo.tasks.fatigue.stage import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.vibration.stage import shaft_vibration
 

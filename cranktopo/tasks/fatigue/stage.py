@@ -3,115 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
-from cranktopo.design.strength import note_strength, strength_remarks
+from cranktopo.design.strength import note_strength
 from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method
-from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
-from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
-from cranktopo.tasks.fatigue.result import (
-    FatigueResult,
-    FieldFatigue,
-    FilletAcceptance,
-    JudgedQuality,
-    OutletAcceptance,
-    RuleFactors,
-    RuleFatigue,
-    RuleFillets,
-    SurfaceTreatment,
-)
-from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
+from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
+from cranktopo.tasks.fatigue.rule_check import check_rule
 from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_fields
 from cranktopo.tasks.fatigue.scatter import counts_scatter
 from cranktopo.tasks.fatigue.shaft_stress import worst_throw
 from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rainflow
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel
-from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_targets
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
-
-FatigueMethod = str
-"""Name of a criterion of the registry, or "m53", the rule IACS UR M53."""
-
-
-@dataclass(frozen=True)
-class FatigueAssessment:
-    """Fatigue of targets by one method.
-
-    Attributes:
-        loads: extremes of the loads joined, or every angle of the cycle.
-        fields: fields of safety; empty for M53.
-        checks: checks by the rule, of two different webs one each; empty for the other methods.
-        baseline: position of the result that counts as 100 %, if any.
-        assumed: what the target of each result does not say and its safety depends on.
-        targets: what was assessed, for each result.
-    """
-
-    method: FatigueMethod
-    loads: HistoryKind
-    fields: tuple[FatigueField, ...]
-    checks: tuple[RuleCheck, ...]
-    baseline: int | None = None
-    assumed: tuple[tuple[Assumption, ...], ...] = ()
-    targets: tuple[Target, ...] = ()
-
-    @property
-    def results(self) -> Sequence[FatigueField | RuleCheck]:
-        """Whichever there are, in the order of the targets."""
-        return self.fields or self.checks
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the object that `fatigue --json` prints."""
-        return self.result().as_json()
-
-    def result(self) -> FatigueResult:
-        """Return the assessment as `fatigue --json` prints it."""
-        results, baseline = self.results, self.baseline
-        entries: list[FieldFatigue | RuleFatigue] = [
-            _field_fatigue(one, told, by) if isinstance(one, FatigueField) else _rule_fatigue(one, told, by)
-            for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
-        ]
-        entries = [
-            entry.model_copy(update={"strength_remarks": strength_remarks(target.scene) or None})
-            for entry, target in zip(entries, self.targets, strict=True)
-        ]
-        return FatigueResult(
-            method=self.method,
-            loads=self.loads,
-            baseline=None if baseline is None else entries[baseline].target,
-            fatigue=tuple(entries),
-            percent_of_baseline=None if baseline is None else percent_of_baseline(results, baseline),
-        )
-
-    def compared(self) -> FatigueComparison:
-        """Return its share of a comparison, of two different webs the worse one."""
-        if self.fields or self.baseline is None:
-            return compare_fatigue(self.fields or self._worse_webs, self.baseline, self.result())
-        worse, base = self._worse_webs, self.checks[self.baseline]
-        index = next(number for number, check in enumerate(worse) if check is base)
-        return compare_fatigue(worse, index, self.result())
-
-    @property
-    def _worse_webs(self) -> tuple[RuleCheck, ...]:
-        worse: dict[int, RuleCheck] = {}
-        for target, check in zip(map(id, self.targets), self.checks, strict=True):
-            worse[target] = min(worse.get(target, check), check, key=lambda one: one.safety)
-        return tuple(worse.values())
 
 
 def assess_fatigue(
@@ -268,81 +186,6 @@ def _by_rule(
     )
 
 
-def _treatment(target: Target) -> SurfaceTreatment:
-    settings = target.scene.fatigue
-    return SurfaceTreatment(
-        factor=settings.surface_treatment_factor, source=settings.surface_treatment_source or None
-    )
-
-
-def _field_fatigue(
-    field: FatigueField, assumed: tuple[Assumption, ...], treatment: SurfaceTreatment
-) -> FieldFatigue:
-    model = field.model
-    return FieldFatigue(
-        target=model.name,
-        throw_kg=model.throw_kg,
-        safety=field.critical.safety,
-        fillet_safety=field.fillet_safety,
-        web_safety=field.web_safety or None,
-        critical=field.critical,
-        at_outlet=field.at_outlet,
-        at_sharp_edges=field.at_sharp_edges,
-        judged_as="continuous_shaft" if field.on_bearings else "throw_alone",
-        load_states=len(field.labels),
-        unit_loads=model.kinds,
-        quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),
-        assumed=assumed,
-        surface_treatment=treatment,
-        hardening=field.hardening or None,
-        lives=field.lives or None,
-        scatter=field.scatter or None,
-    )
-
-
-def _rule_fatigue(
-    check: RuleCheck, assumed: tuple[Assumption, ...], treatment: SurfaceTreatment
-) -> RuleFatigue:
-    return RuleFatigue(
-        target=check.name,
-        throw_kg=check.throw_kg,
-        safety=check.safety,
-        accepted=check.verdict == "accepted",
-        verdict=check.verdict,
-        governing_factors=check.governing,
-        not_judged=check.not_judged,
-        least_acceptability=LEAST_FACTOR,
-        alternating=check.loads,
-        outside_validity=check.outside,
-        factors=RuleFactors(closed_form=check.scf_rule, finite_elements=check.scf_fem),
-        nominal=check.nominal,
-        fillets=RuleFillets(
-            closed_form=_acceptances(check.rule_checks), finite_elements=_acceptances(check.fem_checks)
-        ),
-        outlets=tuple(map(_outlet_acceptance, check.outlets)),
-        quality=check.quality,
-        assumed=assumed,
-        surface_treatment=treatment,
-    )
-
-
-def _acceptances(checks: dict[str, FilletCheck]) -> dict[str, FilletAcceptance]:
-    return {
-        name: FilletAcceptance(**vars(check), acceptability=check.acceptability)
-        for name, check in checks.items()
-    }
-
-
-def _outlet_acceptance(outlet: OutletCheck) -> OutletAcceptance:
-    own = {name: value for name, value in vars(outlet).items() if name not in ("check", "outside")}
-    return OutletAcceptance(
-        **own,
-        **vars(outlet.check),
-        acceptability=outlet.acceptability,
-        outside_validity=outlet.outside,
-    )
-
-
 def _check_files(method: FatigueMethod, out: Path) -> None:
     if method == "m53":
         raise CranktopoError(
@@ -351,48 +194,6 @@ def _check_files(method: FatigueMethod, out: Path) -> None:
             code=ExitCode.USAGE,
         )
     check_folder(out)
-
-
-def note_quality(field: FatigueField) -> None:
-    """Tell in a line where means miss the rule's checks of a mesh, and what is not counted."""
-    quality = field.model.quality
-    if not (quality.within_limits or field.model.fitted):
-        note(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
-    sharp = field.at_sharp_edges
-    if sharp is not None and sharp.safety < field.critical.safety:
-        note(
-            f"note: {field.model.name}: {sharp.safety:.3f} at a sharp inner edge ({sharp.place}) is not "
-            "counted: it falls with every finer mesh. Give the edge a radius."
-        )
-    note_cut_outlets(field.model)
-
-
-def note_cut_outlets(model: StressModel) -> None:
-    """Tell in a line of outlets that are not judged because the model ends in them."""
-    if model.at_cut.any():
-        note(
-            f"note: {model.name}: the oil outlet in the middle of the main journal is not judged: the throw "
-            "is cut there. One whose place_mm is above 1.5 times its radius and its rounding is."
-        )
-
-
-def note_yielding(field: FatigueField, yield_MPa: float | None) -> None:
-    """Warn of a stress that no material carries: the loads, a dimension or a unit may be wrong."""
-    if line := yield_warning(field, yield_MPa):
-        note(f"warning: {line}")
-
-
-def yield_warning(field: FatigueField, yield_MPa: float | None) -> str:
-    """Return a line on a stress above the yield strength; empty where there is none."""
-    place = field.critical
-    largest = place.amplitude_MPa + abs(place.mean_MPa)
-    if yield_MPa is None or largest <= yield_MPa:
-        return ""
-    return (
-        f"{field.model.name}: {largest:.0f} MPa by linear elasticity at {place.place}, "
-        f"{largest / yield_MPa:.1f} times the yield strength of {yield_MPa:g} MPa: the material yields, "
-        "and no safety here holds. Check loads, dimensions and units."
-    )
 
 
 def _write_field(out: Path, field: FatigueField) -> None:

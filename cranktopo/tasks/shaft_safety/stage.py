@@ -22,10 +22,10 @@ from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.needs import check_method
+from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
 from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
-from cranktopo.tasks.fatigue.stage import note_quality, note_yielding
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings

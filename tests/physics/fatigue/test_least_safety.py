@@ -15,8 +15,8 @@ from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.stress import near_sharp_edges, nodal_stress, outer_surface
 from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
+from cranktopo.tasks.fatigue.remarks import note_quality
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
-from cranktopo.tasks.fatigue.stage import note_quality
 from cranktopo.tasks.fea.targets import Target
 from tests.physics.fatigue.stepped_shaft import Shaft, shaft_mesh
 from tests.physics.numerics.test_surface_stress import POISSON, YOUNGS, upright

@@ -1,0 +1,171 @@
+"""The fatigue of targets by one method, as later stages take it and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cranktopo.design.assumed import Assumption
+from cranktopo.design.strength import strength_remarks
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
+from cranktopo.tasks.fatigue.result import (
+    FatigueResult,
+    FieldFatigue,
+    FilletAcceptance,
+    JudgedQuality,
+    OutletAcceptance,
+    RuleFactors,
+    RuleFatigue,
+    RuleFillets,
+    SurfaceTreatment,
+)
+from cranktopo.tasks.fatigue.rule_check import RuleCheck
+from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fatigue.text import FatigueComparison, compare_fatigue, percent_of_baseline
+from cranktopo.tasks.fea.targets import Target
+
+FatigueMethod = str
+"""Name of a criterion of the registry, or "m53", the rule IACS UR M53."""
+
+
+@dataclass(frozen=True)
+class FatigueAssessment:
+    """Fatigue of targets by one method.
+
+    Attributes:
+        loads: extremes of the loads joined, or every angle of the cycle.
+        fields: fields of safety; empty for M53.
+        checks: checks by the rule, of two different webs one each; empty for the other methods.
+        baseline: position of the result that counts as 100 %, if any.
+        assumed: what the target of each result does not say and its safety depends on.
+        targets: what was assessed, for each result.
+    """
+
+    method: FatigueMethod
+    loads: HistoryKind
+    fields: tuple[FatigueField, ...]
+    checks: tuple[RuleCheck, ...]
+    baseline: int | None = None
+    assumed: tuple[tuple[Assumption, ...], ...] = ()
+    targets: tuple[Target, ...] = ()
+
+    @property
+    def results(self) -> Sequence[FatigueField | RuleCheck]:
+        """Whichever there are, in the order of the targets."""
+        return self.fields or self.checks
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the object that `fatigue --json` prints."""
+        return self.result().as_json()
+
+    def result(self) -> FatigueResult:
+        """Return the assessment as `fatigue --json` prints it."""
+        results, baseline = self.results, self.baseline
+        entries: list[FieldFatigue | RuleFatigue] = [
+            _field_fatigue(one, told, by) if isinstance(one, FatigueField) else _rule_fatigue(one, told, by)
+            for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
+        ]
+        entries = [
+            entry.model_copy(update={"strength_remarks": strength_remarks(target.scene) or None})
+            for entry, target in zip(entries, self.targets, strict=True)
+        ]
+        return FatigueResult(
+            method=self.method,
+            loads=self.loads,
+            baseline=None if baseline is None else entries[baseline].target,
+            fatigue=tuple(entries),
+            percent_of_baseline=None if baseline is None else percent_of_baseline(results, baseline),
+        )
+
+    def compared(self) -> FatigueComparison:
+        """Return its share of a comparison, of two different webs the worse one."""
+        if self.fields or self.baseline is None:
+            return compare_fatigue(self.fields or self._worse_webs, self.baseline, self.result())
+        worse, base = self._worse_webs, self.checks[self.baseline]
+        index = next(number for number, check in enumerate(worse) if check is base)
+        return compare_fatigue(worse, index, self.result())
+
+    @property
+    def _worse_webs(self) -> tuple[RuleCheck, ...]:
+        worse: dict[int, RuleCheck] = {}
+        for target, check in zip(map(id, self.targets), self.checks, strict=True):
+            worse[target] = min(worse.get(target, check), check, key=lambda one: one.safety)
+        return tuple(worse.values())
+
+
+def _treatment(target: Target) -> SurfaceTreatment:
+    settings = target.scene.fatigue
+    return SurfaceTreatment(
+        factor=settings.surface_treatment_factor, source=settings.surface_treatment_source or None
+    )
+
+
+def _field_fatigue(
+    field: FatigueField, assumed: tuple[Assumption, ...], treatment: SurfaceTreatment
+) -> FieldFatigue:
+    model = field.model
+    return FieldFatigue(
+        target=model.name,
+        throw_kg=model.throw_kg,
+        safety=field.critical.safety,
+        fillet_safety=field.fillet_safety,
+        web_safety=field.web_safety or None,
+        critical=field.critical,
+        at_outlet=field.at_outlet,
+        at_sharp_edges=field.at_sharp_edges,
+        judged_as="continuous_shaft" if field.on_bearings else "throw_alone",
+        load_states=len(field.labels),
+        unit_loads=model.kinds,
+        quality=JudgedQuality(**vars(model.quality), within_rule=model.quality.within_limits),
+        assumed=assumed,
+        surface_treatment=treatment,
+        hardening=field.hardening or None,
+        lives=field.lives or None,
+        scatter=field.scatter or None,
+    )
+
+
+def _rule_fatigue(
+    check: RuleCheck, assumed: tuple[Assumption, ...], treatment: SurfaceTreatment
+) -> RuleFatigue:
+    return RuleFatigue(
+        target=check.name,
+        throw_kg=check.throw_kg,
+        safety=check.safety,
+        accepted=check.verdict == "accepted",
+        verdict=check.verdict,
+        governing_factors=check.governing,
+        not_judged=check.not_judged,
+        least_acceptability=LEAST_FACTOR,
+        alternating=check.loads,
+        outside_validity=check.outside,
+        factors=RuleFactors(closed_form=check.scf_rule, finite_elements=check.scf_fem),
+        nominal=check.nominal,
+        fillets=RuleFillets(
+            closed_form=_acceptances(check.rule_checks), finite_elements=_acceptances(check.fem_checks)
+        ),
+        outlets=tuple(map(_outlet_acceptance, check.outlets)),
+        quality=check.quality,
+        assumed=assumed,
+        surface_treatment=treatment,
+    )
+
+
+def _acceptances(checks: dict[str, FilletCheck]) -> dict[str, FilletAcceptance]:
+    return {
+        name: FilletAcceptance(**vars(check), acceptability=check.acceptability)
+        for name, check in checks.items()
+    }
+
+
+def _outlet_acceptance(outlet: OutletCheck) -> OutletAcceptance:
+    own = {name: value for name, value in vars(outlet).items() if name not in ("check", "outside")}
+    return OutletAcceptance(
+        **own,
+        **vars(outlet.check),
+        acceptability=outlet.acceptability,
+        outside_validity=outlet.outside,
+    )
