@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,15 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.base.notes import note
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, shells
+from cranktopo.numerics.surfaces.mesh import (
+    SurfaceMesh,
+    mesh_of,
+    self_intersections_mm,
+    shells,
+    solid_of,
+)
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 """Corners of the edges of a ten-node tetrahedron, VTK order."""
@@ -135,6 +143,9 @@ _TET4 = 4
 _DISTANCES = (1 / 40, 1 / 20, 1 / 80)
 """Largest distance between the new surface and the old one over the element size; the second and third
 where the first gives a surface that meets itself."""
+_JOINED, _COARSER = (1 / 360, 1 / 720, 1 / 180, 1 / 120), (1 / 40, 1 / 20, 1 / 10)
+"""Where all of them do: distance over the element size within which small triangles are joined first, and
+those of the new surface from that. Slivers beside a rounded outlet turn others over."""
 _GRADATION = 1.7
 _SHARP_DEG = 40.0
 _VOLUME_TOLERANCE = 5e-3
@@ -148,30 +159,41 @@ def tetrahedralise(
     The surface is oriented outwards, hollows inwards; `size_at` gives the element size at points (n, 3).
     Raises CranktopoError: the surface cannot be filled, or its volume is not kept.
     """
-    points, tets = _fill(surface, element_size_mm, size_at, name)
+    return quadratic(*_fill(surface, element_size_mm, size_at, name))
+
+
+def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
+    failures = list[str]()
+    tries = [(0.0, distance) for distance in _DISTANCES] + list(product(_JOINED, _COARSER))
+    for joined, distance in tries:
+        try:
+            joining = mesh_of(solid_of(surface, name).simplify(size * joined)) if joined else surface
+            clean = _resurfaced(joining, size, size * distance)
+            found = _improved(*_inside(clean, size, name), size, size * distance, size_at)
+            _check_volume(surface, *found)
+        except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
+            failures.append(str(error))
+            continue
+        if joined:
+            note(f"{name}: meshed after its small triangles were joined within {size * joined:.2g} mm")
+        return found
+    again = _resurfaced(surface, size, size * _DISTANCES[0])
+    places = self_intersections_mm(again)
+    where = f" near ({', '.join(f'{x:.1f}' for x in places[0])}) mm" if len(places) else ""
+    raise solver_error(
+        f"{name}: the surface cannot be meshed{where}, {len(tries)} tries: {failures[0]}",
+        "Choose another element size, or repair thin spots of the surface.",
+    )
+
+
+def _check_volume(surface: SurfaceMesh, points: Array, tets: Tetrahedra) -> None:
     a, b, c, d = (points[tets[:, corner]] for corner in range(4))
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     error = volume.sum() / surface.volume_mm3 - 1
     if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
         raise solver_error(
-            f"{name}: the remeshed body is {100 * error:+z.2g} % off in volume.",
-            "Choose a smaller element size.",
+            f"the remeshed body is {100 * error:+z.2g} % off in volume.", "Choose a smaller element size."
         )
-    return quadratic(points, tets)
-
-
-def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
-    failure = ""
-    for distance in _DISTANCES:
-        try:
-            clean = _resurfaced(surface, size, size * distance)
-            return _improved(*_inside(clean, size, name), size, size * distance, size_at)
-        except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
-            failure = failure or str(error)
-    raise solver_error(
-        f"{name}: the surface cannot be meshed: {failure}",
-        "Choose another element size, or repair thin spots of the surface.",
-    )
 
 
 def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMesh:
