@@ -18,6 +18,8 @@ from cranktopo.base.notes import QUIET_S as _QUIET_S
 from cranktopo.base.notes import duration_text, running
 
 _LEVEL = "cranktopo.verbosity"
+_LONGEST_S = 24.0
+"""Between two lines of long work: after half a minute without one people ask whether it hangs."""
 QUIET, NORMAL, VERBOSE = -1, 0, 1
 _LOGGED = {QUIET: logging.ERROR, NORMAL: logging.INFO, VERBOSE: logging.DEBUG}
 
@@ -59,7 +61,7 @@ class _Stderr(logging.Handler):
             click.echo(record.getMessage(), err=True)
 
     def tell_waits(self, command: str, ended: threading.Event, quiet_s: float) -> None:
-        """Tell what runs when no line has come for some seconds, and after twice the time each again."""
+        """Tell what runs when no line has come for some seconds, then after twice the time, up to a limit."""
         last, wait = self.told, quiet_s
         while not ended.wait(max(last + wait - time.monotonic(), 0.0)):
             if self.told != last:
@@ -69,7 +71,7 @@ class _Stderr(logging.Handler):
             bars: Any = sys.modules.get("tqdm")
             if not (bars and getattr(bars.tqdm, "_instances", None)):  # a bar shows that the work goes on
                 click.echo(f"{running() or command}: {duration_text(took)} so far", err=True)
-            wait = 2 * took
+            wait = took + min(took, _LONGEST_S)
 
 
 @contextmanager

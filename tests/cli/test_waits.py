@@ -39,8 +39,9 @@ def _told(clock: _Clock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 def test_a_wait_is_told_with_what_runs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told = _told(_Clock(4), monkeypatch, capsys)
-    assert told == [f"solving 3 columns: {seconds} s so far" for seconds in (3, 6, 12, 24)]
+    told = _told(_Clock(7), monkeypatch, capsys)
+    times = ("3 s", "6 s", "12 s", "24 s", "48 s", "72 s", "2 min")  # none later than 24 s after the last
+    assert told == [f"solving 3 columns: {seconds} so far" for seconds in times]
     assert running() == ""
 
 
@@ -50,7 +51,7 @@ def test_a_wait_in_which_no_thread_ran_is_one_line(
     clock = _Clock(2)
     clock.held = 30.0
     assert _told(clock, monkeypatch, capsys) == [
-        f"solving 3 columns: {seconds} s so far" for seconds in (33, 66)
+        f"solving 3 columns: {seconds} s so far" for seconds in (33, 57)
     ]
 
 
