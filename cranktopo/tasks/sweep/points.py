@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.units import plain_number
 from cranktopo.design.loading import scene_from_dict, with_value
 from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.design.scene_files import input_files
@@ -19,6 +20,9 @@ from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
 from cranktopo.tasks.sweep.variation import STAGE, Value
 
 _ID_LETTERS = 12
+_LENGTHS = ("thickness_mm", "length_mm")
+"""Ends of the keys on which the distance of throws depends."""
+_SAME_PITCH_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,22 @@ def _point(
     told = tables if scene is None else _told(scene)
     sha256 = settings_hash(told, known)
     return SweepPoint(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
+
+
+def pitch_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:
+    """Return a line where throws of points are not as far apart as the original's; empty where all are."""
+    if not any(variation.key.endswith(_LENGTHS) for variation in plan.vary):
+        return ""
+    sound = [point for point in points if not point.reason]
+    found = [scene_from_dict(dict(point.tables), point.design, whole=True).pitch_mm for point in sound]
+    own, low, high = plan.original.pitch_mm, min(found, default=0.0), max(found, default=0.0)
+    if not found or max(own - low, high - own) < _SAME_PITCH_MM:
+        return ""
+    told = " to ".join(dict.fromkeys(plain_number(mm, 6) for mm in (low, high)))
+    return (
+        f"pitch of the throws {told} mm, the original has {plain_number(own, 6)} mm: the length of the "
+        "engine changes; --keep pitch takes it from the main journals"
+    )
 
 
 def _with_pitch(tables: dict[str, Any], scene: Scene, pitch_mm: float) -> dict[str, Any]:

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import write_json, write_text
+from cranktopo.base.notes import note
 from cranktopo.design.loading import value_at
 from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
+from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import new_run
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
@@ -25,7 +27,7 @@ from cranktopo.tasks.sweep.front import OBJECTIVES, choices_of, conditions_of, f
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
-from cranktopo.tasks.sweep.points import SweepPoint, original_of, points_of
+from cranktopo.tasks.sweep.points import SweepPoint, original_of, pitch_line, points_of
 from cranktopo.tasks.sweep.result import (
     COARSE,
     DONE,
@@ -89,8 +91,17 @@ def run_sweep(
         raise invalid("refine", plan.refine, "a function has one accuracy alone", "Leave it out.")
     if place.scheduler is not None:
         check_scheduler(place.scheduler)
+    _note_what_differs(plan, points)
     run = new_run(plan.original, (), out, None, command, {SWEEP: plan.as_json(), **place.settings})
     return _worked(run, plan, points, place)
+
+
+def _note_what_differs(plan: SweepPlan, points: Sequence[SweepPoint]) -> None:
+    """Tell what the table does not: throws farther apart, and what the strength of the material holds for."""
+    if line := pitch_line(plan, points):
+        note(f"sweep: {line}")
+    if {"fatigue", "shape"} & set(plan.stages):
+        note_strength(plan.original.name, plan.original)
 
 
 def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:

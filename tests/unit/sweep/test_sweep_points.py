@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.tasks.sweep.job import Job, keep_result, kept_result, point_result
 from cranktopo.tasks.sweep.plan import SweepPlan, is_plan, read_plan, sweep_plan
-from cranktopo.tasks.sweep.points import original_of, points_of
+from cranktopo.tasks.sweep.points import original_of, pitch_line, points_of
 from cranktopo.tasks.sweep.variation import read_entry, read_option
 
 WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
@@ -108,17 +108,22 @@ def test_a_first_look_has_hashes_of_its_own() -> None:
 
 
 def test_the_pitch_stays_where_it_is_asked_for() -> None:
-    vary = [read_option("web.thickness_mm=19,21,60")]
-    free, kept = (
-        [point.tables for point in points_of(sweep_plan(["mikron-iiic-plain"], vary, keep=keep))]
-        for keep in ("journals", "pitch")
-    )
+    def swept(keep: str) -> SweepPlan:
+        vary = [read_option("web.thickness_mm=19,21,60")]
+        return sweep_plan(["mikron-iiic-plain"], vary, keep=keep)
+
+    free, kept = ([point.tables for point in points_of(swept(keep))] for keep in ("journals", "pitch"))
     lengths = [tables["throw"]["main_journal"]["length_mm"] for tables in (*free[:2], *kept[:2])]
     assert lengths == pytest.approx([lengths[0], lengths[0], lengths[0], lengths[0] - 4])
     same, longer = (scene_from_dict(tables, "x").pitch_mm for tables in (kept[1], free[1]))
     assert (same, longer) == pytest.approx((scene_from_dict(free[0], "x").pitch_mm, same + 4))
-    impossible = points_of(sweep_plan(["mikron-iiic-plain"], vary, keep="pitch"))[2]
+    impossible = points_of(swept("pitch"))[2]
     assert "throw.main_journal.length_mm" in impossible.reason
+    told = [pitch_line(plan, points_of(plan)) for plan in map(swept, ("journals", "pitch"))]
+    assert told[0].startswith(
+        f"pitch of the throws {same:g} to {same + 82:g} mm, the original has {same:g} mm"
+    )
+    assert told[1] == "", "nothing is told of a pitch that stays"
     with pytest.raises(CranktopoError, match="the pitch decides it"):
         sweep_plan(["mikron-iiic-plain"], [read_option("throw.main_journal.length_mm=40,42")], keep="pitch")
 
