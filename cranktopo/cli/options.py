@@ -194,6 +194,16 @@ bound_option = click.option(
 )
 
 
+loads_option = click.option(
+    "--loads",
+    type=Choice(["extremes", "cycle"]),
+    default="extremes",
+    show_default=True,
+    help="Of fatigue: extremes of radial force and torque joined (bounds the cycle), or every angle of the "
+    "cycle.",
+)
+
+
 def run_options(resumed: str) -> Callable[[Any], Any]:
     """Return what adds --out, for the directory of a run, and --resume with its help to a command."""
     out = click.option(

@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,6 +22,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
+from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal, dimensions
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
@@ -287,6 +289,23 @@ def test_safety_beside_stiffness(form: str, capsys: pytest.CaptureFixture[str]) 
         assert text.rstrip().endswith(shown)
         assert ("1.300\\rlap{*}" if form == "latex" else "1.300*") in text
         assert "80.8" in text
+
+
+@pytest.mark.usefixtures("safeties")
+@pytest.mark.parametrize("loads", ["extremes", "cycle"])
+def test_the_safety_is_of_the_loads_that_are_asked_for(
+    loads: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, judged_by = list[object](), stage.assess_by_methods
+
+    def assessed(targets: Any, methods: Any, *rest: Any) -> Any:
+        asked.append(rest[0])
+        return judged_by(targets, methods, *rest)
+
+    monkeypatch.setattr("cranktopo.tasks.compare.judged.assess_by_methods", assessed)
+    assert main([*BESIDE, "--format", "json", "--loads", loads, "--quiet"]) == 0
+    assert asked == [loads]
+    assert json.loads(capsys.readouterr().out)["fatigue"]["loads"] == loads
 
 
 @pytest.mark.usefixtures("safeties")

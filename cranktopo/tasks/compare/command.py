@@ -13,12 +13,13 @@ import click
 
 from cranktopo.base.formats import PLOTS
 from cranktopo.base.notes import note
-from cranktopo.cli.options import Choice, bound_option, designs, mesh_options, typed
+from cranktopo.cli.options import Choice, bound_option, designs, loads_option, mesh_options, typed
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.evaluate.command import warn_missed
 from cranktopo.tasks.fatigue.criteria import METHODS
 
 if TYPE_CHECKING:
+    from cranktopo.engine.histories import HistoryKind
     from cranktopo.tasks.fatigue.assessment import FatigueMethod
 
 
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     multiple=True,
     help="Also assess the fatigue safety by this method (repeatable); see 'cranktopo fatigue --help'.",
 )
+@loads_option
 @bound_option
 @mesh_options
 @verbosity_options
@@ -63,6 +65,7 @@ def command(
     page: Path | None,
     stress: bool,
     methods: tuple[FatigueMethod, ...],
+    loads: HistoryKind,
     no_bound: bool,
     element_size_mm: float | None,
     accuracy: float | None,
@@ -86,6 +89,8 @@ def command(
         note("--no-bound: changes nothing without --plot or --report, which alone show the bound")
     if stress and page is None:
         raise click.UsageError("--stress colours the 3D view of --report: give --report FILE too")
+    if "--loads" in typed() and not methods:
+        raise click.UsageError("--loads is of the fatigue safety: give --fatigue METHOD too")
     if page is not None and page.suffix.lower() == ".tex":
         raise click.UsageError(
             f"--report {page}: writes pages, .html or .md; tables for LaTeX come from --format latex > {page}"
@@ -103,7 +108,7 @@ def command(
     from cranktopo.tasks.fea.stage import MeshRequest
 
     wanted = MeshRequest(element_size_mm, accuracy, budget)
-    found = compare_targets(targets, baseline, wanted, methods, design, align)
+    found = compare_targets(targets, baseline, wanted, methods, design, align, loads)
     click.echo(comparison_text(found.comparison, "json" if as_json else form))
     bound = None if no_bound or (plot or page) is None else comparison_bound(found)
     if plot is not None:

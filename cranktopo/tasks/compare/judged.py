@@ -8,6 +8,7 @@ from dataclasses import replace
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.stage import assess_by_methods
@@ -19,31 +20,31 @@ _Refusals = Mapping[int, CranktopoError]
 
 
 def judge(
-    targets: Sequence[Target], methods: Sequence[FatigueMethod], baseline: int
+    targets: Sequence[Target], methods: Sequence[FatigueMethod], baseline: int, loads: HistoryKind
 ) -> tuple[list[FatigueComparison], Scene | None]:
     """Return the fatigue of targets by each method, and the baseline's scene as it was assessed.
 
     Raises:
         CranktopoError: a method can judge no target, or a failed solve.
     """
-    refused = {method: _refusals(targets, method) for method in methods}
+    refused = {method: _refusals(targets, method, loads) for method in methods}
     for line in dict.fromkeys(line for one in refused.values() for line in _lines(targets, one, baseline)):
         note(line)
     found: dict[str, FatigueComparison] = {}
     loaded = None
     for rows, alike in _alike(refused, len(targets)).items():
         at = rows.index(baseline) if baseline in rows else None
-        for assessed in assess_by_methods([targets[row] for row in rows], alike, baseline=at):
+        for assessed in assess_by_methods([targets[row] for row in rows], alike, loads, at):
             found[assessed.method] = _compared(assessed, targets, refused[assessed.method], baseline)
             loaded = loaded if assessed.baseline is None else assessed.targets[assessed.baseline].scene
     return [found[method] for method in methods], loaded
 
 
-def _refusals(targets: Sequence[Target], method: FatigueMethod) -> _Refusals:
+def _refusals(targets: Sequence[Target], method: FatigueMethod, loads: HistoryKind) -> _Refusals:
     found: dict[int, CranktopoError] = {}
     for row, target in enumerate(targets):
         try:
-            check_inputs(target, method, "extremes")
+            check_inputs(target, method, loads)
         except CranktopoError as error:
             found[row] = error
     if len(found) == len(targets):

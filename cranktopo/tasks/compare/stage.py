@@ -20,6 +20,7 @@ from cranktopo.design.loading import builtin_designs
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan, plan_for_stress
@@ -118,6 +119,7 @@ def compare_targets(
     fatigue: FatigueMethod | Sequence[FatigueMethod] | None = None,
     design: str | None = None,
     align: bool = False,
+    loads: HistoryKind = "extremes",
 ) -> ComparedTargets:
     """Evaluate targets beside a baseline, and assess their fatigue where methods are given.
 
@@ -127,6 +129,7 @@ def compare_targets(
         fatigue: one method or several; goals and limits take the safety by the first.
         design: design for the journals of STL and STEP files.
         align: whether STL and STEP bodies that lie elsewhere are moved to where the journals are.
+        loads: of the fatigue, extremes of the loads joined, or every angle of the cycle.
 
     Raises:
         CranktopoError: no such target, different supports, a method that can judge none, or a failed solve.
@@ -144,7 +147,7 @@ def compare_targets(
     loaded = None
     if methods:
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
-        fatigues, loaded = judge(filleted, methods, index)
+        fatigues, loaded = judge(filleted, methods, index, loads)
     found = evaluate_targets(targets, wanted)
     entries = []
     for row, (evaluation, target) in enumerate(zip(found.evaluations, targets, strict=True)):

@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.notes import note
-from cranktopo.cli.options import DEFAULT_DESIGN, Choice, Number, body_options, designs, throw_option
+from cranktopo.cli.options import (
+    DEFAULT_DESIGN,
+    Choice,
+    Number,
+    body_options,
+    designs,
+    loads_option,
+    throw_option,
+)
 from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import METHODS
 
@@ -32,13 +40,7 @@ if TYPE_CHECKING:
     help="Local stress analysis, FKM guideline, the rule IACS UR M53, or the critical planes of Findley or "
     "Dang Van.",
 )
-@click.option(
-    "--loads",
-    type=Choice(["extremes", "cycle"]),
-    default="extremes",
-    show_default=True,
-    help="Extremes of radial force and torque joined (bounds the cycle), or every angle of the cycle.",
-)
+@loads_option
 @click.option("--baseline", metavar="TARGET", help="The target that the others are compared with.")
 @click.option(
     "--fillet-fraction",
