@@ -7,14 +7,17 @@ encoding); the schema stays as OCC writes it, AP214 (automotive_design).
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.child import in_child, tell_read
 from cranktopo.base.errors import CranktopoError, solver_error
 from cranktopo.base.files import GEOMETRY_LIMIT_MIB, check_input
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
 
 
 _R = TypeVar("_R")
+_NARROW = 0.1
+"""Area of a hole over the square of its longest edge that a sliver stays below."""
 _TEXT = r"'(?:[^']|'')*'"
 _HEADER = re.compile(r"(?s)\AISO-10303-21;\s*HEADER;.*?(FILE_SCHEMA\s*\(.*?\);)\s*ENDSEC;")
 _SYSTEM = re.compile(rf"FILE_NAME\s*\((?:[^;']|{_TEXT})*?({_TEXT})\s*,\s*{_TEXT}\s*,\s*{_TEXT}\s*\);")
@@ -134,10 +139,10 @@ def kernel_surface(gmsh: Any) -> SurfaceMesh:
 
 
 def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
-    """Return the mesh with holes of three or four edges closed, and all faces turned as their neighbours.
+    """Return the mesh with small and narrow holes closed, and all faces turned as their neighbours.
 
     Where a face runs out in a sliver, at the rounded outlet of a drilling say, the kernel leaves its last
-    triangle out, and may turn a face the wrong way.
+    triangles out, and may turn a face the wrong way.
     """
     from trimesh.repair import fill_holes
 
@@ -146,8 +151,38 @@ def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
     body = mesh.as_trimesh()
     if body.is_watertight and body.is_winding_consistent:
         return mesh
-    fill_holes(body)
-    return outward(SurfaceMesh(np.asarray(body.vertices, float), np.asarray(body.faces, np.int64)))
+    fill_holes(body)  # of three or four edges
+    faces = np.asarray(body.faces, np.int64)
+    return outward(
+        SurfaceMesh(mesh.vertices_mm, np.vstack([faces, *_across_slivers(mesh.vertices_mm, faces)]))
+    )
+
+
+def _across_slivers(points_mm: Array, faces: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """Yield faces across each hole that is narrow: a whole face that is missing stays so."""
+    edges = np.sort(np.concatenate([faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]), axis=1)
+    found, count = np.unique(edges, axis=0, return_counts=True)
+    for rim in _rims(found[count == 1]):
+        across = np.column_stack([np.full(len(rim) - 2, rim[0]), rim[1:-1], rim[2:]])
+        a, b, c = (points_mm[across[:, corner]] for corner in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+        longest = np.linalg.norm(points_mm[rim] - points_mm[np.roll(rim, 1)], axis=1).max()
+        if area < _NARROW * longest**2:
+            yield across
+
+
+def _rims(edges: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """Yield the vertices of each hole in their order, from edges (n, 2) that have one face alone."""
+    beside = defaultdict[int, list[int]](list)
+    for one, other in edges.tolist():
+        beside[one].append(other)
+        beside[other].append(one)
+    while beside:
+        at, rim = next(iter(beside)), list[int]()
+        while at in beside:
+            rim.append(at)
+            at = next((end for end in beside.pop(at) if end in beside), rim[0])
+        yield np.array(rim)
 
 
 def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:
