@@ -19,6 +19,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.frames import Z
 from cranktopo.bodies.cells.grid import DensityGrid
 from cranktopo.bodies.prisms import ON_MIRROR_MM, journal_halves, web_region
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import (
     SurfaceMesh,
@@ -37,8 +38,8 @@ from cranktopo.tasks.extraction.cutter import (
 )
 from cranktopo.tasks.extraction.isosurface import REFINE, FineField, blurred
 
-SLIVERS_MM = (1e-3, 1e-4, 1e-5, 0.0)
-"""Distances by which taking out the slivers of a boolean may move the surface, from attempt to attempt."""
+_NEAR_MM, _FARTHER_MM = (1e-3, 1e-4, 1e-5, 0.0), (4e-3, 1.6e-2)
+"""Distances of the first attempts to take slivers out, and for a throw of usual size those of the last."""
 VOLUME_SHARE = 2.5e-3
 """Largest difference from the volume of the density by any way but the usual."""
 DISTANCE_CELLS = 1.0
@@ -137,7 +138,7 @@ def _by(way: ExtractionMethod, source: _HalfThrowField, rough: Array) -> tuple[_
         field = blurred(field, way.blur)
         iso = find_iso(lambda value: float(_web(way, cutter, field, value).volume()), source.target_mm3)
     web = _web(way, cutter, field, iso + way.shift, rough if way.spared else None)
-    for sliver_mm in SLIVERS_MM:
+    for sliver_mm in slivers_mm(source.scene):
         body, islands = _keep_throw(web, source.scene, sliver_mm)
         mesh = sound_mesh_of(body, sliver_mm)
         found, places = _SoundThrow(body, mesh, islands, iso + way.shift, way), np.zeros((0, 3))
@@ -146,6 +147,15 @@ def _by(way: ExtractionMethod, source: _HalfThrowField, rough: Array) -> tuple[_
             if not len(places):
                 return found, None
     return found, places
+
+
+def slivers_mm(scene: Scene) -> tuple[float, ...]:
+    """Return by how much taking out the slivers of a boolean may move the surface, from attempt to attempt.
+
+    The last distances are in proportion to the throw: an STL rounds to 0.03 um at half a metre, and that
+    turns faces over which are thinner.
+    """
+    return (*_NEAR_MM, *(mm / usual_scale(scene) for mm in _FARTHER_MM))
 
 
 def _web(

@@ -10,23 +10,24 @@ from manifold3d import Manifold
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.cells.grid import DensityGrid
+from cranktopo.design.loading import load_scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.extraction import half_throw
 from cranktopo.tasks.extraction.checked_surface import check_surface
 from cranktopo.tasks.extraction.cutter import Cutter, build_cutter, fine_field, iso_surface_distances_mm
 from cranktopo.tasks.extraction.half_throw import (
     DISTANCE_CELLS,
-    SLIVERS_MM,
     VOLUME_SHARE,
     WAYS,
     ExtractionMethod,
     WebSurface,
     extract_half_throw,
+    slivers_mm,
 )
 from cranktopo.tasks.extraction.isosurface import FineField
 from tests.unit.extraction.surface_cases import ball, grid_of, obround, scene_with, without
 
-TRIES = len(SLIVERS_MM)
+TRIES = len(slivers_mm(scene_with()))
 """Surfaces that are looked at on each way."""
 CELL_MM = 4.0
 
@@ -89,6 +90,15 @@ def test_ways_are_tried_in_their_order(grid: DensityGrid, faults: list[str]) -> 
 def test_slivers_go_within_less_before_another_way_is_taken(grid: DensityGrid, faults: list[str]) -> None:
     faults += (TRIES - 1) * ["crack"]
     assert extract_half_throw(grid, scene_with()).fallback == ""
+
+
+def test_a_large_throw_may_lose_larger_slivers() -> None:
+    """Beside the outlet in a journal of 487 mm a surface intersected itself at 1 um and less, not at 4 um."""
+    large = load_scene("industrial-gas")
+    thinner = min(journal.outer_diameter_mm for journal, _ in large.throw.journals)
+    assert thinner > 84, "above the usual sizes"
+    assert slivers_mm(large)[:4] == slivers_mm(scene_with())[:4]
+    assert slivers_mm(large)[4:] == pytest.approx([4e-3 * thinner / 84, 1.6e-2 * thinner / 84])
 
 
 @pytest.mark.parametrize(
