@@ -8,6 +8,7 @@ folds it, it is unbent.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -177,13 +178,19 @@ def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> 
         if joined:
             note(f"{name}: meshed after its small triangles were joined within {size * joined:.2g} mm")
         return found
-    again = _resurfaced(surface, size, size * _DISTANCES[0])
-    places = self_intersections_mm(again)
-    where = f" near ({', '.join(f'{x:.1f}' for x in places[0])}) mm" if len(places) else ""
+    where = _where_it_meets_itself(_resurfaced(surface, size, size * _DISTANCES[0]))
     raise solver_error(
         f"{name}: the surface cannot be meshed{where}, {len(tries)} tries: {failures[0]}",
         "Choose another element size, or repair thin spots of the surface.",
     )
+
+
+def _where_it_meets_itself(mesh: SurfaceMesh) -> str:
+    """Return the first place in words; nothing where there is none, or the mesh is not closed."""
+    with suppress(CranktopoError):
+        for place in self_intersections_mm(mesh)[:1]:
+            return f" near ({', '.join(f'{x:.1f}' for x in place)}) mm"
+    return ""
 
 
 def _check_volume(surface: SurfaceMesh, points: Array, tets: Tetrahedra) -> None:
