@@ -298,9 +298,9 @@ def test_the_safety_is_of_the_loads_that_are_asked_for(
 ) -> None:
     asked, judged_by = list[object](), stage.assess_by_methods
 
-    def assessed(targets: Any, methods: Any, *rest: Any) -> Any:
-        asked.append(rest[0])
-        return judged_by(targets, methods, *rest)
+    def assessed(targets: Any, methods: Any, **rest: Any) -> Any:
+        asked.append(rest["loads"])
+        return judged_by(targets, methods, **rest)
 
     monkeypatch.setattr("cranktopo.tasks.compare.judged.assess_by_methods", assessed)
     assert main([*BESIDE, "--format", "json", "--loads", loads, "--quiet"]) == 0

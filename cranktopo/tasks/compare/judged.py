@@ -34,7 +34,8 @@ def judge(
     loaded = None
     for rows, alike in _alike(refused, len(targets)).items():
         at = rows.index(baseline) if baseline in rows else None
-        for assessed in assess_by_methods([targets[row] for row in rows], alike, loads, at):
+        judged = [targets[row] for row in rows]
+        for assessed in assess_by_methods(judged, alike, loads=loads, baseline=at):
             found[assessed.method] = _compared(assessed, targets, refused[assessed.method], baseline)
             loaded = loaded if assessed.baseline is None else assessed.targets[assessed.baseline].scene
     return [found[method] for method in methods], loaded
