@@ -5,6 +5,8 @@ from __future__ import annotations
 from cranktopo.design.schema import Scene
 
 JOURNAL_LENGTHS = ("throw.main_journal.length_mm", "throw.second_main_journal_length_mm")
+SAME_PITCH_MM = 1e-6
+"""Difference of two pitches that counts as none."""
 
 
 def lengths_at_pitch(scene: Scene, pitch_mm: float) -> dict[str, float]:

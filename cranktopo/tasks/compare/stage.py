@@ -17,6 +17,7 @@ from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
 from cranktopo.design.goal.wanted import wanted as wanted_goal
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import builtin_designs
+from cranktopo.design.pitch import SAME_PITCH_MM
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import throw_balance
@@ -95,9 +96,6 @@ def _picked(run: RunStore) -> list[str]:
     return found
 
 
-_SAME_PITCH_MM = 1e-6
-
-
 @dataclass(frozen=True)
 class ComparedTargets:
     """A comparison, its targets in the same order, and those that miss the accuracy asked for.
@@ -171,7 +169,7 @@ def pitch_lines(targets: Sequence[Target], baseline: int) -> list[str]:
     base, lines = targets[baseline], list[str]()
     for target in targets:
         longer = target.scene.pitch_mm - base.scene.pitch_mm
-        if abs(longer) > _SAME_PITCH_MM:
+        if abs(longer) > SAME_PITCH_MM:
             own, its, change = (
                 plain_number(mm, 6) for mm in (target.scene.pitch_mm, base.scene.pitch_mm, -longer)
             )

@@ -54,7 +54,7 @@ class FatigueAssessment:
 
     @property
     def results(self) -> Sequence[FatigueField | RuleCheck]:
-        """Whichever there are, in the order of the targets."""
+        """Fields, or checks by the rule, in the order of the targets."""
         return self.fields or self.checks
 
     def as_json(self) -> dict[str, Any]:

@@ -183,7 +183,7 @@ class _TargetFatigue(Result):
     safety: float
     """Least safety of fillets, oil outlets, rounded edges and faces; by the rule, acceptability."""
     strength_remarks: tuple[str, ...] | None = UNLESS_NONE
-    """What the strengths of the material do not hold for, such as the section of the crank."""
+    """Limits of what the strengths of the material hold for, such as the section of the crank."""
 
 
 class FieldFatigue(_TargetFatigue):

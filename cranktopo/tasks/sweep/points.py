@@ -11,7 +11,7 @@ from typing import Any, cast
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import plain_number
 from cranktopo.design.loading import scene_from_dict, with_value
-from cranktopo.design.pitch import lengths_at_pitch
+from cranktopo.design.pitch import SAME_PITCH_MM, lengths_at_pitch
 from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
 from cranktopo.runs.manifest import file_hash, settings_hash
@@ -22,7 +22,6 @@ from cranktopo.tasks.sweep.variation import STAGE, Value
 _ID_LETTERS = 12
 _LENGTHS = ("thickness_mm", "length_mm")
 """Ends of the keys on which the distance of throws depends."""
-_SAME_PITCH_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -33,6 +32,7 @@ class SweepPoint:
         id: beginning of the SHA-256 over scene and settings: the name of its directory.
         tables: the tables of its scene as they would be written.
         reason: why no such web can be; empty where it can.
+        pitch_mm: distance of its throws; 0 where no such web can be.
     """
 
     id: str
@@ -43,6 +43,7 @@ class SweepPoint:
     tables: Mapping[str, Any]
     fineness: Fineness
     reason: str = ""
+    pitch_mm: float = 0.0
 
 
 def points_of(
@@ -116,17 +117,18 @@ def _point(
     # without what is as by default, so that keys that a later version adds leave the hash as it is
     told = tables if scene is None else _told(scene)
     sha256 = settings_hash(told, known)
-    return SweepPoint(sha256[:_ID_LETTERS], sha256, stage, dict(varied), design, tables, fineness, reason)
+    pitch_mm = 0.0 if scene is None else scene.pitch_mm
+    id_ = sha256[:_ID_LETTERS]
+    return SweepPoint(id_, sha256, stage, dict(varied), design, tables, fineness, reason, pitch_mm)
 
 
 def pitch_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:
     """Return a line where throws of points are not as far apart as the original's; empty where all are."""
     if not any(variation.key.endswith(_LENGTHS) for variation in plan.vary):
         return ""
-    sound = [point for point in points if not point.reason]
-    found = [scene_from_dict(dict(point.tables), point.design, whole=True).pitch_mm for point in sound]
+    found = [point.pitch_mm for point in points if not point.reason]
     own, low, high = plan.original.pitch_mm, min(found, default=0.0), max(found, default=0.0)
-    if not found or max(own - low, high - own) < _SAME_PITCH_MM:
+    if not found or max(own - low, high - own) < SAME_PITCH_MM:
         return ""
     told = " to ".join(dict.fromkeys(plain_number(mm, 6) for mm in (low, high)))
     return (

@@ -11,18 +11,20 @@ import pytest
 
 pytest.importorskip("tornado")
 from cranktopo.tasks.bench.answers import Answers
+from cranktopo.tasks.bench.workers import Worker
 
 
-class SlowWorker:
+class SlowWorker(Worker):
     """A process that takes as long as it is told, in turns of the loop."""
 
     def __init__(self, turns: list[int]) -> None:
+        super().__init__()
         self.turns = turns
 
-    async def ask(self, function: str, data: dict[str, Any], *rest: Any) -> dict[str, Any]:
+    async def ask(self, function: str, *asked: Any) -> Any:
         for _ in range(self.turns.pop()):
             await asyncio.sleep(0)
-        return {"gauges": {"mass": data["step"]}}
+        return {"gauges": {"mass": asked[0]["step"]}}
 
 
 def told(asked: list[tuple[int | None, int]], turns: list[int]) -> list[dict[str, Any]]:
@@ -31,7 +33,7 @@ def told(asked: list[tuple[int | None, int]], turns: list[int]) -> list[dict[str
 
     async def talk() -> None:
         answers = Answers(found.append)
-        answers._workers = {name: SlowWorker(turns) for name in ("live", "picture")}  # type: ignore[misc]
+        answers._workers.update({name: SlowWorker(turns) for name in ("live", "picture")})
         for step, (seq, pause) in enumerate(asked):
             answers.live({"step": step}, seq, found.append)
             for _ in range(pause):

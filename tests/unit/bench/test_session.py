@@ -21,8 +21,11 @@ def asked(folder: Path, *messages: dict[str, Any]) -> list[dict[str, Any]]:
     """Say something to a bench; return all that it tells."""
     bench = Bench(folder)
     told: list[dict[str, Any]] = []
-    bench.answers = MagicMock(checked=AsyncMock(return_value=[]), known=lambda text: {})
-    bench.answers.live = lambda data, seq, tell, text="": tell({"type": "live", "seq": seq, "data": data})  # type: ignore[method-assign]
+
+    def shown(data: dict[str, Any], seq: int | None, tell: Any, text: str = "") -> None:
+        tell({"type": "live", "seq": seq, "data": data})
+
+    bench.answers = MagicMock(checked=AsyncMock(return_value=[]), known=lambda text: {}, live=shown)
 
     async def talk() -> None:
         bench.open_text(design_text("mikron-iiic-plain"), "mine.toml", "opened", "cranktopo bench mine")

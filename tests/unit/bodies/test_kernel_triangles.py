@@ -1,4 +1,4 @@
-"""What the kernel leaves out of its triangles: slivers are closed, whole faces are not."""
+"""Triangles that the kernel leaves out: slivers are closed, whole faces are not."""
 
 from __future__ import annotations
 
