@@ -71,6 +71,16 @@ def require_kind(run: RunStore, wanted: RunKind) -> None:
         )
 
 
+def require_result(run: RunStore) -> None:
+    """Check that a run is finished; raises CranktopoError."""
+    file = RESULT_FILES[kind_of(run)]
+    if not (run.path / file).is_file():
+        raise CranktopoError(
+            f"run '{run.path}': not finished, {file} is missing.",
+            hint=f"Continue it with: {resume_command(run)}",
+        )
+
+
 @contextmanager
 def interruptible() -> Iterator[Callable[[], None]]:
     """A block in which Ctrl-C raises KeyboardInterrupt at once and again at each call of what it yields.

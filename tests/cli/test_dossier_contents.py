@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.base.errors import ExitCode
 from cranktopo.design.loading import designs_folder
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.cli.test_rule_dossier import checked, row
@@ -31,7 +32,8 @@ def dossier(tmp_path: Path, more: str, suffix: str = ".md") -> Path:
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     treated = 'name = "31CrMoV9"\nheat_treatment = "quenched and tempered"'
     design.write_text(text.replace('name = "31CrMoV9"', treated) + more, encoding="utf-8")
-    assert main(["fatigue", str(design), "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    code = main(["fatigue", str(design), "--method", "m53", "--report", str(path), "--quiet"])
+    assert code == ExitCode.CRITERION_NOT_MET
     return path
 
 
@@ -85,7 +87,7 @@ def test_the_verdict_says_what_its_strength_does_not_hold_for(tmp_path: Path) ->
     assert "strength" not in _headline(dossier(tmp_path, ""))
     path, design = tmp_path / "mine.toml", design.replace("bore_diameter_mm = 24.0", "bore_diameter_mm = 0.0")
     path.write_text(re.sub(r'(name = )"31CrMoV9"[^\[]*', '\\1"34CrNiMo6"\n', design), encoding="utf-8")
-    assert main(["fatigue", str(path), "--method", "m53", "--report", str(tmp_path / "d.md"), "--quiet"]) == 0
+    assert main(["fatigue", str(path), "--method", "m53", "--report", str(tmp_path / "d.md"), "--quiet"]) == 6
     assert "Strength of the material: ultimate\\_MPa" in _headline(tmp_path / "d.md")
 
 

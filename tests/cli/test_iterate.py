@@ -18,7 +18,7 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.app.main import main
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
@@ -154,6 +154,15 @@ def test_steps_files_and_table(whole: Whole) -> None:
     assert json.loads((out / "manifest.json").read_text())["status"] == "done"
     assert data["files"]["report"] == str(out / "report.html")
     page_holds(data, (out / "report.html").read_text(encoding="utf-8"))
+
+
+def test_its_page_is_written_again_from_its_files(whole: Whole, tmp_path: Path, capsys: Capture) -> None:
+    again = tmp_path / "again.html"
+    assert main(["report", str(whole.out), "--out", str(again)]) == 0
+    assert again.read_bytes() == (whole.out / "report.html").read_bytes()
+    capsys.readouterr()
+    assert main(["report", str(whole.out), "--stress"]) == ExitCode.USAGE
+    assert "was made by `cranktopo iterate`, whose page shows no load cases" in capsys.readouterr().err
 
 
 def page_holds(data: dict[str, Any], text: str) -> None:
@@ -302,7 +311,6 @@ def test_a_loop_is_shown_and_listed_as_one(
 
 READERS = [
     ["optimise", "--resume"],
-    ["report"],
     ["extract"],
     ["remodel"],
     ["evaluate"],
@@ -324,6 +332,23 @@ def test_a_loop_is_no_run_of_optimise(
     assert f"run '{path}': was made by `cranktopo iterate`" in error
     assert f"cranktopo runs show {path}; or continue it: cranktopo iterate --resume {path}" in error
     assert {file: file.read_bytes() for file in path.iterdir()} == before
+
+
+@pytest.mark.parametrize(("kind", "file"), [("iterate", "iterate.json"), ("shape", "shape.json")])
+def test_a_run_without_an_end_has_no_page(
+    kind: str, file: str, tmp_path: Path, mikron: Scene, capsys: Capture
+) -> None:
+    path = new_run(tmp_path / "run", mikron, {kind: {}})
+    assert main(["report", str(path)]) == ExitCode.INVALID_INPUT
+    error = capsys.readouterr().err
+    assert f"not finished, {file} is missing. Continue it with: cranktopo {kind} --resume {path}" in error
+    assert not (path / "report.html").exists()
+
+
+def test_the_page_of_a_sweep_is_its_own(tmp_path: Path, mikron: Scene, capsys: Capture) -> None:
+    path = new_run(tmp_path / "run", mikron, {"sweep": {}})
+    assert main(["report", str(path)]) == ExitCode.INVALID_INPUT
+    assert "was made by `cranktopo sweep`" in capsys.readouterr().err
 
 
 def test_a_run_of_optimise_is_no_loop(tmp_path: Path, mikron: Scene, capsys: Capture) -> None:

@@ -58,7 +58,7 @@ def row(text: str, first: str) -> list[str]:
 @pytest.mark.usefixtures("no_solve")
 def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> None:
     path = tmp_path / "dossier.md"
-    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 6
     text = path.read_text(encoding="utf-8").replace("\\", "")
     assert "is NOT accepted" in text
     assert "Q = 1.145 at the journal, 1.15 asked" in text
@@ -82,10 +82,24 @@ def test_only_a_check_that_the_mesh_misses_is_told_as_missed() -> None:
     assert "jump" in replace(one, jump_percent=5.1).shortfall
 
 
+@pytest.mark.parametrize(("journal_MPa", "code"), [(230.0, 0), (229.0, 6)])
+def test_the_exit_code_tells_what_the_rule_accepts(
+    journal_MPa: float, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """1.15 is asked, 200 MPa are there."""
+
+    def check(target: Target, *_: object) -> tuple[RuleCheck, ...]:
+        fillets = {"pin": FilletCheck(200.0, 400.0), "journal": FilletCheck(200.0, journal_MPa)}
+        return tuple(replace(one, rule_checks=fillets, fem_checks=fillets) for one in checked(target))
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
+    assert main(["fatigue", "mikron-iiic", "--method", "m53", "--json", "--quiet"]) == code
+
+
 @pytest.mark.usefixtures("no_solve")
 def test_a_dossier_on_paper(tmp_path: Path) -> None:
     path = tmp_path / "dossier.pdf"
-    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    assert main(["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--quiet"]) == 6
     assert path.read_bytes().startswith(b"%PDF")
 
 
@@ -95,7 +109,7 @@ def test_the_dossier_of_two_webs_has_both(tmp_path: Path) -> None:
     path, scene = tmp_path / "dossier.md", tmp_path / "two.toml"
     design = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     scene.write_text(f'{design}\n[second_web]\nthickness_mm = 25.0\noutline = "obround"\nwidth_mm = 54.0\n')
-    assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--quiet"]) == 0
+    assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--quiet"]) == 6
     text = path.read_text(encoding="utf-8").replace("\\", "")
     for web, thickness in (("first web", "19.00"), ("second web", "25.00")):
         size = text[text.index(f"## Dimensions by the rule, {web}") :]
@@ -115,7 +129,7 @@ def test_a_factor_of_the_surface_treatment_is_told_with_its_source(
     design = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     given = f'surface_treatment_factor = 1.3\nsurface_treatment_source = "{source}"\n'
     scene.write_text(f"{design}\n[fatigue]\n{given}", encoding="utf-8")
-    assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--json"]) == 0
+    assert main(["fatigue", str(scene), "--method", "m53", "--report", str(path), "--json"]) == 6
     told = capsys.readouterr()
     said = source or "NO SOURCE"
     assert f"times 1.3 for their surface treatment: {said}" in told.err

@@ -78,6 +78,8 @@ def test_files_and_page(run: tuple[Path, dict[str, Any]]) -> None:
     page = (folder / "report.html").read_text()
     assert "What a millimetre is worth" in page
     assert "Every limit holds" in page
+    assert main(["report", str(folder), "--out", str(folder / "again.html")]) == ExitCode.DONE
+    assert (folder / "again.html").read_text() == page
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cranktopo.base.errors import ExitCode
 from cranktopo.base.notes import note
 from cranktopo.cli.options import (
     DEFAULT_DESIGN,
@@ -73,7 +74,7 @@ def command(
     out: Path | None,
     report: Path | None,
     as_json: bool,
-) -> None:
+) -> ExitCode:
     """Fatigue safety of each TARGET on curved tet10 elements.
 
     A TARGET is a design whose fillets have a radius, or a STEP file of the half throw (with --design), whose
@@ -83,7 +84,7 @@ def command(
     of fillets, oil outlets, rounded edges and faces; sharp inner edges, where the mesh decides, are named.
 
     With --method m53 --report FILE the check is written as a dossier for a classification society (.html,
-    .md or .pdf), with its assumptions to be signed.
+    .md or .pdf), with its assumptions to be signed. Exit code 6: a TARGET is not accepted by the rule.
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
@@ -104,6 +105,8 @@ def command(
         write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
         note(str(report))
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
+    refused = any(check.verdict == "not accepted" for check in found.checks)
+    return ExitCode.CRITERION_NOT_MET if refused else ExitCode.DONE
 
 
 def _text(found: FatigueAssessment) -> str:

@@ -17,11 +17,12 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.plan.planning import plan
 from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.result_table import comma_separated
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, working_in
+from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, require_kind, require_result, working_in
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
 from cranktopo.tasks.bound.stage import bounds_for_result
 from cranktopo.tasks.density import stage
@@ -204,11 +205,22 @@ def _result(
     )
 
 
+def finished_page(run: RunStore) -> Page:
+    """Return the page of a finished loop from its files; raises CranktopoError."""
+    require_result(run)
+    steps = map(finished_step, (run.path / "original", *sorted(run.path.glob("step-[0-9][0-9]"))))
+    return _page(run, LoopResult.read(run.path / RESULT_FILES[LOOP]), [web for web in steps if web])
+
+
 def _write_page(run: RunStore, result: LoopResult, webs: Sequence[StepWeb]) -> None:
+    write_report(_page(run, result, webs), run.path / REPORT)
+
+
+def _page(run: RunStore, result: LoopResult, webs: Sequence[StepWeb]) -> Page:
     bodies = [web.body() for web in webs]
     if len(result.steps) > len(bodies):
         bodies.append(_shaped_body(run.path / SHAPE))
-    write_report(iterate_page(result, run.manifest(), tuple(bodies)), run.path / REPORT)
+    return iterate_page(result, run.manifest(), tuple(bodies))
 
 
 def _shaped_body(folder: Path) -> ShownBody:

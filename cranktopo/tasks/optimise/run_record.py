@@ -27,7 +27,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.viewer.scene3d import DesignSnapshot
 from cranktopo.runs.checkpoint import load_iteration, saved_iterations
 from cranktopo.runs.directories import RunStore
-from cranktopo.runs.kind import require_kind, resume_command
+from cranktopo.runs.kind import RESULT_FILES, require_kind, require_result
 from cranktopo.runs.manifest import file_hash
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.material import MaterialInterpolation
@@ -36,7 +36,7 @@ from cranktopo.tasks.extraction.stage import stored_design
 from cranktopo.tasks.fea.studies import StudyResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import CaseStress, case_stress
-from cranktopo.tasks.optimise.result import RunMetrics, read_metrics
+from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.refit.result import RefitResult
 
 _FILE = "stress.npz"
@@ -120,12 +120,8 @@ class RunRecord:
 def read_record(run: RunStore, stresses: bool = False) -> RunRecord:
     """Return the record of a finished run from its directory."""
     require_kind(run, "optimise")
-    metrics = read_metrics(run)
-    if metrics is None:
-        raise CranktopoError(
-            f"run '{run.path}': not finished, metrics.json is missing.",
-            hint=f"Continue it with: {resume_command(run)}",
-        )
+    require_result(run)
+    metrics = RunMetrics.read(run.path / RESULT_FILES["optimise"])
     scene = planned_scene(design_from_run(run))
     surface = metrics.files.get("stl")
     mesh = read_stl(run.path / surface) if surface else None

@@ -30,9 +30,9 @@ from cranktopo.cli.verbosity import verbosity_options
 def command(run: str, out: Path | None, stress: bool, as_markdown: bool) -> None:
     """Write the report of RUN: one HTML file that opens from disk, or Markdown with pictures.
 
-    RUN is a run directory, its name under runs/, or the beginning of that name. `cranktopo optimise` writes
-    the page by itself; write it again to include what was added to the run since. Stresses are kept in the
-    run.
+    RUN is the directory of an optimise, shape or iterate run, its name under runs/, or the beginning of that
+    name. Those commands write the page by themselves; write it again in another form, or to include what was
+    added to an optimisation since. Stresses are kept in the run.
 
     Example: cranktopo report runs/20250101-120000_mikron-iiic_0123abcd --stress
     """

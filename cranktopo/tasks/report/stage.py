@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
+from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore, open_run
-from cranktopo.runs.kind import shown_results
-from cranktopo.tasks.optimise.page import run_page
-from cranktopo.tasks.optimise.run_record import read_record
+from cranktopo.runs.kind import LOOP, SHAPE, kind_of, require_kind, shown_results
 
 
 def report_run(run: RunStore | str | Path, path: Path | str | None = None, stresses: bool = False) -> Path:
     """Write the report of a finished run, .html or .md, by default report.html in it, and return its file.
 
     Args:
-        run: the run directory, or how the user names it.
-        stresses: solve those that the run does not keep yet.
+        run: the run directory of an optimisation, a shape optimisation or a loop, or how the user names it.
+        stresses: of an optimisation, solve those that the run does not keep yet.
 
     Raises:
         CranktopoError: the run is not finished, a file of it is damaged, or the report cannot be written.
@@ -26,6 +26,30 @@ def report_run(run: RunStore | str | Path, path: Path | str | None = None, stres
     store = run if isinstance(run, RunStore) else open_run(run)
     target = path or store.path / REPORT
     with shown_results(store):
-        page = run_page(read_record(store, stresses))
+        page = _page(store, stresses)
     write_report(page, target)
     return target
+
+
+def _page(run: RunStore, stresses: bool) -> Page:
+    """Return the page of a run by what made it; a sweep's own is no report of this form."""
+    kind = kind_of(run)
+    if stresses and kind in (SHAPE, LOOP):
+        raise CranktopoError(
+            f"--stress: run '{run.path}' was made by `cranktopo {kind}`, whose page shows no load cases.",
+            hint="Leave --stress, or take `cranktopo fatigue`.",
+            code=ExitCode.USAGE,
+        )
+    if kind == SHAPE:
+        from cranktopo.tasks.shape.run import finished_page as shape_run_page
+
+        return shape_run_page(run)
+    if kind == LOOP:
+        from cranktopo.tasks.iterate.loop import finished_page as loop_page
+
+        return loop_page(run)
+    from cranktopo.tasks.optimise.page import run_page
+    from cranktopo.tasks.optimise.run_record import read_record
+
+    require_kind(run, "optimise")
+    return run_page(read_record(run, stresses))

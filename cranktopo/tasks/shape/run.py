@@ -36,10 +36,18 @@ from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
+from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.report.viewer.scene3d import ShownBody
 from cranktopo.runs.directories import RunStore, check_destination, open_run
-from cranktopo.runs.kind import RESULT_FILES, SHAPE, require_kind, shown_results, working_in
+from cranktopo.runs.kind import (
+    RESULT_FILES,
+    SHAPE,
+    require_kind,
+    require_result,
+    shown_results,
+    working_in,
+)
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
 from cranktopo.tasks.drawing.sheet import export_drawing
@@ -198,8 +206,8 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         }
         found = found.model_copy(update=more)
         write_json(run.path / RESULT_FILES[SHAPE], found.as_json())
-        page = shape_page(found, run.manifest(), scene, _bodies(scene, optimum, half))
-        write_report(page, run.path / REPORT)
+        bodies = _bodies(scene, optimum.result.web.scene, half)
+        write_report(shape_page(found, run.manifest(), scene, bodies), run.path / REPORT)
     run.log(f"{found.status}: {found.stop_reason}")
     films = film_change(scene, optimum.result.web.scene)  # thickness of a web is taken from the bearings
     if films:
@@ -226,10 +234,18 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
     return half
 
 
-def _bodies(scene: Scene, optimum: ShapeOptimum, found: SurfaceMesh) -> tuple[ShownBody, ...]:
+def finished_page(run: RunStore) -> Page:
+    """Return the page of a finished shape optimisation from its files; raises CranktopoError."""
+    require_result(run)
+    scene, shaped = design_from_run(run), load_scene(str(run.path / _FILES["design"]))
+    bodies = _bodies(scene, shaped, read_stl(run.path / _FILES["stl"]))
+    return shape_page(ShapeResult.read(run.path / RESULT_FILES[SHAPE]), run.manifest(), scene, bodies)
+
+
+def _bodies(scene: Scene, shaped: Scene, found: SurfaceMesh) -> tuple[ShownBody, ...]:
     file, facet_mm = original_file(scene), coarse_facet_mm(scene)
     before = surface_of(scene, "half", facet_mm) if file is None else half_throw_surface(file, scene)
-    shown = (("result", found, optimum.result.web.scene), ("original web", before, scene))
+    shown = (("result", found, shaped), ("original web", before, scene))
     return tuple(ShownBody(name, mesh, of.web_z_mm, of.pitch_mm / 2) for name, mesh, of in shown)
 
 
