@@ -154,6 +154,8 @@ def _solved(
         began = time.perf_counter()
         guess = None if rate is None else rate * level.cost
         if number > 0 and began - start + (guess or 0.0) > allowed_s:
+            longer = "" if guess is None else f" takes about {guess:.2g} s,"
+            announce(f"{level.name}{longer} more than is left of its {allowed_s:.2g} s: give a larger budget")
             return
         announce(level.name + ("" if guess is None else f", about {guess:.2g} s"))
         try:

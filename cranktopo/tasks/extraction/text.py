@@ -88,10 +88,12 @@ def release_text(undercuts: ShapedUndercuts | None) -> str:
 
 
 def release_verdict(undercuts: ShapedUndercuts | None) -> str:
-    """Return yes or no; "not checked" for results of an earlier version."""
+    """Return yes, yes with too little draft, or no; "not checked" for results of an earlier version."""
     if undercuts is None:
         return "not checked"
-    return "yes" if undercuts.released else "no"
+    if not undercuts.released:
+        return "no"
+    return "yes, too little draft" if undercuts.without_draft else "yes"
 
 
 def asked_lengths(walls: WallMeasures | None) -> dict[str, tuple[float | None, float]]:

@@ -80,7 +80,8 @@ def release_fact(found: ShapeResult) -> Fact:
     """Tell whether a die or a cutter can make the web."""
     status: FactStatus = "unknown"
     if found.undercuts is not None:
-        status = "good" if found.undercuts.released else "neutral" if found.makeable else "bad"
+        wholly = found.undercuts.released and not found.undercuts.without_draft
+        status = "good" if wholly else "neutral" if found.makeable else "bad"
     return Fact("Released by a die", release_verdict(found.undercuts), release_text(found.undercuts), status)
 
 

@@ -12,7 +12,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.compare.stage import design_undercuts
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.extraction.result import ShapedUndercuts
-from cranktopo.tasks.extraction.text import release_text
+from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.shape.page import release_fact
 from cranktopo.tasks.shape.result import ShapeResult
@@ -69,7 +69,9 @@ def test_what_a_die_releases_without_draft_is_named(
     found = shaped_undercuts(surface_of(scene, "half"), scene)
     assert found.without_draft == straight
     ends = f" it; too little draft: {', '.join(straight)}" if straight else " it"
-    assert release_text(found.model_copy(update={"released": True})).endswith(ends)
+    released = found.model_copy(update={"released": True})
+    assert release_text(released).endswith(ends)
+    assert release_verdict(released) == ("yes, too little draft" if straight else "yes")
 
 
 def told(undercuts: ShapedUndercuts | None) -> ShapeResult:
