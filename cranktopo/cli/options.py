@@ -120,7 +120,7 @@ class SpeedRange(click.ParamType[list[float]]):
         self.fail(f"{quoted(str(value))}: {form}. {decimal_comma(str(value))}".rstrip(), param, ctx)
 
 
-class Cylinder(click.ParamType[int | str]):
+class CylinderNumber(click.ParamType[int | str]):
     """Number of a cylinder, from 1; or a word in its place."""
 
     def __init__(self, word: str = "") -> None:

@@ -99,10 +99,10 @@ class StiffnessOperator:
             code.loop(layer.cases) as case,
             code.loop(cells.nz, step=code.width) as column,
         ):
-            _Column(code, cells, column.index, layer.pair(case.index)).write(blocks, stiffness)
+            _StiffnessColumn(code, cells, column.index, layer.pair(case.index)).write(blocks, stiffness)
 
 
-class _Column:
+class _StiffnessColumn:
     def __init__(self, code: VectorCode, grid: Cells, k: Value, pair: Pair):
         self._code, self._grid, self._k, self._pair = code, grid, k, pair
         self._waves = _Waves(code, grid, k, pair.field)

@@ -55,7 +55,7 @@ LAWS: dict[Process, ProcessLaw] = {
 
 
 @dataclass(frozen=True)
-class Layer:
+class HardenedLayer:
     """A treated fillet in numbers that are all known.
 
     Attributes:
@@ -144,12 +144,12 @@ class Layer:
         return np.maximum(1 - share, 0.0) if self.process == "rolled" else np.where(share < 1, 1.0, 0.0)
 
 
-def layer_of(scene: Scene, treatment: CaseHardening) -> Layer:
+def layer_of(scene: Scene, treatment: CaseHardening) -> HardenedLayer:
     """Return the layer of a scene that is checked."""
     core = treatment.core_HV(scene.material.ultimate_MPa)
     assert core is not None
     scatter = treatment.residual_scatter_MPa
-    return Layer(
+    return HardenedLayer(
         treatment.process,
         treatment.case_depth_mm,
         treatment.surface_hardness_HV,
@@ -159,7 +159,7 @@ def layer_of(scene: Scene, treatment: CaseHardening) -> Layer:
     )
 
 
-def layers(scene: Scene) -> dict[Fillet, Layer]:
+def layers(scene: Scene) -> dict[Fillet, HardenedLayer]:
     """Return the treated fillets of a scene."""
     return {fillet: layer_of(scene, one) for fillet, one in scene.fatigue.hardened.items()}
 
@@ -175,7 +175,7 @@ def support_factor(hardness_HV: Array, gradient_per_mm: Array) -> Array:
     return 1 + np.sqrt(1600.0 * gradient_per_mm) / hardness_HV
 
 
-def layer_residual_MPa(layer: Layer) -> float:
+def layer_residual_MPa(layer: HardenedLayer) -> float:
     """Return the residual stress of a nitrided or rolled layer: FKM guideline, 5.5.2."""
     if layer.process == "nitrided":
         return max(-0.675 * (layer.surface_HV - layer.core_HV), -270.0)

@@ -18,7 +18,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.hardening import Fillet
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.hardened_layer import Layer, layers
+from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer, layers
 from cranktopo.tasks.fatigue.result import HardenedFillet
 from cranktopo.tasks.fatigue.stress_below import NotchShape, notch_shape, stress_share
 from cranktopo.tasks.fatigue.stress_model import StressModel
@@ -36,7 +36,7 @@ class TreatedFillet:
     """
 
     fillet: Fillet
-    layer: Layer
+    layer: HardenedLayer
     shape: NotchShape
     nodes: NDArray[np.bool_]
 
@@ -73,7 +73,7 @@ def treated_fillets(model: StressModel) -> tuple[TreatedFillet, ...]:
     )
 
 
-def treated(half: Scene, fillet: Fillet, layer: Layer, nodes: NDArray[np.bool_]) -> TreatedFillet:
+def treated(half: Scene, fillet: Fillet, layer: HardenedLayer, nodes: NDArray[np.bool_]) -> TreatedFillet:
     """Return a fillet of half a throw with its layer."""
     return TreatedFillet(fillet, layer, notch_shape(half, fillet), nodes)
 

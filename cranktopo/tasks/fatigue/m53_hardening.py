@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.tasks.fatigue.hardened_layer import BELOW_INDUCTION_MPA, LOSS_PER_MPA, Layer
+from cranktopo.tasks.fatigue.hardened_layer import BELOW_INDUCTION_MPA, LOSS_PER_MPA, HardenedLayer
 from cranktopo.tasks.fatigue.m53 import Dimensions, Factors, FilletCheck, Nominal, RuleHardening
 
 _NITRIDED_MPA = 450.0
@@ -90,7 +90,7 @@ def journal_stresses(size: Dimensions, factors: Factors, nominal: Nominal) -> Fi
     )
 
 
-def surface_strength_MPa(layer: Layer) -> float:
+def surface_strength_MPa(layer: HardenedLayer) -> float:
     """Return the strength of the treated surface at R = -1, residual stress included.
 
     Sections 4 (1) (B): 400 + 0.5 (HV - 400), and 5 (1) (B): 450 from 600 HV on.
@@ -98,12 +98,12 @@ def surface_strength_MPa(layer: Layer) -> float:
     return _NITRIDED_MPA if layer.process == "nitrided" else 400 + 0.5 * (layer.surface_HV - 400)
 
 
-def transition_mm(layer: Layer) -> float:
+def transition_mm(layer: HardenedLayer) -> float:
     """Return the depth of the transition to the core: sections 4 and 5 (1) (E)."""
     return layer.depth_mm * (_ARTIFICIAL if layer.process == "nitrided" else 1.0)
 
 
-def transition_strength_MPa(layer: Layer, core_MPa: float) -> float:
+def transition_strength_MPa(layer: HardenedLayer, core_MPa: float) -> float:
     """Return the strength of the transition from that of the untreated fillet (M53.6).
 
     Nitrided: that of the core, section 5 (1) (D). Induction: less by the local drop of hardness, section 4,
@@ -118,7 +118,9 @@ def transition_strength_MPa(layer: Layer, core_MPa: float) -> float:
     return core_MPa * drop * max(1 - LOSS_PER_MPA * tension, 0.0)
 
 
-def treated_check(plain: FilletCheck, layer: Layer, stress: FilletStress, added_MPa: float) -> FilletCheck:
+def treated_check(
+    plain: FilletCheck, layer: HardenedLayer, stress: FilletStress, added_MPa: float
+) -> FilletCheck:
     """Return a treated fillet against the rule: the worse of surface and transition (section 3 (3)).
 
     Args:

@@ -26,7 +26,7 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity, mass_matrix, me
 from cranktopo.numerics.turning_body import TurningBody
 from cranktopo.tasks.fea.condense import Lateral, body_motions, loaded_mm, plane_nodes
 from cranktopo.tasks.modes.station import (
-    Piece,
+    MassPiece,
     PointMass,
     Station,
     added,
@@ -235,7 +235,7 @@ class _Throw:
             found.append(np.array([np.concatenate(row) for row in rows]))
         return found
 
-    def _half(self, side: int) -> tuple[Piece, Array]:
+    def _half(self, side: int) -> tuple[MassPiece, Array]:
         """Return a half of the throw as a piece, placed from the near section, and its motion."""
         pitch, far = self._scene.pitch_mm, bool(side) and not self._whole
         fastened = [*self._bolted(side), self._moved(side)]

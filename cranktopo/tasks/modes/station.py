@@ -46,7 +46,7 @@ class PointMass:
 
 
 @dataclass(frozen=True)
-class Piece:
+class MassPiece:
     """A piece of a model about the middle of its mass, with what is fastened to it.
 
     Attributes:
@@ -63,7 +63,7 @@ class Piece:
     parts: int
 
 
-def piece_of(nodes_mm: Array, mass: sp.csr_matrix, parts: int, fastened: list[PointMass]) -> Piece:
+def piece_of(nodes_mm: Array, mass: sp.csr_matrix, parts: int, fastened: list[PointMass]) -> MassPiece:
     """Return a piece of a model, `parts` times as heavy as its half x >= 0 where that is 2."""
     total = mass.sum()
     z = float((mass @ nodes_mm[2]).sum() / total)
@@ -81,10 +81,10 @@ def piece_of(nodes_mm: Array, mass: sp.csr_matrix, parts: int, fastened: list[Po
         inertia += point.mass * at.T @ at
         inertia[RZ, RZ] += point.polar
         second += point.mass * np.outer(place, place) + point.polar / 2 * np.diag([1.0, 1.0, 0.0])
-    return Piece(z, mass, rigid, own, inertia, second, parts)
+    return MassPiece(z, mass, rigid, own, inertia, second, parts)
 
 
-def rigid_share(piece: Piece, fields: Array, lateral: Lateral) -> Array:
+def rigid_share(piece: MassPiece, fields: Array, lateral: Lateral) -> Array:
     """Return the rigid motion of a piece that is nearest to fields of a symmetry, (6, fields)."""
     forces = piece.parts * piece.rigid.T @ weighted(piece.mass, fields)
     chosen = list(RIGID_OF[lateral])

@@ -17,7 +17,7 @@ from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
     Choice,
-    Cylinder,
+    CylinderNumber,
     Number,
     SpeedRange,
     bearings_option,
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 @click.option(
     "--misfire",
     "misfires",
-    type=Cylinder(),
+    type=CylinderNumber(),
     multiple=True,
     help="A cylinder that does not fire over the cycle, in place of the design's; repeatable.",
 )

@@ -92,7 +92,7 @@ def assess_shaft(
     note(f"{resolved.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
     vibrating = of_stiffness(resolved.scene, found.stiffness.throws_Nm_per_rad)
     resolved = replace(resolved, scene=vibrating)
-    judged = _Judged(resolved, bearings, own, speeds_rpm, method)
+    judged = _JudgedShaft(resolved, bearings, own, speeds_rpm, method)
     assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
     if report is not None:
         most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
@@ -117,7 +117,7 @@ def _check(target: Target, bearings: Bearings, method: str) -> None:
 
 
 @dataclass(frozen=True)
-class _Judged:
+class _JudgedShaft:
     """A shaft whose throws' stresses are known, to be judged at some speeds."""
 
     target: Target

@@ -14,7 +14,7 @@ import click
 from cranktopo.cli.options import (
     CELL_MM,
     DEFAULT_DESIGN,
-    Cylinder,
+    CylinderNumber,
     bearings_option,
     body_options,
     designs,
@@ -50,7 +50,7 @@ from cranktopo.cli.verbosity import verbosity_options
 @click.option(
     "--misfire",
     "misfires",
-    type=Cylinder("worst"),
+    type=CylinderNumber("worst"),
     multiple=True,
     help="A cylinder that does not fire, in place of the design's; repeatable. Or worst: what each one alone "
     "would do.",

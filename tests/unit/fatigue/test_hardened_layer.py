@@ -13,14 +13,14 @@ from cranktopo.design.hardening import TENSILE_OF_HV, vickers
 from cranktopo.tasks.fatigue.fkm import load_rules
 from cranktopo.tasks.fatigue.hardened_layer import (
     LAWS,
-    Layer,
+    HardenedLayer,
     layer_residual_MPa,
     reversed_MPa,
     support_factor,
 )
 from tests.unit.fatigue.hardened_layers import INDUCTION, NITRIDED
 
-ROLLED = Layer("rolled", 1.5, 380.0, 340.0, 340.0)
+ROLLED = HardenedLayer("rolled", 1.5, 380.0, 340.0, 340.0)
 GUIDELINE = {"nitrided": "Nitriding", "induction": "Inductive hardening", "rolled": "Cold rolling"}
 
 
@@ -44,7 +44,7 @@ def test_rolled_fillets_harden_linearly() -> None:
 
 
 @pytest.mark.parametrize("layer", [NITRIDED, INDUCTION, ROLLED], ids=lambda layer: layer.process)
-def test_numbers_are_those_of_the_guideline_as_pylife_has_it(layer: Layer) -> None:
+def test_numbers_are_those_of_the_guideline_as_pylife_has_it(layer: HardenedLayer) -> None:
     pd, rules = load_rules()
     name = GUIDELINE[layer.process]
     process = rules.get_material_constants_chap5_5(pd.Series([name]))
@@ -69,7 +69,7 @@ def test_numbers_are_those_of_the_guideline_as_pylife_has_it(layer: Layer) -> No
 def test_residual_stress_is_that_of_the_guideline(process: Any, surface: float) -> None:
     rules = load_rules()[1]
     names = np.array([GUIDELINE[process]], dtype=object)
-    layer = Layer(process, 0.4, surface, 340.0, 340.0)
+    layer = HardenedLayer(process, 0.4, surface, 340.0, 340.0)
     wanted = rules.eigenstress_RS(np.array([1122.0]), np.array([surface]), np.array([340.0]), names)[0]
     assert layer_residual_MPa(layer) == pytest.approx(wanted, rel=1e-12)
     assert layer.residual_MPa(np.array([0.0]))[0] == pytest.approx(wanted)
@@ -84,7 +84,7 @@ def test_measured_residual_stress_is_joined_by_lines_and_ends_on_the_safe_side()
 
 
 def test_the_core_without_residual_stress_has_its_own_strength_exactly() -> None:
-    plain = Layer("induction", 2.0, 340.0, 340.0, 340.0, ((0.0, 0.0),))
+    plain = HardenedLayer("induction", 2.0, 340.0, 340.0, 340.0, ((0.0, 0.0),))
     gradients = np.full(plain.depths_mm.shape, 0.8)
     assert (plain.relative_strength(plain.depths_mm, gradients) == 1.0).all()
 
@@ -107,7 +107,7 @@ def test_tension_below_the_layer_costs_at_least_what_the_rule_takes_off() -> Non
 def test_compression_counts_as_far_as_the_cyclic_yield_strength_carries_it() -> None:
     """FKM 5.5.1.2, range I at R = -1: a factor of (1 + M Rp / S) / (1 + M) at most."""
     core, sensitivity = 340.0, 0.18
-    pressed = Layer("rolled", 1.5, core, core, core, ((0.0, -2000.0),))
+    pressed = HardenedLayer("rolled", 1.5, core, core, core, ((0.0, -2000.0),))
     strength, yielding = 0.45 * 3.3 * core, 0.6 * 3.3 * core
     most = (1 + sensitivity * yielding / strength) / (1 + sensitivity)
     assert float(pressed.relative_strength(np.array(0.0), np.array(0.5))) == pytest.approx(most, rel=1e-12)
@@ -117,7 +117,9 @@ def test_compression_counts_as_far_as_the_cyclic_yield_strength_carries_it() -> 
 def test_harder_and_more_pressed_is_never_weaker(process: Any) -> None:
     depths, gradients = np.linspace(0.0, 0.39, 14), np.full(14, 0.8)
     made = [
-        Layer(process, 0.4, surface, 340.0, 340.0, ((0.0, residual),)).relative_strength(depths, gradients)
+        HardenedLayer(process, 0.4, surface, 340.0, 340.0, ((0.0, residual),)).relative_strength(
+            depths, gradients
+        )
         for residual in (0.0, -100.0, -300.0)
         for surface in (400.0, 500.0, 650.0, 800.0)
     ]

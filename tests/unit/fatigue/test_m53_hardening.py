@@ -11,7 +11,7 @@ from cranktopo import load_scene
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.tasks.fatigue.hardened_layer import Layer
+from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     concentration_factors,
@@ -62,7 +62,7 @@ def test_strength_of_the_transition() -> None:
     """20 % off for 300 MPa of tension, and the local drop of hardness; nitrided: that of the core."""
     assert transition_strength_MPa(NITRIDED, 430.0) == 430.0
     assert transition_strength_MPa(INDUCTION, 430.0) == pytest.approx(430 * 0.9 * 0.8)
-    measured = Layer("induction", 2.0, 600.0, 340.0, 340.0, ((0.0, -200.0), (2.0, 150.0)))
+    measured = HardenedLayer("induction", 2.0, 600.0, 340.0, 340.0, ((0.0, -200.0), (2.0, 150.0)))
     assert transition_strength_MPa(measured, 430.0) == pytest.approx(430 * 0.9)
     assert (transition_mm(NITRIDED), transition_mm(INDUCTION)) == (pytest.approx(0.48), 2.0)
 
@@ -77,7 +77,7 @@ def test_the_worse_of_surface_and_transition_counts() -> None:
     assert found.hardening.below_acceptability == pytest.approx(430 / below)
     assert found.acceptability == pytest.approx(450 / 310)
     assert found.hardening.depth_mm == 0.0
-    shallow = treated_check(plain, Layer("induction", 0.2, 700.0, 340.0, 306.0), stress, 10.0)
+    shallow = treated_check(plain, HardenedLayer("induction", 0.2, 700.0, 340.0, 306.0), stress, 10.0)
     assert shallow.hardening is not None
     assert shallow.hardening.depth_mm == 0.2
     assert shallow.acceptability == shallow.hardening.below_acceptability

@@ -11,7 +11,7 @@ import pytest
 from cranktopo import load_scene
 from cranktopo.base.arrays import Array
 from cranktopo.tasks.fatigue.criterion import LocalStress
-from cranktopo.tasks.fatigue.hardened_layer import Layer
+from cranktopo.tasks.fatigue.hardened_layer import HardenedLayer
 from cranktopo.tasks.fatigue.hardening import (
     TreatedFillet,
     at_nodes,
@@ -46,12 +46,12 @@ def points(gradient: float, amplitude: float = 300.0, mean: float = 100.0, count
     return LocalStress(amplitude * one, mean * one, gradient * one)
 
 
-def fillet(layer: Layer, shape: NotchShape = SHAPE, count: int = 1) -> TreatedFillet:
+def fillet(layer: HardenedLayer, shape: NotchShape = SHAPE, count: int = 1) -> TreatedFillet:
     return TreatedFillet("pin", layer, shape, np.ones(count, dtype=bool))
 
 
 def test_a_core_of_one_hardness_is_as_safe_as_untreated() -> None:
-    plain = Layer("induction", 2.0, 340.0, 340.0, 340.0, NO_RESIDUAL)
+    plain = HardenedLayer("induction", 2.0, 340.0, 340.0, 340.0, NO_RESIDUAL)
     for gradient in (0.0, 0.02, 0.2, 0.9, 3.0):
         local = points(gradient)
         assert least_safety(judge, fillet(plain), local)[0] == pytest.approx(judge(local)[0], rel=1e-12)
@@ -61,7 +61,7 @@ def test_a_straight_fall_of_the_stress_decides_just_below_the_layer() -> None:
     """Stress 1 - chi t, strength of the case above d and of the core below: d decides where (1 - chi d) times
     the gain of the case exceeds 1."""
     gradient, depth = 0.02, 2.0
-    layer = Layer("induction", depth, 500.0, 340.0, 340.0, NO_RESIDUAL)
+    layer = HardenedLayer("induction", depth, 500.0, 340.0, 340.0, NO_RESIDUAL)
     local, one = points(gradient), fillet(layer)
     below = 400.0 / 300.0 / (1 - gradient * depth)
     harder = 733.0 / (1.42 * 340 + 23)
@@ -78,7 +78,7 @@ def test_a_straight_fall_of_the_stress_decides_just_below_the_layer() -> None:
 
 def test_amplitude_and_mean_stress_both_fall() -> None:
     """Local stress analysis by hand at 2 mm of a straight fall: 1 / k = share (a / strength + m / Rm)."""
-    gradient, depth, core = 0.02, 2.0, Layer("induction", 9.0, 340.0, 340.0, 340.0, NO_RESIDUAL)
+    gradient, depth, core = 0.02, 2.0, HardenedLayer("induction", 9.0, 340.0, 340.0, 340.0, NO_RESIDUAL)
     share = 1 - gradient * depth
     there = gradient / share
     support = 1 + (525 / 495 - 1) / (2 / 7.5) * there
@@ -98,7 +98,7 @@ def test_a_steep_fall_decides_at_the_surface_and_tells_the_transition_beside_it(
 def test_the_depth_of_least_safety_of_a_smooth_profile() -> None:
     """Rolled: strength 1 + g (1 - t / d), stress 1 - chi t: the least of their ratio lies at an end, at the
     depth d where (1 - chi d)(1 + g) > 1, else at the surface."""
-    layer = Layer("rolled", 1.5, 374.0, 340.0, 340.0, NO_RESIDUAL)
+    layer = HardenedLayer("rolled", 1.5, 374.0, 340.0, 340.0, NO_RESIDUAL)
     for gradient in (0.01, 0.03):
         found = over_depth(by_amplitude, fillet(layer), points(gradient))
         support = (1 + math.sqrt(1600 * gradient) / 374) / (1 + math.sqrt(1600 * gradient) / 340)
