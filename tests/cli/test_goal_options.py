@@ -47,7 +47,7 @@ def test_plan_shows_goal_cases_and_what_is_assumed(capsys: pytest.CaptureFixture
         (["--minimise", "mass", "--maximise", "torsion"], 2, "--minimise excludes --maximise"),
         (["--limit", "torsion >= 100 %"], 2, "--limit needs a goal: add --minimise or --maximise"),
         (["--minimise", "weight"], 2, "unknown quantity. Did you mean 'mass'?"),
-        (["--minimise", "x y"], 2, "unknown quantity. Valid: balance_factor, bending,"),
+        (["--minimise", "x y"], 2, "unknown quantity. Valid: balance_factor, bearing_pressure,"),
         (["--minimise", "mass", "--limit", "torsion > 1 %"], 2, "goal.limits.torsion = '> 1 %'"),
         (["--minimise", "mass", "--limit", "mass <= 1 kg"], 3, "the goal itself makes it as low as"),
     ],

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from cranktopo.base.errors import CranktopoError
 from cranktopo.design.bearing_room import big_end_room_mm, own_main_room_mm
+from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, with_dimensions
 from cranktopo.design.schema import Scene
 
 _LARGEST_CLEARANCE = 0.01
@@ -43,3 +45,20 @@ def check_plain_bearings(scene: Scene) -> None:
                 f"must be at most {most:.4g} mm, 1 % of the journal's diameter",
                 "Usual is 0.05 to 0.15 %.",
             )
+
+
+def check_room_of_free_dimensions(scene: Scene) -> None:
+    """Check that the bearings still fit between the greatest fillets, beside the thickest web."""
+    taking = [name for name in DIMENSIONS if name == "web_thickness" or "fillet" in name]
+    greatest = {name: found[1] for name in taking if (found := free_range_mm(scene, name))}
+    if scene.bearings is None or not greatest:
+        return
+    try:
+        check_plain_bearings(with_dimensions(scene, greatest))
+    except CranktopoError as error:
+        told = ", ".join(f"{name}_mm = {value:g}" for name, value in greatest.items())
+        raise scene.invalid(
+            f"shape.free.{next(reversed(greatest))}_mm",
+            f"with the greatest, {told}, {error.message.rstrip('.')}",
+            "Narrow the range, or leave the width out: then a bearing is as wide as its room.",
+        ) from None

@@ -99,8 +99,11 @@ def goal_text(goal: Goal, optimiser: Optimiser) -> str:
     """Return the goal, its limits and those left to the evaluation in a line or two."""
     most = "least" if goal.sense == "minimise" else "largest"
     kept = [limit for limit in goal.limits if optimiser in QUANTITIES[limit.quantity].optimisers]
-    left = [limit for limit in goal.limits if limit not in kept]
+    bearings = [one for one in goal.limits if one not in kept and QUANTITIES[one.quantity].of_bearings]
+    left = [limit for limit in goal.limits if limit not in (*kept, *bearings)]
     lines = [f"goal: {most} {QUANTITIES[goal.quantity].label}; {_listed(kept) or 'no limits'}"]
+    if bearings:
+        lines.append(f"not judged, `cranktopo shape` changes what the bearings have: {_listed(bearings)}")
     if left:
         lines.append(f"not known to the {optimiser} optimisation, left to the evaluation: {_listed(left)}")
     return "\n".join(lines)
@@ -250,9 +253,10 @@ def _goal_word(value: Any, sense: str) -> Any:
         raise refused("unknown quantity", nearest_quantity(value))
     quantity = QUANTITIES[value]
     if not quantity.as_goal:
-        raise refused(
-            "can be limited but is no goal", f"Maximise '{quantity.load_case}': that makes it least."
+        instead = (
+            f"Maximise '{quantity.load_case}': that makes it least." if quantity.load_case else "Limit it."
         )
+        raise refused("can be limited but is no goal", instead)
     other = "Maximise" if sense == "minimise" else "Minimise"
     raise refused(f"{quantity.label} is wanted {quantity.better}", f"{other} it.")
 
@@ -285,6 +289,10 @@ class LimitsTable(SceneTable):
     """Twist between the mid-journal planes under the engine's largest torque."""
     fatigue_safety: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Least safety against fatigue; the density optimisation leaves it to the evaluation."""
+    oil_film: _LimitText | None = Field(default=None, examples=[">= 1.5 um"])
+    """Least oil film of main bearings and big ends over the cycle, of throws that stand alone; of `shape`."""
+    bearing_pressure: _LimitText | None = Field(default=None, examples=["<= 200 MPa"])
+    """Largest pressure in those films; of `shape`."""
 
     @field_validator("*", mode="before")
     @classmethod

@@ -25,6 +25,8 @@ QuantityName = Literal[
     "pin_displacement",
     "twist",
     "fatigue_safety",
+    "oil_film",
+    "bearing_pressure",
 ]
 _Better = Literal["low", "high"]
 Optimiser = Literal["density", "shape"]
@@ -46,6 +48,7 @@ class GoalQuantity:
         signed: whether it may be 0 or negative.
         load_case: empty where geometry alone gives it.
         engine_load: whether it depends on the size of the engine's load.
+        of_bearings: whether it is of the oil films in the bearings.
     """
 
     name: QuantityName
@@ -57,6 +60,7 @@ class GoalQuantity:
     signed: bool = False
     load_case: Literal["", "bending", "torsion"] = ""
     engine_load: bool = False
+    of_bearings: bool = False
     optimisers: frozenset[Optimiser] = frozenset({"density", "shape"})
 
     @property
@@ -137,6 +141,26 @@ QUANTITIES: dict[QuantityName, GoalQuantity] = {
             engine_load=True,
             optimisers=frozenset({"shape"}),
         ),
+        GoalQuantity(
+            "oil_film",
+            "least oil film of any bearing over the cycle",
+            {"um": 1.0, "mm": 1e3},
+            "high",
+            as_goal=False,
+            engine_load=True,
+            of_bearings=True,
+            optimisers=frozenset({"shape"}),
+        ),
+        GoalQuantity(
+            "bearing_pressure",
+            "largest oil-film pressure of any bearing over the cycle",
+            {"MPa": 1.0, "bar": 0.1},
+            "low",
+            as_goal=False,
+            engine_load=True,
+            of_bearings=True,
+            optimisers=frozenset({"shape"}),
+        ),
     )
 }
 _MEANT: dict[str, QuantityName] = {
@@ -147,6 +171,8 @@ _MEANT: dict[str, QuantityName] = {
     "displacement": "pin_displacement",
     "rotation": "twist",
     "imbalance": "unbalance",
+    "film": "oil_film",
+    "film_pressure": "bearing_pressure",
 }
 """Other names of quantities that no likeness of letters finds."""
 

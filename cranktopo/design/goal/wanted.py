@@ -212,9 +212,19 @@ def _cannot_tell(scene: Scene, name: QuantityName) -> str:
     """Tell why the scene does not give a quantity its size; empty where it does."""
     if name == "balance_factor" and not rods_kg_mm(scene)[1]:
         return "needs [engine.masses]: without them nothing oscillates"
+    if QUANTITIES[name].of_bearings:
+        return _no_film(scene)
     if not QUANTITIES[name].engine_load:
         return ""
     return _no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)
+
+
+def _no_film(scene: Scene) -> str:
+    if scene.bearings is None:
+        return "needs [bearings]: clearance and oil make the film"
+    if scene.engine is None or scene.engine.gas is None or not scene.engine.speed_rpm:
+        return "needs [engine.gas] and engine.speed_rpm: they load the bearings over the cycle"
+    return ""
 
 
 def _no_load(scene: Scene, case: str) -> str:

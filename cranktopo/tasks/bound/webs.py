@@ -25,7 +25,7 @@ from cranktopo.bodies.cells.domain import Domain
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
+from cranktopo.design.goal.quantities import QUANTITIES, STIFFNESS_OF, QuantityName
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.filters.processes import Parting
 from cranktopo.tasks.density.manufacturing import designable, is_manufactured, parting_of, pull_axis
@@ -92,6 +92,8 @@ def _constraint(limit: Limit, original: Mapping[str, float]) -> Constraint | str
     """Return the limit over the original's value, or why no convex statement holds it."""
     if limit.quantity == "fatigue_safety":
         return "stress is not part of the proof"
+    if QUANTITIES[limit.quantity].of_bearings:
+        return "bearings are not part of the proof"
     if limit.quantity == "balance_factor":
         return "the masses of the rods are not part of the proof: limit the unbalance"
     own = original[limit.quantity]

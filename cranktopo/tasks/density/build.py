@@ -14,7 +14,7 @@ from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.quantities import quantity_named
+from cranktopo.design.goal.quantities import QUANTITIES, quantity_named
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
@@ -41,7 +41,6 @@ from cranktopo.tasks.density.responses import (
     weighted_compliance,
 )
 
-_LEFT_TO_EVALUATION = "fatigue_safety"
 # Half the design space is where the projection turns neither way.
 _START = 0.5
 
@@ -113,7 +112,7 @@ def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, f
         tuple(
             _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
-            if limit.quantity != _LEFT_TO_EVALUATION
+            if "density" in QUANTITIES[limit.quantity].optimisers
         ),
     )
 
@@ -121,7 +120,7 @@ def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, f
 def _known(known: Mapping[str, Response], quantity: str, key: str) -> Response:
     if quantity in known:
         return known[quantity]
-    if quantity == _LEFT_TO_EVALUATION:
+    if "density" not in quantity_named(quantity).optimisers:
         raise invalid(
             key,
             quantity,

@@ -94,6 +94,8 @@ BENDING_PER_MASS = Quantity("bending_per_mass", "bending stiffness per mass", "k
 INERTIA = Quantity("inertia", "inertia about the crank axis", "kg_mm2", 0, -1)
 UNBALANCE = Quantity("unbalance", "unbalance", "kg_mm", 2, -1)
 SAFETY = Quantity("safety", "fatigue safety", "", 3, 1, "safety")
+OIL_FILM = Quantity("oil_film", "least oil film", "um", 2, 1)
+BEARING_PRESSURE = Quantity("bearing_pressure", "largest film pressure", "MPa", 1, -1)
 
 STIFFNESS = (TORSION, BENDING)
 PER_MASS = (TORSION_PER_MASS, BENDING_PER_MASS)

@@ -21,6 +21,7 @@ from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
+from cranktopo.tasks.shape.bearing_films import film_values
 from cranktopo.tasks.shape.start import kept_features
 
 
@@ -35,7 +36,7 @@ class EvaluatedWeb:
     @cached_property
     def values(self) -> dict[str, float]:
         """Its quantities by name, in the units of the goal's limits."""
-        return goal_values(self.scene, self.evaluation)
+        return {**goal_values(self.scene, self.evaluation), **film_values(self.scene)}
 
 
 def evaluated_web(

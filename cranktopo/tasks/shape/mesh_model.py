@@ -39,6 +39,7 @@ from cranktopo.tasks.fea.unit_fields import support_spring
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
+from cranktopo.tasks.shape.bearing_films import film_slopes, limits_films
 from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
@@ -121,6 +122,9 @@ class MeshModel:
             ratio = numbers[name] / numbers["mass"]
             numbers[f"{name}_per_mass"] = ratio
             gradients[f"{name}_per_mass"] = (gradients[name] - ratio * gradients["mass"]) / numbers["mass"]
+        if quantities is None and limits_films(self.scene):
+            films, slopes = film_slopes(self.scene, self._layout, values)
+            numbers, gradients = numbers | films, gradients | slopes
         return MeshResponses(numbers, gradients)
 
     def _solved(

@@ -16,7 +16,7 @@ from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import Rules
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
-_SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety")
+_SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety", "oil_film")
 _AT_BOUND = 0.02
 _NEAR_MM = 0.1
 """A rule holds a dimension that may move by less before it breaks; of throws of usual size."""

@@ -274,7 +274,7 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
 def _round_text(number: int, found: ShapeRound, original: EvaluatedWeb) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
-        for name in ("mass", "torsion", "bending", "fatigue_safety")
+        for name in ("mass", "torsion", "bending", "fatigue_safety", "oil_film")
         if name in original.values
     )
     told = f"finish {number}" if number else "web of the cells"

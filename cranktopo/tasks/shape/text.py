@@ -10,7 +10,7 @@ from cranktopo.report.goal_table import broken_limits, limits_table
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
-from cranktopo.tasks.fea.quantities import COMPARED, SAFETY
+from cranktopo.tasks.fea.quantities import BEARING_PRESSURE, COMPARED, OIL_FILM, SAFETY
 from cranktopo.tasks.shape.result import (
     DimensionSensitivity,
     FeatureTrial,
@@ -20,7 +20,11 @@ from cranktopo.tasks.shape.result import (
 )
 
 _Parameters = Sequence[DimensionSensitivity]
-QUANTITIES_TOLD = {quantity.key: quantity for quantity in COMPARED} | {"fatigue_safety": SAFETY}
+QUANTITIES_TOLD = {
+    **{quantity.key: quantity for quantity in COMPARED},
+    "fatigue_safety": SAFETY,
+    **{quantity.key: quantity for quantity in (OIL_FILM, BEARING_PRESSURE)},
+}
 """Quantities of a shape result by their keys in shape.json."""
 _KILO_UNITS = {
     "kNm_per_rad": "kN m/rad",
@@ -139,7 +143,7 @@ def rounds_table(found: ShapeResult) -> ResultTable:
 
 def named_first(found: ShapeResult) -> tuple[str, ...]:
     """Return the quantities that a result is told by, that of the goal first."""
-    names = (found.goal.quantity.name, "mass", "torsion", "bending", "fatigue_safety")
+    names = (found.goal.quantity.name, "mass", "torsion", "bending", "fatigue_safety", "oil_film")
     return tuple(name for name in dict.fromkeys(names) if name in found.change_percent)
 
 

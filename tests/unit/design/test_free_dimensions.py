@@ -116,3 +116,32 @@ def test_the_rules_of_the_thickness_are_the_same_at_every_thickness() -> None:
         found.append([name for name, _ in size_rules(layout, values, free, ManufacturingLimits())])
     assert found[0]
     assert all(names == found[0] for names in found)
+
+
+@pytest.mark.parametrize(
+    ("bearings", "free", "message"),
+    [
+        ("width_mm = 34", "web_thickness_mm = [17, 24]", "web_thickness_mm = 24, .*at most 25 mm, the room"),
+        (
+            "width_mm = 34",
+            "journal_fillet_mm = [2, 4.5]",
+            "journal_fillet_mm = 4.5, .*at most 31 mm, the room",
+        ),
+        (
+            "big_end_width_mm = 30",
+            "pin_fillet_mm = [2, 4.5]",
+            "pin_fillet_mm = 4.5, .*at most 27 mm, the room",
+        ),
+        (
+            "groove_mm = 30",
+            "web_thickness_mm = [17, 26]",
+            "web_thickness_mm = 26, .*leaves each film of a 21 mm",
+        ),
+    ],
+)
+def test_bearings_fit_beside_the_greatest_dimensions(bearings: str, free: str, message: str) -> None:
+    """Lengths between the fillets: 35 mm of the main journal, 31 mm of the crankpin."""
+    with_bearings = f"{MIKRON}\n[bearings]\nclearance_mm = 0.05\n"
+    with pytest.raises(CranktopoError, match=message):
+        parse_scene(f"{with_bearings}{bearings}\n[shape.free]\n{free}\n")
+    parse_scene(f"{with_bearings}\n[shape.free]\n{free}\n")

@@ -271,7 +271,7 @@ def test_options_replace_goal_and_limits() -> None:
     ("limit", "message"),
     [
         ("torsoin >= 100 %", "limit 'torsoin >= 100 %': unknown quantity 'torsoin'. Did you mean 'torsion'?"),
-        (">= 100 %", "must begin with the name of a quantity. Valid: balance_factor, bending,"),
+        (">= 100 %", "must begin with the name of a quantity. Valid: balance_factor, bearing_pressure,"),
         ("torsion", "goal.limits.torsion = '': must begin with <= or >="),
         ("torsion >= 3 \udcff\n", "goal.limits.torsion = '>= 3 \\udcff': unknown unit '\\udcff'"),
     ],

@@ -1,0 +1,50 @@
+"""Oil films of a web's bearings where a limit asks for them, and their slopes by free dimensions.
+
+A dimension takes width from a bearing (thickness, fillets) or changes its load (bores, counterweight). The
+web's outline changes the load as well, which the slopes leave out and the evaluation counts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.optimisers.gradient_search import central_difference
+from cranktopo.tasks.film.stage import films_at
+from cranktopo.tasks.refit.family import Layout, scene_at
+
+_STEP_MM = 0.02
+"""Of central differences; degrees where the dimension is an angle."""
+
+
+def limits_films(scene: Scene) -> bool:
+    """Tell whether a limit of the scene's goal is of the oil films."""
+    goal = wanted(scene)
+    return goal is not None and any(QUANTITIES[limit.quantity].of_bearings for limit in goal.limits)
+
+
+def film_values(scene: Scene) -> dict[str, float]:
+    """Return the least film, um, and the largest pressure, MPa, where a limit is of them; else nothing."""
+    return dict(zip(_NAMES, _films(scene), strict=True)) if limits_films(scene) else {}
+
+
+def film_slopes(scene: Scene, layout: Layout, values: Array) -> tuple[dict[str, float], dict[str, Array]]:
+    """Return film and pressure at a parameter vector, and their derivatives by all parameters."""
+
+    def found(at: Array) -> Array:
+        return _films(scene_at(scene, layout, at))
+
+    free = [place for place, name in enumerate(layout.names) if name in layout.dimensions]
+    slopes = central_difference(found, values, _STEP_MM, free)
+    return dict(zip(_NAMES, found(values), strict=True)), dict(zip(_NAMES, slopes, strict=True))
+
+
+_NAMES = ("oil_film", "bearing_pressure")
+
+
+def _films(scene: Scene) -> Array:
+    (every,) = films_at([scene])
+    return np.array([min(one.film_um for one in every), max(one.pressure_MPa for one in every)])
