@@ -92,8 +92,8 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
     """Optimise the web of DESIGN under its load cases and write a run.
 
     Without a goal it is the stiffest web at a volume fraction. Quantities of a goal and its limits are mass,
-    inertia, unbalance, balance_factor, torsion, bending, torsion_per_mass, bending_per_mass, pin_displacement,
-    twist and fatigue_safety; oil_film and bearing_pressure are limits of `cranktopo shape` alone.
+    inertia, unbalance, balance_factor, torsion, bending, torsion_per_mass, bending_per_mass,
+    pin_displacement, twist and fatigue_safety; oil_film and bearing_pressure limit `cranktopo shape` alone.
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """
