@@ -111,7 +111,7 @@ class TurningMasses:
     Attributes:
         throw_kg_mm: rotating unbalance of each throw with its rods, real along the throw.
         couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
-        web_kg_mm: unbalance of either web of a throw alone.
+        web_kg_mm: unbalance of either web of a throw with its counterweight.
         own_kg_mm: unbalance that the counterweight of either web takes already.
         piston_kg_mm: oscillating mass of one cylinder times the throw radius.
         counterweight_kg_mm: what both counterweights of a throw balance, real along the throw.
@@ -270,20 +270,19 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
 
     The ends of the crank beyond them are left out.
 
-    Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Forces
-    act in the planes of the cylinders and the middle of the webs, these with the couple of their throw, so
-    that the moment is largest at one of them. `weights` come on top of the webs' own counterweights.
+    Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Crankpins
+    and rods pull in the planes of the cylinders, webs with their counterweights in their own middles, these
+    with the couple of their throw, so that the moment is largest at one of them. `weights` come on top.
     """
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
     z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
     along = unit_vectors(layout.throw_angle_deg)
-    taken = sum(own * place for own, place in zip(masses.own_kg_mm, layout.web_places_mm, strict=True))
-    on_webs = masses.on_webs(0j, masses.couple_kg_mm2 + taken)
-    own = np.stack(on_webs, axis=-1) - np.stack(masses.own_kg_mm, axis=-1)
-    webs = (along[:, None] * own).ravel()
+    couple = sum(web * place for web, place in zip(masses.web_kg_mm, layout.web_places_mm, strict=True))
+    pair = masses.on_webs(0j, masses.couple_kg_mm2 - couple)
+    webs = (along[:, None] * (np.stack(pair, axis=-1) + np.stack(masses.web_kg_mm, axis=-1))).ravel()
     for weight in weights:
         webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
-    force = np.concatenate([(masses.throw_kg_mm + sum(masses.own_kg_mm)) * along, webs]) * per_kg_mm
+    force = np.concatenate([(masses.throw_kg_mm - sum(masses.web_kg_mm)) * along, webs]) * per_kg_mm
     first = layout.bearing_z_mm[0]
     reaction = (force * (layout.bearing_z_mm[-1] - z)).sum() / layout.length_mm
     arms = np.maximum(z[:, None] - z[None, :], 0.0)

@@ -248,20 +248,25 @@ def test_textbook_inner_moments():
         masses = turning_masses(scene)
         _, throw = unit_forces(masses)
         assert inner_moment(masses).moment_Nm * 1000 / throw / PITCH == pytest.approx(factor, rel=1e-12)
-        # A throw with its counterweights bends itself alone: half its force over the webs' distance.
+        # A balanced throw bends itself alone: half of what pulls at its pin over the webs' distance.
         weighted = inner_moment(masses, counterweights(masses))
-        assert weighted.moment_Nm * 1000 / throw == pytest.approx((36 + 19) / 4, rel=1e-12)
+        pin = throw * (1 - sum(masses.web_kg_mm) / masses.throw_kg_mm.real)
+        assert 0.5 * throw < pin < 0.6 * throw
+        assert weighted.moment_Nm * 1000 / pin == pytest.approx((36 + 19) / 4, rel=1e-12)
 
 
 def test_inner_moment_of_an_uneven_shaft():
     """Against cuts at many places, each with what lies behind it."""
     masses = turning_masses(UNEVEN_THREE)
     layout = masses.layout
-    force = masses.throw_kg_mm * masses.w2 / 1000 * np.exp(1j * np.radians(layout.throw_angle_deg))
+    along = masses.w2 / 1000 * np.exp(1j * np.radians(layout.throw_angle_deg))
+    web = masses.web_kg_mm[0]
+    force = np.concatenate([(masses.throw_kg_mm - 2 * web) * along, np.repeat(web * along, 2)])
+    z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
     ends = layout.bearing_z_mm[[0, -1]]
-    takeoff = -(force * (layout.throw_z_mm - ends[0])).sum() / (ends[1] - ends[0])
+    takeoff = -(force * (z - ends[0])).sum() / (ends[1] - ends[0])
     places = np.linspace(*ends, 6001)
-    behind = np.maximum(layout.throw_z_mm - places[:, None], 0.0) @ force + takeoff * (ends[1] - places)
+    behind = np.maximum(z - places[:, None], 0.0) @ force + takeoff * (ends[1] - places)
     found = inner_moment(masses)
     assert found.moment_Nm == pytest.approx(np.abs(behind).max() / 1000, rel=1e-4)
     assert abs(found.z_mm - places[np.abs(behind).argmax()]) < 0.1

@@ -139,15 +139,15 @@ def told(masses: TurningMasses) -> list[float]:
 
 
 def test_inner_moment_against_cuts() -> None:
-    """Of a shaft of four uneven throws, its counterweights where the webs are; the cuts see only forces."""
+    """Of a shaft of four uneven throws, what its webs have where they are; the cuts see only forces."""
     masses = turning_masses(uneven(4))
     layout, along = masses.layout, np.exp(1j * np.radians(masses.layout.throw_angle_deg))
     near, far = layout.web_places_mm
-    own = np.array(masses.own_kg_mm)
-    rest = masses.couple_kg_mm2 + own @ [near, far]
-    pair = np.array([-rest, rest]) / (far - near) - own
+    own = np.array(masses.web_kg_mm)
+    rest = masses.couple_kg_mm2 - own @ [near, far]
+    pair = np.array([-rest, rest]) / (far - near) + own
     z = np.concatenate([layout.throw_z_mm, *(layout.throw_z_mm[:, None] + [near, far])])
-    force = np.concatenate([(masses.throw_kg_mm + own.sum()) * along, np.outer(along, pair).ravel()])
+    force = np.concatenate([(masses.throw_kg_mm - own.sum()) * along, np.outer(along, pair).ravel()])
     force = force * masses.w2 / 1000
     first, last = layout.bearing_z_mm[[0, -1]]
     takeoff = -(force * (z - first)).sum() / (last - first)
