@@ -38,6 +38,11 @@ def plain_number(value: float, digits: int = 4) -> str:
     return f"{Decimal(text):f}" if "e" in text else text
 
 
+def frequency_text(frequency_Hz: float) -> str:
+    """Return a frequency with its unit, at least three digits: `3.75 Hz`, `801 Hz`."""
+    return f"{frequency_Hz:.0f} Hz" if frequency_Hz >= 100 else f"{plain_number(frequency_Hz, 3)} Hz"
+
+
 def number_text(value: float) -> str:
     """Return a number as tables and sentences show it: `685.7`, `68,440`."""
     return f"{value:,.0f}" if abs(value) >= _LARGE else plain_number(value)

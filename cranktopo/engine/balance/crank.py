@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +40,15 @@ def end_mass(scene: Scene, side: Side) -> EndMass:
     pieces = crank_end(scene, side)
     moments = sum((piece.moments for piece in pieces), _NOTHING).times(density)
     first = complex(moments.first_y, moments.first_x)
-    at = pieces[0].z_mm[0] if pieces else 0.0
+    places = [place for piece in pieces for place in piece.z_mm] or [0.0]
     product = density * sum(piece.product for piece in pieces)
-    return EndMass(moments.volume, moments.polar, first, product - at * first)
+    most = math.sqrt(moments.volume * moments.polar)  # what all of it at its radius of gyration would have
+    return EndMass(
+        moments.volume,
+        moments.polar,
+        _unless_rounding(first, most),
+        _unless_rounding(product - pieces[0].z_mm[0] * first if pieces else 0j, most * np.ptp(places)),
+    )
 
 
 @dataclass(frozen=True)
@@ -98,8 +105,12 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
     )
 
 
+def _unless_rounding(value: complex, scale: float) -> complex:
+    """Return a sum of parts of this size, 0 where only rounding is left of it."""
+    return value if abs(value) > 1e-12 * scale else 0j
+
+
 def _polar(size: str, direction: str, value: complex, scale: float) -> dict[str, float]:
-    """Magnitude and direction by their names; 0 where only rounding is left of it."""
-    if abs(value) <= 1e-12 * scale:
-        return {size: 0.0, direction: 0.0}
+    """Magnitude and direction by their names."""
+    value = _unless_rounding(value, scale)
     return {size: abs(value), direction: float(round(np.degrees(np.angle(value)) % 360.0, 9) % 360.0)}

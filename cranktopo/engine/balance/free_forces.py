@@ -270,9 +270,10 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
 
     The ends of the crank beyond them are left out.
 
-    Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment. Crankpins
-    and rods pull in the planes of the cylinders, webs with their counterweights in their own middles, these
-    with the couple of their throw, so that the moment is largest at one of them. `weights` come on top.
+    Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment.
+    Crankpins and rods pull in the planes of the cylinders, webs with their counterweights in their own
+    middles, these with the couple of their throw, so that the moment is largest at one of them. `weights`
+    come on top.
     """
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
     z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])

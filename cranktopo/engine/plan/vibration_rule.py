@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cranktopo.base.units import frequency_text
 from cranktopo.design.checks.engine import is_damped, speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.context import PlanningContext
@@ -44,7 +45,7 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
     given = shaft is not None and shaft.gives_stiffness
     source = "" if given else " (throws in closed form)"
     because = (
-        f"first natural frequency {found.frequency_Hz:.0f} Hz{source}, torque amplitude "
+        f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude "
         f"{found.percent:+z.3g} %, worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
     )
     without = 100 * (1 / (1 + found.percent / 100) - 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.units import frequency_text
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.modes.plots import modes_pictures
@@ -77,6 +78,6 @@ def _facts(found: ShaftModes) -> tuple[Fact, ...]:
     parts = " and ".join(found.torsion_only)
     missing = (Fact("Mass not given", parts, torsion_only_sentence(found), "bad"),) if parts else ()
     return missing + tuple(
-        Fact(f"First {kind}", f"{mode.frequency_Hz:.0f} Hz", f"mode {mode.mode}, {mode.kind}", "neutral")
+        Fact(f"First {kind}", frequency_text(mode.frequency_Hz), f"mode {mode.mode}, {mode.kind}", "neutral")
         for kind, mode in first.items()
     )

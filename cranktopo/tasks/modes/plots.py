@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.units import frequency_text
 from cranktopo.report.plot import GREY, Picture, picture, plain
 from cranktopo.tasks.modes.result import ShaftMode, ShaftModes
 
@@ -33,7 +34,7 @@ def modes_pictures(found: ShaftModes) -> tuple[Picture, ...]:
 
 
 def _shape(mode: ShaftMode) -> Picture:
-    name = f"Mode {mode.mode}, {mode.frequency_Hz:.0f} Hz: {mode.kind}"
+    name = f"Mode {mode.mode}, {frequency_text(mode.frequency_Hz)}: {mode.kind}"
     return picture(f"mode-{mode.mode}", f"{name}; motion along the shaft", _draw_shape, mode)
 
 
@@ -81,7 +82,7 @@ def _draw_shape(axes: Any, mode: ShaftMode) -> None:
         axes.plot(places, [getattr(s, key) for s in mode.shape], style, color="C0", lw=1, label=name)
     axes.plot(places, [s.twist for s in mode.shape], color="C3", lw=1, label="twist times throw radius")
     axes.axhline(0.0, color="0.5", lw=0.8)
-    axes.set_title(f"mode {mode.mode}, {mode.frequency_Hz:.0f} Hz: {mode.kind}", fontsize=8)
+    axes.set_title(f"mode {mode.mode}, {frequency_text(mode.frequency_Hz)}: {mode.kind}", fontsize=8)
     axes.set(xlabel="along the shaft (mm)", ylim=(-1.1, 1.1))
     plain(axes)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cranktopo.base.units import frequency_text
 from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Fact, Page, Section
@@ -109,7 +110,12 @@ def _first_frequency(study: VibrationStudy) -> Fact:
     critical = [found for found in study.critical if found.share >= WEAK]
     own = [found.speed_rpm for found in critical if found.mode == 1]
     low, high = study.response.speeds_rpm[[0, -1]]
-    met = f"first met at {min(own):.0f} rpm" if own else f"met by no order from {low:.0f} to {high:.0f} rpm"
+    no_order = f"met by no order that the cylinders excite together from {low:.0f} to {high:.0f} rpm"
+    met = f"first met at {min(own):.0f} rpm" if own else no_order
+    weak = [found for found in study.critical if found.mode == 1 and found.share < WEAK]
+    if weak and not own:
+        first = min(weak, key=lambda found: found.speed_rpm)
+        met += f", but at {first.speed_rpm:.0f} rpm by order {first.order:g} where one misfires"
     if critical and critical[0].mode != 1:
         met += f"; the lowest critical speed, {critical[0].speed_rpm:.0f} rpm, is of mode {critical[0].mode}"
-    return Fact("First natural frequency", f"{study.modes[0].frequency_Hz:.0f} Hz", met, "neutral")
+    return Fact("First natural frequency", frequency_text(study.modes[0].frequency_Hz), met, "neutral")

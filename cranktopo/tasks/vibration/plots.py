@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.units import frequency_text
 from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.plot import GREY, Picture, picture, plain
@@ -57,7 +58,7 @@ def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
     for number, mode in enumerate(study.modes, start=1):
         if mode.frequency_Hz <= top:
             axes.axhline(mode.frequency_Hz, color="C3", lw=1.2)
-            name = f"mode {number}, {mode.frequency_Hz:.0f} Hz"
+            name = f"mode {number}, {frequency_text(mode.frequency_Hz)}"
             axes.annotate(name, (speeds[0], mode.frequency_Hz), (2, 3), fontsize=7, color="C3", **_OFFSET)
     for found in study.critical:
         if found.share >= WEAK:
@@ -105,7 +106,7 @@ def _draw_torque(axes: Any, study: VibrationStudy) -> None:
 def _draw_modes(axes: Any, study: VibrationStudy) -> None:
     places = range(len(study.shaft.names))
     for mode in study.modes[:_MODES]:
-        axes.plot(places, mode.shape.real, "o-", ms=3, lw=1, label=f"{mode.frequency_Hz:.0f} Hz")
+        axes.plot(places, mode.shape.real, "o-", ms=3, lw=1, label=frequency_text(mode.frequency_Hz))
     axes.axhline(0.0, color="0.5", lw=0.8)
     axes.set_xticks(places, study.shaft.names, fontsize=7, rotation=35, ha="right", rotation_mode="anchor")
     axes.set_ylabel("twist over the largest")

@@ -15,7 +15,7 @@ from cranktopo.design.crank_throws import carried, throw_scenes
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import crank_mass
-from cranktopo.engine.balance.free_forces import rotating_force, turning_masses
+from cranktopo.engine.balance.free_forces import counterweights, rotating_force, turning_masses
 from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.tasks.shaft.assembly import shaft_matrix, shaft_stiffness
 from tests.random_cranks import random_crank
@@ -116,4 +116,21 @@ def test_free_forces_are_those_of_the_crank_as_a_body(seed: int) -> None:
     length = masses.layout.length_mm / 1000
     assert free.moment.largest == pytest.approx(
         mass.couple_kg_mm2 * masses.w2 / 1e6, abs=1e-9 * scale * length
+    )
+
+
+def test_round_ends_leave_nothing_free() -> None:
+    """A flange with twelve bolt holes is balanced: what its sum has left is rounding, and is told as nothing."""
+    flange = {"kind": "flange", "diameter_mm": 90.0, "length_mm": 12.0}
+    holes = {"bolts": 12, "bolt_circle_mm": 70.0, "bolt_diameter_mm": 8.0}
+    scene = mikron(end=[{"side": side, "step": [flange | holes]} for side in ("free", "output")])
+    masses = turning_masses(scene)
+    assert [end.mass_kg > 0 for end in masses.ends] == [True, True]
+    free = rotating_force(masses)
+    assert (free.force.largest, free.moment.largest) == (0.0, 0.0)
+    assert {weight.shaft_unbalance_kg_mm for weight in counterweights(masses)} == {0.0}
+    notched = {**flange, **holes, "bolts": 1}
+    uneven = turning_masses(mikron(end=[{"side": "output", "step": [notched]}]))
+    assert abs(uneven.ends[1].unbalance_kg_mm) == pytest.approx(
+        np.pi / 4 * 8**2 * 12 * 35 * 7.85e-6, rel=1e-9
     )
