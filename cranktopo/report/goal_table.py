@@ -13,6 +13,9 @@ from cranktopo.design.goal.outcome import (
 )
 from cranktopo.report.result_table import Column, ResultTable, tabulate
 
+_SHORT_PERCENT = 0.005
+"""Miss that is told of a limit that still counts as kept."""
+
 
 def goal_line(goal: GoalOutcome, reference: str = "the original web") -> str:
     """Return the goal and its value: `least mass: 1.407 kg, 88.6 % of the original web`."""
@@ -67,6 +70,16 @@ def broken_limits(goal: GoalOutcome) -> list[str]:
     ]
 
 
+def short_percent(limit: LimitOutcome) -> float:
+    """Return what is missing of a limit, percent of it; 0 where that does not show or it is a limit of 0."""
+    judged = limit.evaluation or limit
+    if not judged.required or judged.reached is None:
+        return 0.0
+    missing = judged.required - judged.reached
+    short = 100 * (missing if limit.sense == ">=" else -missing) / abs(judged.required)
+    return short if short >= _SHORT_PERCENT else 0.0
+
+
 def unjudged_line(goal: GoalOutcome | None) -> str:
     """Return which limits could not be judged and why, where an evaluation of them failed; else empty."""
     if goal is None or goal.not_evaluated is None:
@@ -100,7 +113,11 @@ def _reached(entry: GoalOutcome | GoalEvaluation | LimitOutcome, unit: str) -> s
 def _holds(limit: LimitOutcome) -> str:
     if limit.holds is None:
         return "unknown"
-    return (f"yes, within {100 * ACTIVE:g} %" if limit.active else "yes") if limit.holds else "NO"
+    if not limit.holds:
+        return "NO"
+    if short := short_percent(limit):
+        return f"yes, {short:.2f} % short"
+    return f"yes, within {100 * ACTIVE:g} %" if limit.active else "yes"
 
 
 def _evaluated(limit: LimitOutcome) -> LimitEvaluation:

@@ -160,6 +160,9 @@ def limit_outcome(
     name = limit.quantity
     now, before = reached.get(name), original.get(name)
     required = limit.required(before)
+    share_of = (
+        before if limit.percent or limit.unit != "%" else None
+    )  # a percentage of its own has no second one
     judged: dict[str, Any] = {"holds": None, "active": False}
     if required is not None and now is not None:
         kept = Constraint(name, limit.sense, required, before or 0.0, minimum_scale(name, original))
@@ -171,8 +174,8 @@ def limit_outcome(
         required=required,
         reached=now,
         unit=QUANTITIES[name].unit,
-        required_percent=limit.value if limit.percent else _percent(required, before),
-        reached_percent=_percent(now, before),
+        required_percent=limit.value if limit.percent else _percent(required, share_of),
+        reached_percent=_percent(now, share_of),
         assumed=limit.assumed,
         **judged,
     )

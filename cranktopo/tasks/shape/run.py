@@ -22,6 +22,7 @@ from cranktopo.design.assumed import (
     assumed_text,
     assumptions,
 )
+from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalWords, goal_outcome
 from cranktopo.design.goal.quantities import QUANTITIES
@@ -71,7 +72,6 @@ from cranktopo.tasks.shape.result import (
     ShapeValues,
 )
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
-from cranktopo.tasks.shape.search import HELD
 from cranktopo.tasks.shape.search_goal import quantity_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
 from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
@@ -260,8 +260,8 @@ def _assembled(
     table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
     return ShapeResult(
         design=scene.name,
-        goal=goal_outcome(goal, result.web.values, original.values, HELD),
-        status="converged" if result.held else "limits not met",
+        goal=goal_outcome(goal, result.web.values, original.values),
+        status="converged" if result.violation <= TOLERANCE else "limits not met",
         stop_reason=_reason(optimum),
         original=original.evaluation,
         result=result.web.evaluation,
@@ -328,7 +328,8 @@ def _reason(optimum: ShapeOptimum) -> str:
     result, count = optimum.result, len(optimum.rounds)
     if result.held:
         return f"every limit holds by the evaluation, web {optimum.best + 1} of {count} evaluated"
-    told = goal_outcome(optimum.goal, result.web.values, optimum.original.values, HELD).limits
+    told = goal_outcome(optimum.goal, result.web.values, optimum.original.values).limits
     worst = max(told, key=lambda limit: limit.violation or 0.0)
     label, percent = QUANTITIES[worst.quantity].label, 100 * (worst.violation or 0.0)
-    return f"{label} misses its limit by {percent:.2f} % by the evaluation, best of {count} webs"
+    within = f", within the {100 * TOLERANCE:g} % that count as kept" if percent <= 100 * TOLERANCE else ""
+    return f"{label} misses its limit by {percent:.2f} % by the evaluation{within}, best of {count} webs"

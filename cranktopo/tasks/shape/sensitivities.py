@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.refit.family import parameter_unit
@@ -118,5 +119,7 @@ def _limits(
     gradients = goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity]))
     for limit, over, slope in zip(goal.limits, goal.violations(found.values), gradients, strict=True):
         if over > -_NEAR_LIMIT and slope[index] * better > 0:
-            name, percent = limit.quantity.replace("_", " "), 100 * limit.bound / original[limit.quantity]
-            yield f"limit: {name} {limit.sense} {percent:.4g} % of the original"
+            name, unit = limit.quantity.replace("_", " "), quantity_named(limit.quantity).unit
+            percent = 100 * limit.bound / original[limit.quantity]
+            told = f"{limit.bound:.4g} %" if unit == "%" else f"{percent:.4g} % of the original"
+            yield f"limit: {name} {limit.sense} {told}"

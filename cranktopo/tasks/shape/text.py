@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cranktopo.base.units import plain_number
-from cranktopo.report.goal_table import broken_limits, limits_table
+from cranktopo.design.goal.constraint import TOLERANCE
+from cranktopo.report.goal_table import broken_limits, limits_table, short_percent
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
@@ -151,7 +152,8 @@ def shape_headline(found: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
     change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
     said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+z.1f} %" for name in names)
-    judged = f"NOT MET: {'; '.join(missed)};" if missed else "Every limit holds:"
+    nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, found.goal.limits)) else ""
+    judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
     unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
     return f"{unmade}{judged} {said} against the original web."
 
@@ -203,9 +205,15 @@ def multiplier_doubt(found: ShapeResult) -> str:
 
 def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
     name = found.goal.quantity.name.replace("_", " ")
+    missed = {(limit.quantity, limit.sense) for limit in found.goal.limits if limit.holds is False}
     for price in found.prices:
         way, cost = "less" if price.sense == "<=" else "more", price.goal_percent_per_percent
-        nothing = "costs nothing: this limit does not decide"
+        decides = (price.quantity, price.sense) in missed
+        nothing = (
+            "has no price known: this limit is missed"
+            if decides
+            else "costs nothing: this limit does not decide"
+        )
         effect = nothing if cost < _MINIMUM_PERCENT else f"costs {cost:.2f} % {name}"
         yield f"1 % {way} {price.quantity.replace('_', ' ')}", effect
     rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= _MINIMUM_PERCENT]

@@ -120,7 +120,7 @@ def test_free_forces_are_those_of_the_crank_as_a_body(seed: int) -> None:
 
 
 def test_round_ends_leave_nothing_free() -> None:
-    """A flange with twelve bolt holes is balanced: what its sum has left is rounding, and is told as nothing."""
+    """A flange with twelve bolt holes is balanced: what its sum has left is rounding, told as nothing."""
     flange = {"kind": "flange", "diameter_mm": 90.0, "length_mm": 12.0}
     holes = {"bolts": 12, "bolt_circle_mm": 70.0, "bolt_diameter_mm": 8.0}
     scene = mikron(end=[{"side": side, "step": [flange | holes]} for side in ("free", "output")])

@@ -49,6 +49,29 @@ def test_a_limit_holds_within_half_a_percent_and_is_active_within_one(
     assert (found.holds, found.active) == (holds, active)
 
 
+def test_what_is_missing_of_a_limit_that_counts_as_kept_is_told() -> None:
+    goal = Goal(
+        "minimise", "mass", (Limit("torsion", ">=", 110.0, percent=True), Limit("unbalance", "<=", 30.0))
+    )
+    found = goal_outcome(goal, {"mass": 1.4, "torsion": 153.4e3, "unbalance": 29.9}, ORIGINAL)
+    table = terminal(limits_table(GoalOutcome.of_json(found.as_json(), "a file")))
+    assert "yes, 0.39 % short" in table
+    assert "yes, within 1 %" in table
+
+
+def test_a_percentage_of_its_own_is_not_told_in_percent_of_the_original() -> None:
+    own, of_original = Limit("balance_factor", ">=", 48.0), Limit("balance_factor", ">=", 96.0, percent=True)
+    told = limit_outcome(own, {"balance_factor": 47.9}, {"balance_factor": 50.0})
+    assert (told.required, told.reached, told.required_percent, told.reached_percent) == (
+        48.0,
+        47.9,
+        None,
+        None,
+    )
+    share = limit_outcome(of_original, {"balance_factor": 47.9}, {"balance_factor": 50.0})
+    assert (share.required_percent, share.reached_percent) == (96.0, pytest.approx(95.8))
+
+
 def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
     limits = (Limit("torsion", ">=", 110.0, percent=True), Limit("unbalance", "<=", 30.0))
     goal = Goal("minimise", "mass", (*limits, Limit("fatigue_safety", ">=", 100.0, True, assumed=True)))

@@ -35,6 +35,19 @@ def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:
     assert told == multiplier_text(_found(data))
 
 
+def test_a_limit_that_is_missed_is_not_told_as_one_that_does_not_decide(data: dict[str, Any]) -> None:
+    limit = {"quantity": "fatigue_safety", "sense": ">=", "required": 2.0, "reached": 1.9, "unit": ""}
+    limit |= {"required_percent": 100.0, "reached_percent": 95.0, "active": True, "assumed": True}
+    missed, held = (
+        multiplier_text(
+            _found(data | {"goal": goal(minimise="mass") | {"limits": [limit | {"holds": holds}]}})
+        )
+        for holds in (False, True)
+    )
+    assert "1 % more fatigue safety has no price known: this limit is missed" in missed
+    assert "1 % more fatigue safety costs nothing: this limit does not decide" in held
+
+
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:
     told = multiplier_text(
         _found(data | {"goal": goal(maximise="torsion_per_mass"), "prices_remainder_percent": 45.0})

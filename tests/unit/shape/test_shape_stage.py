@@ -13,6 +13,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.base.progress import Work
+from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
@@ -21,7 +22,7 @@ from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.refining import Step
-from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
@@ -155,6 +156,48 @@ def test_a_finish_reaches_farther_and_there_are_more_while_limits_are_missed(sha
     away = Told([missed[1], *[missed[0]] * 9])
     assert (shaped(away).best, away.finishes) == (0, 4)
     assert away.reaches == pytest.approx([3.2, 0.8, 0.2, 0.05])
+
+
+def test_a_finish_names_the_limits_that_its_web_misses(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0, "mass": 100.4, "bending": 98.0}, *[{"fatigue_safety": 102.0}] * 3])
+    shaped(told)
+    (cells,) = [line for line in told.lines if line.startswith("web of the cells")]
+    assert cells.endswith("limits missed: mass by 0.40 %, bending by 2.00 %")
+    assert any(line.startswith("finish 1") and line.endswith("limits kept") for line in told.lines)
+
+
+def test_a_finish_keeps_the_balance_that_closed_forms_tell_of_its_web(
+    shaped: Shaped, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The search promised too small a counterweight; it is asked again for what is missing."""
+    factors, asked = iter([48.0, 49.0, 50.1]), list[float]()
+    monkeypatch.setattr(
+        stage,
+        "throw_balance",
+        lambda _: SimpleNamespace(
+            balance_factor_percent=next(factors), inertia_kg_mm2=1.0, throw_unbalance_kg_mm=1.0
+        ),
+    )
+    monkeypatch.setattr(stage, "shaped_scene", lambda scene, *_: scene)
+    goal = SearchGoal("mass", 1.0, 1.6, (Constraint("balance_factor", ">=", 50.0),))
+
+    def stepped(cells: Any, layout: Any, at: Any, exact: Any, goal: SearchGoal, *rest: Any) -> Step:
+        asked.append(goal.limits[0].bound)
+        return Step(at + 0.01, Quantities({}, {}), 0.5, 5)
+
+    monkeypatch.setattr(stage, "stepped", stepped)
+    web = SimpleNamespace(values={"mass": 1.6, "balance_factor": 51.0})
+    before = SimpleNamespace(web=web, values=np.zeros(2), held=True)
+    scene = load_scene("mikron-iiic-plain")
+    cells = SimpleNamespace(scene=scene, webs=lambda: None)
+    found = SimpleNamespace(values={}, excess_percent=())
+    finish = stage._LocalRefinement(cells, goal, None, web, stage.ShapeSettings(), Work())
+    monkeypatch.setattr(finish, "anchored", lambda _: None)
+    monkeypatch.setattr(finish, "_evaluated", lambda values, number, solved: (found, solved))
+    assert finish._finished(before, 1, stage._FINISH, 0.0) == (found, 3 * 5 + 1)
+    assert asked[0] == pytest.approx(50 * (1 + stage._SAFE))
+    assert asked[1] - asked[0] == pytest.approx(asked[0] - 48.0, rel=1e-3)
+    assert asked[2] - asked[1] == pytest.approx(asked[0] - 49.0, rel=1e-1)
 
 
 def test_a_finish_whose_mesh_collapses_leaves_the_web_before_it(shaped: Shaped) -> None:
