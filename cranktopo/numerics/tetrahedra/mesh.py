@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, solver_error
-from cranktopo.base.notes import note
+from cranktopo.base.notes import at_work, note
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.surfaces.mesh import (
     SurfaceMesh,
@@ -166,7 +166,8 @@ def tetrahedralise(
     The surface is oriented outwards, hollows inwards; `size_at` gives the element size at points (n, 3).
     Raises CranktopoError: the surface cannot be filled, or its volume is not kept.
     """
-    return quadratic(*_fill(surface, element_size_mm, size_at, name))
+    with at_work(f"mesh of {name}"):
+        return quadratic(*_fill(surface, element_size_mm, size_at, name))
 
 
 def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
