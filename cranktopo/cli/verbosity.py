@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import logging
 import os
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from functools import partial, wraps
+from pathlib import Path
 from typing import Any
 
 import click
@@ -20,6 +22,9 @@ from cranktopo.base.notes import duration_text, running
 _LEVEL = "cranktopo.verbosity"
 _LONGEST_S = 24.0
 """Between two lines of long work: after half a minute without one people ask whether it hangs."""
+_BEAT = 1 / 12
+"""Between two signs of life for the process that speaks while native code stops all threads of this one, over
+the longest time without a line."""
 QUIET, NORMAL, VERBOSE = -1, 0, 1
 _LOGGED = {QUIET: logging.ERROR, NORMAL: logging.INFO, VERBOSE: logging.DEBUG}
 
@@ -47,15 +52,16 @@ class _Stderr(logging.Handler):
     """Write a record as one line on stderr, above a progress bar where there is one.
 
     Attributes:
-        told: when the last line was written.
+        told: when the last record was written.
+        spoken: when the last line was written, of a record or about a wait.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self.told = time.monotonic()
+        self.told = self.spoken = time.monotonic()
 
     def emit(self, record: logging.LogRecord) -> None:
-        self.told = time.monotonic()
+        self.told = self.spoken = time.monotonic()
         bars = sys.modules.get("tqdm")
         with bars.tqdm.external_write_mode(file=sys.stderr) if bars else nullcontext():
             click.echo(record.getMessage(), err=True)
@@ -68,10 +74,38 @@ class _Stderr(logging.Handler):
                 last, wait = self.told, quiet_s
                 continue
             took = time.monotonic() - last
-            bars: Any = sys.modules.get("tqdm")
-            if not (bars and getattr(bars.tqdm, "_instances", None)):  # a bar shows that the work goes on
+            if not _bar_is_shown():
+                self.spoken = time.monotonic()
                 click.echo(f"{running() or command}: {duration_text(took)} so far", err=True)
             wait = took + min(took, _LONGEST_S)
+
+    def beat(self, command: str, ended: threading.Event) -> None:
+        """Keep a process that tells a line where no thread of this one can; none for a short command."""
+        if ended.wait(_BEAT * _LONGEST_S / 2):
+            return
+        program = [sys.executable, "-I", "-S", str(Path(__file__).with_name("watchdog_process.py"))]
+        with (
+            suppress(OSError),  # no process can be started, or it has gone: there is no such line then
+            subprocess.Popen(
+                [*program, str(_LONGEST_S)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                bufsize=0,
+                start_new_session=True,  # a terminal sends Ctrl-C to all
+            ) as process,
+        ):
+            assert process.stdin is not None
+            while True:
+                now, name = time.monotonic(), "" if _bar_is_shown() else running() or command
+                process.stdin.write(f"{now - self.spoken:.1f} {now - self.told:.1f} {name}\n".encode())
+                if ended.wait(_BEAT * _LONGEST_S):
+                    break
+
+
+def _bar_is_shown() -> bool:
+    """Tell whether a progress bar shows that the work goes on."""
+    bars: Any = sys.modules.get("tqdm")
+    return bool(bars and getattr(bars.tqdm, "_instances", None))
 
 
 @contextmanager
@@ -80,15 +114,21 @@ def _notes_on_stderr() -> Iterator[None]:
     before = logger.level
     logger.addHandler(handler)
     logger.setLevel(_LOGGED[level()])
-    waits = threading.Thread(target=handler.tell_waits, args=(_command(), ended, _QUIET_S), daemon=True)
+    command = _command()
+    threads = [
+        threading.Thread(target=handler.tell_waits, args=(command, ended, _QUIET_S), daemon=True),
+        threading.Thread(target=handler.beat, args=(command, ended), daemon=True),
+    ]
     if level() == QUIET:
         ended.set()
-    waits.start()
+    for thread in threads:
+        thread.start()
     try:
         yield
     finally:
         ended.set()
-        waits.join()
+        for thread in threads:
+            thread.join()
         logger.removeHandler(handler)
         logger.setLevel(before)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import re
 import time
@@ -12,6 +13,7 @@ import pytest
 
 from cranktopo.base.notes import at_work, running
 from cranktopo.cli.verbosity import _notes_on_stderr, _Stderr
+from cranktopo.cli.watchdog_process import Watchdog
 
 
 class _Clock:
@@ -84,3 +86,31 @@ def test_the_lines_end_with_the_command(
     capsys.readouterr()
     time.sleep(0.1)
     assert capsys.readouterr().err == ""
+
+
+def test_native_code_that_stops_all_threads_is_told_too(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("cranktopo.cli.verbosity._QUIET_S", 3600.0)  # the other lines
+    monkeypatch.setattr("cranktopo.cli.verbosity._LONGEST_S", 1.0)
+    locked = ctypes.PyDLL(None)  # unlike CDLL it keeps the interpreter's lock
+    with _notes_on_stderr():
+        time.sleep(0.6)  # the process that speaks then has started
+        with at_work("mesh"):
+            time.sleep(0.2)
+            locked.usleep(2_500_000)
+    told = capfd.readouterr().err.splitlines()
+    assert 1 <= len(told) <= 3
+    assert all(re.fullmatch(r"mesh: [1-3] s so far", line) for line in told)
+
+
+def test_a_watchdog_is_quiet_while_beats_come() -> None:
+    """A mesher that began 1 s after the last line; from 29 s on it holds the lock."""
+    watchdog, told = Watchdog(24.0), list[str]()
+    for second in range(1, 81):
+        if second < 30:
+            watchdog.hear(f"{second:.1f} {second - 1:.1f} mesh", 100.0 + second)
+        told.append(watchdog.line(100.0 + second))
+    assert {second: line for second, line in enumerate(told, 1) if line} == {
+        second: f"mesh: {second - 1} s so far\n" for second in (35, 58)
+    }

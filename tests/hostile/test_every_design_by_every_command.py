@@ -71,8 +71,13 @@ APART = {
     "runs clean",
 }
 """Commands without a design or a run; the bench, which serves until it is ended; a pair needs two webs."""
-LEFT = {"import": "throw.step", **dict.fromkeys(["extract", "evaluate RUN", "report", "compare"], RUN)}
-LEFT |= {"runs show": RUN, "remodel": RUN}
+LEFT = {
+    "import": "throw.step",
+    "runs show": RUN,
+    "extract": f"{RUN}/checkpoint",
+    **dict.fromkeys(["report", "remodel"], f"{RUN}/metrics.json"),
+    **dict.fromkeys(["evaluate RUN", "compare"], f"{RUN}/web.stl"),
+}
 """What must be there: a command whose own input another one refused is left out."""
 ENDLESS_S = {"cheap": 900.0, "run": 1800.0, "dear": 7200.0}
 REFUSED = {
@@ -145,7 +150,7 @@ def chosen(words: list[str]) -> tuple[list[str], list[str]]:
     designs = [name for name in DESIGNS if name in words]
     groups = [name for group, names in GROUPS.items() if group in words for name in names]
     commands = [name for name in COMMANDS if name in words or name in groups]
-    if any(name in LEFT and LEFT[name] == RUN for name in commands) and "optimise" not in commands:
+    if any(name in LEFT and LEFT[name].startswith(RUN) for name in commands) and "optimise" not in commands:
         commands = ["optimise", *commands]
     return designs or list(DESIGNS), commands or list(COMMANDS)
 

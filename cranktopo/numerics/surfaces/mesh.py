@@ -76,18 +76,23 @@ def solid_of(mesh: SurfaceMesh, name: str = "surface") -> Manifold:
     return solid
 
 
+def unrounded_mesh_of(solid: Manifold) -> SurfaceMesh:
+    """Return the mesh of a solid as the boolean engine holds it."""
+    mesh = solid.to_mesh64()
+    return SurfaceMesh(np.array(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64))
+
+
 def mesh_of(solid: Manifold) -> SurfaceMesh:
     """Return the mesh of a solid, rounded to what a binary STL can hold and welded.
 
     Rounding here and not in the writer means that every check sees the coordinates that are written.
     """
-    mesh = solid.to_mesh64()
-    points = np.array(mesh.vert_properties)[:, :3]
+    mesh = unrounded_mesh_of(solid)
+    points = mesh.vertices_mm.copy()
     points[np.abs(points) < _NOTHING_MM] = 0.0  # rounding left of 0, on either side, or -0
     rounded = points.astype(np.float32)
-    faces = np.asarray(mesh.tri_verts).astype(np.int64)
     vertices, number = np.unique(rounded, axis=0, return_inverse=True)
-    faces = number.reshape(-1)[faces]
+    faces = number.reshape(-1)[mesh.faces]
     collapsed = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     return SurfaceMesh(vertices.astype(np.float64), faces[~collapsed])
 
@@ -188,8 +193,8 @@ def self_intersections_mm(mesh: SurfaceMesh) -> Array:
 
 def _piercing_edges(mesh: SurfaceMesh) -> Iterator[list[float]]:
     solid = solid_of(mesh)
-    kept = solid.to_mesh64()
-    points, faces = np.asarray(kept.vert_properties)[:, :3], np.asarray(kept.tri_verts).astype(np.int64)
+    kept = unrounded_mesh_of(solid)
+    points, faces = kept.vertices_mm, kept.faces
     pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     edges = pairs[pairs[:, 0] < pairs[:, 1]]  # each edge of a closed oriented mesh once
     places, corners = points.tolist(), faces.tolist()  # lists: a cast ray costs less than an array's index

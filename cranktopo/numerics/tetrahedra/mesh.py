@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError, solver_error
-from cranktopo.base.notes import note
+from cranktopo.base.notes import at_work, note
 from cranktopo.numerics.gmsh_session import cad_session, tetrahedra
 from cranktopo.numerics.surfaces.mesh import (
     SurfaceMesh,
-    mesh_of,
     self_intersections_mm,
     shells,
     solid_of,
+    unrounded_mesh_of,
 )
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
@@ -144,12 +144,18 @@ _TET4 = 4
 _DISTANCES = (1 / 40, 1 / 20, 1 / 80)
 """Largest distance between the new surface and the old one over the element size; the second and third
 where the first gives a surface that meets itself."""
-_JOINED, _COARSER = (1 / 360, 1 / 720, 1 / 180, 1 / 120), (1 / 40, 1 / 20, 1 / 10)
-"""Where all of them do: distance over the element size within which small triangles are joined first, and
-those of the new surface from that. Slivers beside a rounded outlet turn others over."""
+_JOINED, _CUT, _AGAIN = (0.0, 1 / 2000, 1 / 200), (1 / 2, 1 / 8), (1 / 40, 1 / 20)
+"""Where all of them do: distance over the element size within which small triangles are joined first, longest
+edge over it that all are cut to then, and distances of the new surface from that. MMG turns triangles over
+beside slivers, and beside long narrow ones such as the chords of a bore."""
 _GRADATION = 1.7
 _SHARP_DEG = 40.0
 _VOLUME_TOLERANCE = 5e-3
+_FLATTEST = 1e-5
+"""Least volume of an element over that of the regular one with its longest edge; flatter ones leave the
+solver a residual."""
+_REGULAR = 6 * np.sqrt(2.0)
+"""Cube of the edge of a regular tetrahedron over its volume."""
 
 
 def tetrahedralise(
@@ -160,18 +166,19 @@ def tetrahedralise(
     The surface is oriented outwards, hollows inwards; `size_at` gives the element size at points (n, 3).
     Raises CranktopoError: the surface cannot be filled, or its volume is not kept.
     """
-    return quadratic(*_fill(surface, element_size_mm, size_at, name))
+    with at_work(f"mesh of {name}"):
+        return quadratic(*_fill(surface, element_size_mm, size_at, name))
 
 
 def _fill(surface: SurfaceMesh, size: float, size_at: _SizeField, name: str) -> tuple[Array, Tetrahedra]:
     failures = list[str]()
-    tries = [(0.0, distance) for distance in _DISTANCES] + list(product(_JOINED, _COARSER))
-    for joined, distance in tries:
+    tries = [(0.0, 0.0, distance) for distance in _DISTANCES] + list(product(_JOINED, _CUT, _AGAIN))
+    for joined, cut, distance in tries:
         try:
-            joining = mesh_of(solid_of(surface, name).simplify(size * joined)) if joined else surface
-            clean = _resurfaced(joining, size, size * distance)
+            prepared = _prepared(surface, size * joined, size * cut, name)
+            clean = _resurfaced(prepared, size, size * distance)
             found = _improved(*_inside(clean, size, name), size, size * distance, size_at)
-            _check_volume(surface, *found)
+            _check(surface, *found)
         except (CranktopoError, RuntimeError) as error:  # MMG raises the latter
             failures.append(str(error))
             continue
@@ -193,14 +200,29 @@ def _where_it_meets_itself(mesh: SurfaceMesh) -> str:
     return ""
 
 
-def _check_volume(surface: SurfaceMesh, points: Array, tets: Tetrahedra) -> None:
-    a, b, c, d = (points[tets[:, corner]] for corner in range(4))
+def _check(surface: SurfaceMesh, points: Array, tets: Tetrahedra) -> None:
+    corners = points[tets.T]
+    a, b, c, d = corners
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     error = volume.sum() / surface.volume_mm3 - 1
     if volume.min() <= 0 or abs(error) > _VOLUME_TOLERANCE:
         raise solver_error(
             f"the remeshed body is {100 * error:+z.2g} % off in volume.", "Choose a smaller element size."
         )
+    longest = np.max([np.linalg.norm(corners[i] - corners[j], axis=1) for i, j in EDGES], axis=0)
+    flattest = float((_REGULAR * volume / longest**3).min())
+    if flattest < _FLATTEST:
+        raise solver_error(
+            f"an element has {flattest:.1g} of the volume of a regular one.", "Choose a smaller element size."
+        )
+
+
+def _prepared(surface: SurfaceMesh, joined_mm: float, edge_mm: float, name: str) -> SurfaceMesh:
+    """Return the same shape in triangles without longer edges, small ones joined; 0: as they are."""
+    if not edge_mm:
+        return surface
+    body = solid_of(surface, name)
+    return unrounded_mesh_of((body.simplify(joined_mm) if joined_mm else body).refine_to_length(edge_mm))
 
 
 def _resurfaced(surface: SurfaceMesh, size: float, distance: float) -> SurfaceMesh:

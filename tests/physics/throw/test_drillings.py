@@ -12,13 +12,14 @@ from manifold3d import Manifold
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import build_domain
-from cranktopo.bodies.prisms import journal_halves, web_bores
+from cranktopo.bodies.prisms import journal_halves, segments, web_bores
 from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
 from cranktopo.design.halves import envelope_asymmetry, mirror_image, web_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.tasks.importing.placement import misfits, ring_misfits
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.drilling.moments import drilled
@@ -144,6 +145,18 @@ def test_cells_and_surface_have_it() -> None:
         whole = build_domain(bare, cell, "web", domain.extent, domain.grid)
         gone = float(((whole.passive_fraction - domain.passive_fraction) * domain.volume_mm3).sum())
         assert gone == pytest.approx(drilled(sharp).volume, rel=2e-4)
+
+
+@pytest.mark.parametrize("drilling", [LEANING, STRAIGHT, RADIAL], ids=["leaning", "straight", "radial"])
+def test_a_rounding_joins_its_bore_without_a_furrow(drilling) -> None:
+    """A furrow would have folded triangles at every chord around the bore; single slivers do no harm."""
+    scene, bare = mikron(drilling), mikron()
+    for name, solid, whole in zip(
+        ("main_journal", "crankpin"), journal_halves(scene), journal_halves(bare), strict=True
+    ):
+        turn_deg = np.degrees(mesh_of(solid).as_trimesh().face_adjacency_angles)
+        assert (turn_deg > 150.0).sum() < 0.05 * segments(2.5)
+        assert whole.volume() - solid.volume() == pytest.approx(drilled(scene, name).volume, rel=3e-4)
 
 
 def test_design_space_keeps_hole_and_wall() -> None:

@@ -1,4 +1,4 @@
-"""A surface whose slivers turn triangles over when it is remeshed: the rounded outlet of an oil drilling."""
+"""Surfaces whose triangles turn over when they are replaced: slivers at an outlet, chords of a drilling."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
-from cranktopo.numerics.surfaces.mesh import SurfaceMesh, self_intersections_mm
+from cranktopo.bodies.prisms import journal_halves
+from cranktopo.design.loading import scene_from_dict
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh, mesh_of, self_intersections_mm
 from cranktopo.numerics.tetrahedra import mesh
+from tests.hostile.featured_engines import featured_engine
 
 SIZE_MM = 7.2
 
@@ -24,20 +27,43 @@ def outlet() -> SurfaceMesh:
     return found
 
 
-def filled(surface: SurfaceMesh) -> tuple[np.ndarray, np.ndarray]:
-    return mesh.tetrahedralise(surface, SIZE_MM, lambda at: np.full(len(at), SIZE_MM), "outlet")
-
-
-def test_small_triangles_are_joined_where_the_surface_cannot_be_meshed(outlet: SurfaceMesh) -> None:
-    told = list[str]()
-    with redirected(told.append):
-        points, cells = filled(outlet)
+def filled(surface: SurfaceMesh, size_mm: float = SIZE_MM) -> tuple[np.ndarray, np.ndarray]:
+    points, cells = mesh.tetrahedralise(surface, size_mm, lambda at: np.full(len(at), size_mm), "outlet")
     corners = points[:, cells[:4]]
     sides = corners[:, 1:] - corners[:, :1]
     volume = np.einsum("ie,ie->e", sides[:, 0], np.cross(sides[:, 1], sides[:, 2], axis=0)) / 6
-    assert volume.min() > 0
-    assert volume.sum() == pytest.approx(outlet.volume_mm3, rel=5e-3)
-    assert any("small triangles were joined within 0.0" in line for line in told), "what was done is told"
+    lengths = [np.linalg.norm(corners[:, i] - corners[:, j], axis=0) for i, j in mesh.EDGES]
+    assert (volume / np.max(lengths, axis=0) ** 3).min() > 1e-6, "no flat element"
+    assert volume.sum() == pytest.approx(surface.volume_mm3, rel=5e-3)
+    return points, cells
+
+
+def test_small_triangles_are_joined_where_the_surface_cannot_be_meshed(
+    outlet: SurfaceMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mesh, "_JOINED", mesh._JOINED[-1:])
+    told = list[str]()
+    with redirected(told.append):
+        filled(outlet)
+    assert any("small triangles were joined within 0.036 mm" in line for line in told), (
+        "what was done is told"
+    )
+
+
+def test_long_triangles_are_cut_first_where_the_surface_cannot_be_meshed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The drilled main journal of a random engine, the half x >= 0, by elements as `evaluate` takes them."""
+    scene = scene_from_dict(featured_engine(7))
+    main, _ = journal_halves(scene)
+    surface = mesh_of(main.trim_by_plane((1.0, 0.0, 0.0), 0.0))
+    size_mm, told = 16.18, list[str]()
+    with redirected(told.append):
+        filled(surface, size_mm)
+    assert not told, "the same shape"
+    monkeypatch.setattr(mesh, "_JOINED", ())
+    with pytest.raises(CranktopoError, match="3 tries"):
+        filled(surface, size_mm)
 
 
 def test_a_surface_that_no_try_meshes_is_refused_with_its_place(
