@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -163,6 +164,7 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
     lines = [
         shape_headline(found),
         found.stop_reason,
+        *([] if found.held else [f"go on from this web: {shlex.join(['cranktopo', 'shape', str(folder)])}"]),
         *(
             [f"die releases it: {release_verdict(found.undercuts)}, {release_text(found.undercuts)}"]
             if found.undercuts

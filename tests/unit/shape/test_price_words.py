@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from cranktopo.report.plot import picture
 from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import multiplier_table, multiplier_text
+from cranktopo.tasks.shape.text import multiplier_table, multiplier_text, shape_summary
 from tests.unit.shape.shape_results import goal, invented_data
 
 
@@ -46,6 +47,24 @@ def test_a_limit_that_is_missed_is_not_told_as_one_that_does_not_decide(data: di
     )
     assert "1 % more fatigue safety has no price known: this limit is missed" in missed
     assert "1 % more fatigue safety costs nothing: this limit does not decide" in held
+
+
+def test_a_search_that_misses_a_limit_says_how_to_go_on(data: dict[str, Any], tmp_path: Path) -> None:
+    limit = {
+        "quantity": "mass",
+        "sense": "<=",
+        "required": 2.0,
+        "reached": 2.1,
+        "unit": "kg",
+        "assumed": False,
+    }
+    limit |= {"required_percent": 100.0, "reached_percent": 105.0, "active": True}
+    ended, lines = {"seconds": {"total": 1.0}, "worst_case_percent": {"tolerance": 0.5}}, {}
+    for holds in (False, True):
+        told = goal(maximise="bending") | {"limits": [limit | {"holds": holds}]}
+        lines[holds] = shape_summary(_found(data | {"goal": told} | ended), tmp_path / "a b")
+    assert f"\ngo on from this web: cranktopo shape '{tmp_path}/a b'\n" in lines[False]
+    assert "go on" not in lines[True]
 
 
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:
