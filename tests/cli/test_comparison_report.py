@@ -20,6 +20,7 @@ from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
+from cranktopo.tasks.compare.page import _changes
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
 from cranktopo.tasks.fatigue import stage
@@ -155,6 +156,13 @@ def test_the_next_best_takes_the_star_too() -> None:
     assert comparison.best(TORSION) is None
     assert [comparison.differ(2, row, TORSION) for row in (0, 1)] == [True, False]
     assert compare([entries[0], entries[2]], "a").best(TORSION) == 1
+
+
+def test_a_headline_tells_no_change_below_its_error() -> None:
+    """0.1 % between two webs whose difference is known to 0.15 %, and 0.1 % that is known to 0.045 %."""
+    for error, told in ((1.0, False), (0.3, True)):
+        near = [Entry(evaluated(name, torsion, error)) for name, torsion in (("a", 100e3), ("b", 99.9e3))]
+        assert (TORSION in _changes(compare(near, "a"), 1)) == told
 
 
 def test_latex_for_a_thesis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

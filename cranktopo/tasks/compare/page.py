@@ -165,7 +165,10 @@ _TOLD = 3
 
 
 def _changes(comparison: Comparison, row: int) -> dict[Quantity, float]:
-    return {quantity: comparison.percent(row, quantity) - 100 for quantity in (MASS, TORSION, BENDING)}
+    """Changes against the baseline that are larger than the bound of their error, %."""
+    told = (MASS, TORSION, BENDING)
+    known = [quantity for quantity in told if comparison.differ(row, comparison.baseline, quantity)]
+    return {quantity: comparison.percent(row, quantity) - 100 for quantity in known}
 
 
 def _facts(comparison: Comparison) -> tuple[Fact, ...]:
