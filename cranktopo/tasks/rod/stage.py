@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
+from cranktopo.base.files import as_path, write_json
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.material import Material
@@ -18,10 +20,12 @@ from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import RodMass, drilled, fillet, rod_mass, section
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion, rod_bolt_force_N, rod_motions
+from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.bolts.stage import check_rod_bolt
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.needs import check_method
+from cranktopo.tasks.rod.elements import rod_elements
 from cranktopo.tasks.rod.eye import (
     bush_pressure_MPa,
     bush_share,
@@ -32,6 +36,7 @@ from cranktopo.tasks.rod.eye import (
     pushed_arch,
     ring_stress_MPa,
 )
+from cranktopo.tasks.rod.pictures import write_rod_files
 from cranktopo.tasks.rod.pin import check_pin
 from cranktopo.tasks.rod.result import Buckling, RodMasses, RodSectionCheck, RodStrength
 
@@ -67,13 +72,8 @@ def check_rod_strength(design: DesignLike, method: str = "lsa") -> RodStrength:
         CranktopoError: no rod, no engine, no gas pressure, or a strength of the material is missing.
     """
     scene = as_scene(design)
-    rod, length = rod_of(scene)
-    of_rod = scene.model_copy(update={"material": rod.material or scene.material})
-    check_method(of_rod, method)
-    if of_rod.material.yield_MPa is None:
-        raise CranktopoError(f"{scene.name}: rod.material.yield_MPa is missing.", hint="Give it.")
-    mass = rod_mass(rod, length, scene.material)
-    loaded = _Loaded(of_rod, rod, length, mass, rod_motions(scene), method)
+    loaded = _loaded(scene, method)
+    rod, length, mass = loaded.rod, loaded.length_mm, loaded.mass
     push, push_deg, pull, pull_deg = _pin_extremes(loaded)
     return RodStrength(
         design=scene.name,
@@ -92,6 +92,43 @@ def check_rod_strength(design: DesignLike, method: str = "lsa") -> RodStrength:
         pin=check_pin(rod, rod.pin, push) if rod.pin else None,
         bolt=check_rod_bolt(scene),
     )
+
+
+def check_rod_elements(
+    design: DesignLike,
+    method: str = "lsa",
+    element_size_mm: float | None = None,
+    out: Path | str | None = None,
+) -> RodStrength:
+    """Return the strength of a design's rod with that by finite elements beside it.
+
+    Args:
+        element_size_mm: by default one that gives rods of any size as many elements.
+        out: folder for a picture and a VTU file of the surface.
+
+    Raises:
+        CranktopoError: as `check_rod_strength`, no valid mesh, a failed solve, or a folder that holds files.
+    """
+    scene, out = as_scene(design), as_path(out)
+    if out is not None:
+        check_folder(out)
+    found = check_rod_strength(scene, method)
+    loaded = _loaded(scene, method)
+    elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm)
+    told = found.model_copy(update={"elements": elements})
+    if out is not None:
+        write_rod_files(out, scene.name, stress)
+        write_json(out / "rod.json", told.as_json())
+    return told
+
+
+def _loaded(scene: Scene, method: str) -> _Loaded:
+    rod, length = rod_of(scene)
+    of_rod = scene.model_copy(update={"material": rod.material or scene.material})
+    check_method(of_rod, method)
+    if of_rod.material.yield_MPa is None:
+        raise CranktopoError(f"{scene.name}: rod.material.yield_MPa is missing.", hint="Give it.")
+    return _Loaded(of_rod, rod, length, rod_mass(rod, length, scene.material), rod_motions(scene), method)
 
 
 def _masses(mass: RodMass) -> RodMasses:
