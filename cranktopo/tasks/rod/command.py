@@ -35,6 +35,7 @@ _DESIGN = "mikron-iiic-rod"
 )
 @click.option("--fea", is_flag=True, help="With stresses, safeties and ovalisation by finite elements.")
 @click.option("--element-size-mm", type=CELL_MM, help="With --fea: element size; by default by the volume.")
+@click.option("--contact", is_flag=True, help="With --fea: rigid pins touch the bores; else by the cosine.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -48,6 +49,7 @@ def command(
     lighter: Path | None,
     fea: bool,
     element_size_mm: float | None,
+    contact: bool,
     out: Path | None,
     as_json: bool,
 ) -> None:
@@ -56,28 +58,34 @@ def command(
     The rod is [rod]; its masses replace those of [engine.masses] in every command. `export --part rod` writes
     its solid.
 
-    With --fea a quarter of the rod is solved on curved tet10 elements, with cosine pressure in both eyes.
+    With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
+    eyes, or with --contact where rigid pins touch.
 
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
     from cranktopo.design.loading import load_scene
     from cranktopo.design.writing import design_name, save_scene
     from cranktopo.runs.destination import check_file
-    from cranktopo.tasks.rod.lighter import lighten_rod
+    from cranktopo.tasks.rod.lighter import lighten_rod, with_elements
     from cranktopo.tasks.rod.stage import check_rod_elements, check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
 
-    if not fea and (element_size_mm or out):
-        option = "--element-size-mm" if element_size_mm else "--out"
+    given = {"--element-size-mm": element_size_mm, "--contact": contact, "--out": out}
+    for option in (name for name, value in given.items() if value and not fea):
         raise CranktopoError(f"{option}: only with --fea.", hint="Add --fea.", code=ExitCode.USAGE)
-    scene, searched = load_scene(design, whole=True), None
+    own = scene = load_scene(design, whole=True)
+    searched = None
     if lighter is not None:
         check_file(lighter, "--lighter", (".toml",))
-        scene, searched = lighten_rod(scene, method)
+        scene, searched = lighten_rod(own, method)
         save_scene(scene.model_copy(update={"name": design_name(lighter)}), lighter)
         note(str(lighter))
-    found = (
-        check_rod_elements(scene, method, element_size_mm, out) if fea else check_rod_strength(scene, method)
-    )
+    if fea:
+        found = check_rod_elements(scene, method, element_size_mm, contact, out)
+        if searched is not None:
+            before = check_rod_elements(own, method, element_size_mm, contact)
+            searched = with_elements(searched, before, found)
+    else:
+        found = check_rod_strength(scene, method)
     found = found.model_copy(update={"lighter": searched})
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else rod_text(found))

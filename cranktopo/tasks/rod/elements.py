@@ -15,15 +15,21 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion
 from cranktopo.numerics.tetrahedra.surface_loads import at_faces
 from cranktopo.tasks.fea.evaluation import RATIO
+from cranktopo.tasks.rod.contact import contact_deg, cosine
 from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_loads, element_stress
 from cranktopo.tasks.rod.eye import bush_pressure_MPa
 from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, SharpEdge
 from cranktopo.tasks.rod.unit_fields import (
     ALONG,
+    PRESSED,
     QUARTERS,
+    Eye,
+    Pressures,
     RodFields,
     bore_of,
+    contact_pressures,
     rod_material,
+    rod_model,
     solve_rod,
 )
 
@@ -35,12 +41,18 @@ _STEPS = ("coarse mesh", "fine mesh")
 
 
 def rod_elements(
-    scene: Scene, motions: Sequence[RodMotion], method: str, element_size_mm: float | None = None
+    scene: Scene,
+    motions: Sequence[RodMotion],
+    method: str,
+    element_size_mm: float | None = None,
+    *,
+    contact: bool = False,
 ) -> tuple[RodElements, ElementStress]:
     """Return the rod of a scene by finite elements on two meshes, and the stresses on the finer one.
 
     Args:
         scene: its material is that of the rod.
+        contact: pressure where rigid pins touch, found on the coarse mesh, in place of the cosine.
 
     Raises:
         CranktopoError: no valid mesh, or a failed solve.
@@ -49,10 +61,14 @@ def rod_elements(
     size, away = element_size_mm or usual, _EDGE_ELEMENTS * usual
     pace = Pace(f"{scene.name}: rod by elements", len(_STEPS))
     found = []
+    pressures: Pressures | None = None
     for step, one in zip(_STEPS, (RATIO * size, size), strict=True):
         pace.begin(step)
         note(f"{scene.name}: rod on elements of {one:.3g} mm")
-        fields = solve_rod(scene, one)
+        model = rod_model(scene, one)
+        if pressures is None:
+            pressures = contact_pressures(scene, model) if contact else {}
+        fields = solve_rod(scene, model, pressures)
         loads = _states(fields, motions)
         found.append(element_stress(fields, loads, method, away))
     coarse, fine = found
@@ -73,6 +89,7 @@ def _told(coarse: ElementStress, fine: ElementStress, loads: Array, size: float)
         _place(name, stress, fatigue, before.get(name), limit) for name, stress, fatigue in fine.worst()
     )
     return RodElements(
+        contact=bool(fields.pressures),
         element_size_mm=size,
         nodes=fields.model.nodes_mm.shape[1],
         residual=fields.residual,
@@ -119,26 +136,24 @@ def _place(
 def eye_shapes(fields: RodFields, loads: Array) -> tuple[EyeShape, ...]:
     """Return what the largest push and pull of either eye make of its bore."""
     found = []
-    for eye in ("small", "big"):
-        for load in ("push", "pull"):
-            force = loads[:, ALONG.index(f"{eye} {load}")]
-            state = int(force.argmax())
-            across, along = _diameters_um(fields, loads[state], small=eye == "small")
-            found.append(
-                EyeShape(
-                    eye=f"{eye} end",
-                    load=load,
-                    force_N=float(force[state]),
-                    across_um=across,
-                    along_um=along,
-                )
-            )
+    for number, (eye, side) in enumerate(PRESSED):
+        state = int(loads[:, number].argmax())
+        across, along = _diameters_um(fields, loads[state], eye)
+        shape = EyeShape(
+            eye=f"{eye} end",
+            load=ALONG[number].split()[1],
+            force_N=float(loads[state, number]),
+            contact_deg=contact_deg(fields.pressures.get((eye, side), cosine)),
+            across_um=across,
+            along_um=along,
+        )
+        found.append(shape)
     return tuple(found)
 
 
-def _diameters_um(fields: RodFields, loads: Array, *, small: bool) -> tuple[float, float]:
+def _diameters_um(fields: RodFields, loads: Array, eye: Eye) -> tuple[float, float]:
     """Return the changes of a bore's diameter across and along the rod, by waves around it."""
-    bore = bore_of(fields.scene, fields.model, small=small)
+    bore = bore_of(fields.scene, fields.model, eye)
     x, y, _ = np.asarray(bore.faces.global_coordinates()).reshape(3, -1)
     angle, count = np.arctan2(x, y - bore.y_mm), len(ALONG)
     moved = (loads[:count] @ fields.displacement_mm[:count]).reshape(-1, 3)

@@ -75,6 +75,10 @@ class LighterRod(Result):
     smallest_yield_safety: tuple[float, float]
     """Of all sections and struts."""
     smallest_fatigue_safety: tuple[float, float]
+    elements_yield_safety: tuple[float, float] | None = UNLESS_NONE
+    """Smallest by finite elements, with `--fea`."""
+    elements_fatigue_safety: tuple[float, float] | None = UNLESS_NONE
+    """Smallest by finite elements, with `--fea`."""
     speed_rpm: float
     """Highest speed, of the next two."""
     crankpin_pull_N: tuple[float, float]
@@ -118,6 +122,8 @@ class EyeShape(Result):
     load: str
     force_N: float
     """Force on the bore along the rod."""
+    contact_deg: float
+    """Angle from the middle of the pressed half to where the pressure ends."""
     across_um: float
     """Change of the diameter across the rod."""
     along_um: float
@@ -132,8 +138,10 @@ class SharpEdge(Result):
 
 
 class RodElements(Result):
-    """The rod by finite elements: a quarter under cosine pressure in both eyes, inertia and press fit."""
+    """The rod by finite elements: a quarter under pressure in both eyes, inertia and press fit."""
 
+    contact: bool
+    """Pressure of the pins where they touch as rigid ones, in place of the cosine over half of each bore."""
     element_size_mm: float
     nodes: int
     residual: float

@@ -98,12 +98,14 @@ def check_rod_elements(
     design: DesignLike,
     method: str = "lsa",
     element_size_mm: float | None = None,
+    contact: bool = False,
     out: Path | str | None = None,
 ) -> RodStrength:
     """Return the strength of a design's rod with that by finite elements beside it.
 
     Args:
         element_size_mm: by default one that gives rods of any size as many elements.
+        contact: rigid pins touch the bores, in place of pressure by the cosine.
         out: folder for a picture and a VTU file of the surface.
 
     Raises:
@@ -114,7 +116,7 @@ def check_rod_elements(
         check_folder(out)
     found = check_rod_strength(scene, method)
     loaded = _loaded(scene, method)
-    elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm)
+    elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm, contact=contact)
     told = found.model_copy(update={"elements": elements})
     if out is not None:
         write_rod_files(out, scene.name, stress)

@@ -48,6 +48,7 @@ _EYES: tuple[Column[EyeShape], ...] = (
     Column("bore", 0, lambda e: e.eye),
     Column("under the largest", 0, lambda e: e.load),
     Column("force_N", 0, lambda e: e.force_N),
+    Column("pressed_deg", 0, lambda e: e.contact_deg),
     Column("across_um", 1, lambda e: e.across_um),
     Column("along_um", 1, lambda e: e.along_um),
 )
@@ -108,7 +109,8 @@ def _elements(found: RodElements, sections: Sequence[RodSectionCheck]) -> str:
         Column("closed form fatigue", 2, lambda p: getattr(section(p), "fatigue_safety", None)),
     )
     size = f"{found.nodes:,} nodes, elements of {found.element_size_mm:.3g} mm"
-    lines = [f"By finite elements on a quarter: {size}; von Mises stress, positive where it stretches"]
+    pins = "rigid pins touch" if found.contact else "pressure by the cosine"
+    lines = [f"By finite elements on a quarter, {pins}: {size}; von Mises stress, positive in tension"]
     lines.append(terminal(tabulate(columns, found.places)))
     if found.at_sharp_edges is not None:
         x, y, z = found.at_sharp_edges.point_mm
@@ -132,12 +134,22 @@ def _pin(pin: PinCheck) -> str:
     return f"Piston pin under {pin.force_N:,.0f} N\n\n{labelled(rows)}"
 
 
+def _by_elements(found: LighterRod) -> list[tuple[str, str]]:
+    """Rows of what finite elements say of both rods, where they were asked."""
+    safeties = (
+        ("smallest against yield, elements", found.elements_yield_safety),
+        ("smallest for fatigue, elements", found.elements_fatigue_safety),
+    )
+    return [(name, "{:.2f} -> {:.2f}".format(*pair)) for name, pair in safeties if pair]
+
+
 def _lighter(found: LighterRod) -> str:
     change = 100 * (found.result_kg / found.start_kg - 1)
     rows = (
         ("mass", f"{found.start_kg:.4f} -> {found.result_kg:.4f} kg ({change:+.1f} %)"),
         ("smallest against yield", "{:.2f} -> {:.2f}".format(*found.smallest_yield_safety)),
         ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*found.smallest_fatigue_safety)),
+        *_by_elements(found),
         ("rod's unbalance", "{:.2f} -> {:.2f} kg mm".format(*found.rotating_unbalance_kg_mm)),
         (
             f"pull on the crankpin at {found.speed_rpm:g} rpm",

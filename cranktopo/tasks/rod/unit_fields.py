@@ -6,10 +6,10 @@ closed in itself, by even acceleration along the rod or by both eyes across it: 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mass_matrix
 from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
+from cranktopo.tasks.rod.contact import Pressure, cosine, strips, touching
 
 ALONG = ("small push", "small pull", "big push", "big pull", "small inertia", "big inertia", "press fit")
 """Loads that are the same on both sides of the rod: 1 N on the lower or upper half of the small end's bore
@@ -34,6 +35,12 @@ and on the upper or lower half of the big end's, by the cosine; the inertia wher
 ACROSS = ("small whip", "big whip")
 """Loads that the mirror x -> -x turns around: the inertia where one end accelerates by 1 m/s2 across the rod
 and the other does not, carried by both eyes."""
+Eye = Literal["small", "big"]
+EYES: tuple[Eye, ...] = ("small", "big")
+PRESSED: tuple[tuple[Eye, int], ...] = (("small", -1), ("small", 1), ("big", 1), ("big", -1))
+"""Eyes and sides of the first loads of `ALONG`."""
+Pressures = Mapping[tuple[Eye, int], Pressure]
+"""Pressure on the sides of bores; by the cosine where none is given."""
 QUARTERS = 4
 _PLANE_MM = 1e-6
 _ON_BORE = 1e-5
@@ -48,6 +55,7 @@ class RodFields:
         displacement_mm: of each load of `ALONG` and `ACROSS`, shape (loads, unknowns).
         inertia_kg: mass that the accelerations of small and big end move along the rod.
         residual: largest force that is left on a node, supports included, over all of its load.
+        pressures: of the pins on the bores; by the cosine where none is given.
     """
 
     scene: Scene
@@ -55,6 +63,7 @@ class RodFields:
     displacement_mm: Array
     inertia_kg: tuple[float, float]
     residual: float
+    pressures: Pressures
 
     @property
     def rod(self) -> Rod:
@@ -82,26 +91,40 @@ def _elastic(scene: Scene) -> tuple[float, float]:
     return material.E_GPa * MPA_PER_GPA, material.poisson
 
 
-def solve_rod(scene: Scene, element_size_mm: float) -> RodFields:
-    """Mesh a quarter of a design's rod and solve its unit loads.
+def rod_model(scene: Scene, element_size_mm: float) -> Elasticity:
+    """Return a quarter of a design's rod on elements.
 
     Raises:
-        CranktopoError: no rod, impossible geometry, no valid mesh, or a failed solve.
+        CranktopoError: no rod, impossible geometry, or no valid mesh.
     """
     get_ready()
-    model = assemble(mesh_rod(scene, element_size_mm), *_elastic(scene))
-    return solve_unit_loads(scene, model)
+    return assemble(mesh_rod(scene, element_size_mm), *_elastic(scene))
 
 
-def solve_unit_loads(scene: Scene, model: Elasticity) -> RodFields:
-    """Return the unit loads of a design's rod on a model of its quarter."""
-    loads = _Loads(scene, model)
+def contact_pressures(scene: Scene, model: Elasticity) -> Pressures:
+    """Return the pressures of rigid pins on both sides of both bores."""
+    loads = _Loads(scene, model, {})
+    parts = [loads.strips(eye, side) for eye, side in PRESSED]
+    moved = _solved(model, np.hstack([part for part, _ in parts]), loads.held_along())[0]
+    each = np.split(moved, len(PRESSED), axis=1)
+    return {
+        at: touching(part, own, forces) for at, (part, forces), own in zip(PRESSED, parts, each, strict=True)
+    }
+
+
+def solve_rod(scene: Scene, model: Elasticity, pressures: Pressures) -> RodFields:
+    """Return the unit loads of a design's rod on a model of its quarter.
+
+    Raises:
+        CranktopoError: a failed solve.
+    """
+    loads = _Loads(scene, model, pressures)
     along, across = loads.along(), loads.across()
     (first, left), (second, more) = side_by_side(
         lambda: _solved(model, along, loads.held_along()), lambda: _solved(model, across, loads.held_across())
     )
     fields = np.ascontiguousarray(np.hstack([first, second]).T)
-    return RodFields(scene, model, fields, loads.inertia_kg, max(left, more))
+    return RodFields(scene, model, fields, loads.inertia_kg, max(left, more), pressures)
 
 
 def _solved(
@@ -143,9 +166,13 @@ class Bore:
         found = pressure(x / self.radius_mm, (y - self.y_mm) / self.radius_mm)
         return pressure_force(self.model, self.faces, found)
 
-    def pressed(self, side: int) -> Array:
-        """Return 1 N on the rod along +y or -y, as its side is, by the cosine over half of the bore."""
-        force = self._force(lambda _, y: np.maximum(side * y, 0.0))
+    def pressed(self, side: int, pressure: Pressure) -> Array:
+        """Return a pressure on the half of the bore toward +y or -y, as its side is."""
+        return self._force(lambda x, y: pressure(np.arctan2(x, side * y)))
+
+    def unit(self, side: int, pressure: Pressure) -> Array:
+        """Return 1 N on the rod along +y or -y by such a pressure."""
+        force = self.pressed(side, pressure)
         return np.asarray(force / abs(force[1::3].sum()) / QUARTERS)
 
     def across(self) -> Array:
@@ -158,10 +185,10 @@ class Bore:
         return self._force(lambda x, _: np.ones_like(x))
 
 
-def bore_of(scene: Scene, model: Elasticity, *, small: bool) -> Bore:
+def bore_of(scene: Scene, model: Elasticity, eye: Eye) -> Bore:
     """Return the bore of small or big end on a model of the quarter."""
     rod, length = rod_of(scene)
-    if small:
+    if eye == "small":
         return Bore(model, length, rod.small_end_bore_mm / 2)
     return Bore(model, 0.0, rod.big_end_bore_mm / 2)
 
@@ -169,11 +196,12 @@ def bore_of(scene: Scene, model: Elasticity, *, small: bool) -> Bore:
 class _Loads:
     """Unit loads of a design's rod as nodal forces on a quarter of it."""
 
-    def __init__(self, scene: Scene, model: Elasticity) -> None:
+    def __init__(self, scene: Scene, model: Elasticity, pressures: Pressures) -> None:
         """Find the bores and the mass of the nodes, tonne."""
         rod, self._length = rod_of(scene)
         self._model = model
-        self._small, self._big = (bore_of(scene, model, small=small) for small in (True, False))
+        self._bores = {eye: bore_of(scene, model, eye) for eye in EYES}
+        self._pressures = pressures
         self._mass = mass_matrix(model, density_tonne_per_mm3(rod_material(scene).density_kg_m3))
         self._bolts = _bolt_masses(model, rod)
         self._share = model.nodes_mm[1] / self._length
@@ -195,21 +223,28 @@ class _Loads:
         """Loads of `ALONG`, (unknowns, k), each closed by even acceleration."""
         loads = np.column_stack(
             [
-                self._small.pressed(-1),
-                self._small.pressed(1),
-                self._big.pressed(1),
-                self._big.pressed(-1),
+                *(
+                    self._bores[eye].unit(side, self._pressures.get((eye, side), cosine))
+                    for eye, side in PRESSED
+                ),
                 self._inertia(self._share, 1),
                 self._inertia(1 - self._share, 1),
-                self._small.even(),
+                self._bores["small"].even(),
             ]
         )
         even = self._inertia(np.ones_like(self._share), 1)
         return np.asarray(loads - np.outer(even, loads[1::3].sum(axis=0) / even[1::3].sum()))
 
+    def strips(self, eye: Eye, side: int) -> tuple[Array, Array]:
+        """Pressures on strips of a side, (unknowns, strips), each carried by the other eye; their forces."""
+        bore, other = self._bores[eye], self._bores["big" if eye == "small" else "small"]
+        loads = np.column_stack([bore.pressed(side, pressure) for pressure in strips()])
+        forces = side * loads[1::3].sum(axis=0)
+        return loads + np.outer(other.unit(-side, cosine), QUARTERS * forces), forces
+
     def across(self) -> Array:
         """Loads of `ACROSS`, (unknowns, 2), each carried by both eyes."""
-        eyes = np.column_stack([self._small.across(), self._big.across()])
+        eyes = np.column_stack([bore.across() for bore in self._bores.values()])
         loads = np.column_stack([self._inertia(s, 0) for s in (self._share, 1 - self._share)])
         carried = np.linalg.solve(self._sums(eyes), self._sums(loads))
         return np.asarray(loads - eyes @ carried)

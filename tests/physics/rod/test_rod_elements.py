@@ -14,10 +14,19 @@ from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm, near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
-from cranktopo.numerics.tetrahedra.surface_loads import face_shares, faces_where, pressure_force
+from cranktopo.numerics.tetrahedra.surface_loads import at_faces, face_shares, faces_where, pressure_force
+from cranktopo.tasks.rod.contact import contact_deg, cosine, strips
 from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, place_of, surface_stresses
 from cranktopo.tasks.rod.elements import eye_shapes
-from cranktopo.tasks.rod.unit_fields import ACROSS, ALONG, bore_of, solve_rod
+from cranktopo.tasks.rod.unit_fields import (
+    ACROSS,
+    ALONG,
+    PRESSED,
+    bore_of,
+    contact_pressures,
+    rod_model,
+    solve_rod,
+)
 
 LOADS = (*ALONG, *ACROSS)
 RING_MM = 10.0, 20.0
@@ -102,7 +111,7 @@ MASS = rod_mass(SCENE.rod, 166.0, SCENE.material)
 
 @pytest.fixture(scope="module")
 def fields():
-    return solve_rod(SCENE, 4.5)
+    return solve_rod(SCENE, rod_model(SCENE, 6.0), {})
 
 
 @pytest.fixture(scope="module")
@@ -179,11 +188,11 @@ def test_nothing_is_left_on_nodes_and_supports(fields):
     )
 
 
-@pytest.mark.parametrize(("small", "side"), [(True, -1), (True, 1), (False, 1), (False, -1)])
-def test_eyes_carry_by_the_cosine(fields, small, side):
+@pytest.mark.parametrize(("eye", "side"), PRESSED)
+def test_eyes_carry_by_the_cosine(fields, eye, side):
     """1 N over the whole rod, and the second wave of p = cos psi over half a bore: 2/3 over pi/2 of it."""
-    bore = bore_of(SCENE, fields.model, small=small)
-    x, y, _ = bore.pressed(side).reshape(-1, 3).T
+    bore = bore_of(SCENE, fields.model, eye)
+    x, y, _ = bore.unit(side, cosine).reshape(-1, 3).T
     assert 4 * y.sum() == pytest.approx(side)
     angle = np.arctan2(fields.model.nodes_mm[0], side * (fields.model.nodes_mm[1] - bore.y_mm))
     outward = x * np.sin(angle) + side * y * np.cos(angle)
@@ -191,13 +200,39 @@ def test_eyes_carry_by_the_cosine(fields, small, side):
     assert 4 * (outward * np.cos(2 * angle)).sum() == pytest.approx(4 / 3 / math.pi, rel=0.01)
 
 
+@pytest.mark.slow
+def test_a_rigid_pin_touches_where_it_presses(fields):
+    """Signorini's conditions in a state solved anew: no pressure across a gap, no gap under pressure."""
+    pressures = contact_pressures(SCENE, fields.model)
+    touched = solve_rod(SCENE, fields.model, pressures)
+    for number, (eye, side) in enumerate(PRESSED):
+        bore, pressure = bore_of(SCENE, fields.model, eye), pressures[eye, side]
+        factors = np.zeros(len(LOADS))
+        factors[[number, (number + 2) % 4]] = 1e4  # a push is carried by a push, a pull by a pull
+        moved = (factors @ touched.displacement_mm).reshape(-1, 3)
+        at_x, at_y, _ = at_faces(bore.faces, moved)
+        x, y, _ = np.asarray(bore.faces.global_coordinates()) / bore.radius_mm
+        y = y - bore.y_mm / bore.radius_mm
+        angle, outward = np.arctan2(x, side * y), at_x * x + at_y * y
+        weights = np.stack([strip(angle) * bore.faces.dx for strip in strips()])
+        weights /= weights.sum(axis=(1, 2), keepdims=True)
+        bulged, pin = ((weights * field).sum(axis=(1, 2)) for field in (outward, np.cos(angle)))
+        middles = (np.arange(len(pin)) + 0.5) * math.pi / 2 / len(pin)
+        pressed = pressure(middles) > 0
+        gap = bulged - pin * (bulged * pin)[pressed].sum() / (pin**2)[pressed].sum()
+        assert np.abs(gap[pressed]).max() < 1e-4 * np.abs(bulged).max()
+        assert (gap[~pressed] > 0).all()
+        assert (pressure(middles) >= 0).all()
+    assert contact_deg(pressures["small", -1]) < 80 < contact_deg(cosine)
+
+
 def test_a_press_fit_by_lame(fields, stresses):
-    """At the crown of the small end, whose ring is free there."""
+    """At the crown of the small end, where its shank stiffens it less than elsewhere."""
     surface, found = stresses
     bore, outer = SCENE.rod.small_end_bore_mm, SCENE.rod.small_end_diameter_mm
     crown = (np.abs(surface.points_mm[0]) < 1e-9) & (np.abs(surface.points_mm[1] - 166 - bore / 2) < 1e-6)
     hoop = found.stress_MPa[LOADS.index("press fit"), crown, 0].mean()
-    assert hoop == pytest.approx((outer**2 + bore**2) / (outer**2 - bore**2), rel=0.06)
+    assert hoop == pytest.approx((outer**2 + bore**2) / (outer**2 - bore**2), rel=0.1)
 
 
 def test_bores_become_oval_as_their_nodes_move(fields):
@@ -248,6 +283,6 @@ def test_more_material_is_less_oval(fields, key):
     factors = of(f"{eye} push", 3e4)[None]
     before, after = (
         next(shape for shape in eye_shapes(one, factors) if shape.eye.startswith(eye))
-        for one in (fields, solve_rod(changed, 4.5))
+        for one in (fields, solve_rod(changed, rod_model(changed, 6.0), {}))
     )
     assert after.across_um < 0.95 * before.across_um
