@@ -123,6 +123,20 @@ def test_a_lighter_rod_is_found_and_written(capsys, tmp_path):
     assert f"{found['result_kg']:.4f} kg" in text
 
 
+@pytest.mark.slow
+def test_a_lighter_rod_is_checked_by_elements(capsys, tmp_path):
+    """Smallest safeties by elements of the design's own rod, and of the lighter one, which the result tells."""
+    file, mesh = tmp_path / "lighter.toml", ("--fea", "--element-size-mm", "6", "--json")
+    data = json.loads(run(capsys, "rod", "--lighter", str(file), *mesh)[1])
+    own = json.loads(run(capsys, "rod", *mesh)[1])["elements"]
+    for kind in ("yield", "fatigue"):
+        before, after = data["lighter"][f"elements_{kind}_safety"]
+        assert before == pytest.approx(own[f"{kind}_safety"])
+        assert after == data["elements"][f"{kind}_safety"]
+    _, text, _ = run(capsys, "rod", "--lighter", str(file), *mesh[:-1])
+    assert "smallest for fatigue, elements" in text
+
+
 def test_a_lighter_rod_needs_a_toml_file(capsys, tmp_path):
     code, _, err = run(capsys, "rod", "--lighter", str(tmp_path / "rod.step"))
     assert code == 2

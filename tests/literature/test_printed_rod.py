@@ -136,7 +136,7 @@ def test_stresses_by_elements_of_rods_that_meet_the_analytic_numbers(name):
     assert material.yield_MPa / -places["mid-shank"].min_MPa == pytest.approx(third, rel=0.15)
     pull = neck.max_MPa * (2100 / 2800) ** 2
     assert goodman(material, -neck.min_MPa, -pull) == pytest.approx(fatigue, rel=0.15)
-    assert all(place.error_percent < 2 for place in places.values() if place.place != "cap")
+    assert all(place.error_percent < 3 for place in places.values() if place.place != "cap")
     by_cosine = check_rod_elements(name).elements
     assert by_cosine.yield_safety < found.yield_safety
 

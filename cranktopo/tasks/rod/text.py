@@ -97,9 +97,9 @@ def _elements(found: RodElements, sections: Sequence[RodSectionCheck]) -> str:
 
     columns: tuple[Column[RodPlace], ...] = (
         Column("place", 0, lambda p: p.place),
-        Column("across_mm", 1, lambda p: p.point_mm[0]),
-        Column("along_mm", 1, lambda p: p.point_mm[1]),
-        Column("deep_mm", 1, lambda p: p.point_mm[2]),
+        Column("x_mm", 1, lambda p: p.point_mm[0]),
+        Column("y_mm", 1, lambda p: p.point_mm[1]),
+        Column("z_mm", 1, lambda p: p.point_mm[2]),
         Column("highest_MPa", 1, lambda p: p.max_MPa),
         Column("lowest_MPa", 1, lambda p: p.min_MPa),
         Column("error_percent", 1, lambda p: p.error_percent),
