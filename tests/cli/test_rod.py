@@ -125,7 +125,7 @@ def test_a_lighter_rod_is_found_and_written(capsys, tmp_path):
 
 @pytest.mark.slow
 def test_a_lighter_rod_is_checked_by_elements(capsys, tmp_path):
-    """Smallest safeties by elements of the design's own rod, and of the lighter one, which the result tells."""
+    """Smallest safeties by elements of the design's own rod, and of the lighter one that is told."""
     file, mesh = tmp_path / "lighter.toml", ("--fea", "--element-size-mm", "6", "--json")
     data = json.loads(run(capsys, "rod", "--lighter", str(file), *mesh)[1])
     own = json.loads(run(capsys, "rod", *mesh)[1])["elements"]

@@ -16,7 +16,7 @@ from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm, near_
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.numerics.tetrahedra.surface_loads import at_faces, face_shares, faces_where, pressure_force
 from cranktopo.tasks.rod.contact import contact_deg, cosine, strips
-from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, place_of, surface_stresses
+from cranktopo.tasks.rod.element_stress import PLACES, cycle_loads, element_stress, place_of, surface_stresses
 from cranktopo.tasks.rod.elements import eye_shapes
 from cranktopo.tasks.rod.unit_fields import (
     ACROSS,
@@ -151,6 +151,12 @@ def test_the_whip_bends_as_a_beam(stresses):
     bent = moment * x / section(SCENE.rod, 166.0, np.array([y])).swing_mm4[0]
     slope = np.polyfit(bent, found, 1)[0]
     assert abs(slope) == pytest.approx(1.0, abs=0.03)
+
+
+def test_the_whip_stretches_one_side_and_presses_the_other(fields):
+    found = element_stress(fields, of("big whip", 1000.0)[None], "lsa", 0.0)
+    assert np.abs(found.high_MPa[0]).max() > 1.0
+    assert found.high_MPa[1] == pytest.approx(-found.high_MPa[0], abs=1e-9)
 
 
 def test_section_forces_over_the_cycle(fields, stresses):
