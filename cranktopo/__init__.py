@@ -86,9 +86,10 @@ if TYPE_CHECKING:
     from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
+    from cranktopo.tasks.rod.element_stage import check_rod_elements
     from cranktopo.tasks.rod.lighter import lighten_rod
     from cranktopo.tasks.rod.result import LighterRod, RodElements, RodStrength
-    from cranktopo.tasks.rod.stage import check_rod_elements, check_rod_strength
+    from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
     from cranktopo.tasks.shaft_safety.result import ShaftAssessment
@@ -207,7 +208,7 @@ _HOMES = {
     "RodStrength": "tasks.rod.result",
     "check_balancer": "tasks.balancer.stage",
     "check_bolts": "tasks.bolts.stage",
-    "check_rod_elements": "tasks.rod.stage",
+    "check_rod_elements": "tasks.rod.element_stage",
     "check_rod_strength": "tasks.rod.stage",
     "LighterRod": "tasks.rod.result",
     "lighten_rod": "tasks.rod.lighter",

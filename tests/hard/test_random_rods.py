@@ -10,7 +10,8 @@ from cranktopo.bodies.mesh.rod_mesh import default_rod_element_mm
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.numerics.gmsh_session import cad_session
-from cranktopo.tasks.rod.stage import check_rod_elements, check_rod_strength
+from cranktopo.tasks.rod.element_stage import check_rod_elements
+from cranktopo.tasks.rod.stage import check_rod_strength
 from tests.random_rods import random_rod_engine
 
 

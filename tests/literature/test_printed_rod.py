@@ -13,9 +13,10 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.rod.element_stage import check_rod_elements
 from cranktopo.tasks.rod.eye import pulled_arch, pushed_arch, ring_stress_MPa
 from cranktopo.tasks.rod.lighter import lighten_rod
-from cranktopo.tasks.rod.stage import check_rod_elements, check_rod_strength
+from cranktopo.tasks.rod.stage import check_rod_strength
 
 PRINTED = {
     "mikron-iiic-rod": (0.469, 2.56, 2.15, 1.92, 2.66),

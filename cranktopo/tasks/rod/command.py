@@ -67,7 +67,7 @@ def command(
     from cranktopo.design.writing import design_name, save_scene
     from cranktopo.runs.destination import check_file
     from cranktopo.tasks.rod.lighter import lighten_rod, with_elements
-    from cranktopo.tasks.rod.stage import check_rod_elements, check_rod_strength
+    from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
 
     given = {"--element-size-mm": element_size_mm, "--contact": contact, "--out": out}
@@ -81,6 +81,8 @@ def command(
         save_scene(scene.model_copy(update={"name": design_name(lighter)}), lighter)
         note(str(lighter))
     if fea:
+        from cranktopo.tasks.rod.element_stage import check_rod_elements  # loads the solvers
+
         found = check_rod_elements(scene, method, element_size_mm, contact, out)
         if searched is not None:
             before = check_rod_elements(own, method, element_size_mm, contact)
