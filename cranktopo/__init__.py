@@ -8,7 +8,7 @@ The stages, in the order in which data flows through them; each takes what the o
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `shaft_modes`, `sweep`, `check_bolts`,
-`check_rod_strength`, `lighten_rod`, `check_balancer`, `oil_films`,
+`check_rod_strength`, `check_rod_elements`, `lighten_rod`, `check_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
@@ -86,8 +86,9 @@ if TYPE_CHECKING:
     from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
+    from cranktopo.tasks.rod.element_stage import check_rod_elements
     from cranktopo.tasks.rod.lighter import lighten_rod
-    from cranktopo.tasks.rod.result import LighterRod, RodStrength
+    from cranktopo.tasks.rod.result import LighterRod, RodElements, RodStrength
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
     from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
@@ -203,9 +204,11 @@ _HOMES = {
     "check_machine": "tasks.doctor.stage",
     "BalancerStrength": "tasks.balancer.result",
     "BoltChecks": "tasks.bolts.result",
+    "RodElements": "tasks.rod.result",
     "RodStrength": "tasks.rod.result",
     "check_balancer": "tasks.balancer.stage",
     "check_bolts": "tasks.bolts.stage",
+    "check_rod_elements": "tasks.rod.element_stage",
     "check_rod_strength": "tasks.rod.stage",
     "LighterRod": "tasks.rod.result",
     "lighten_rod": "tasks.rod.lighter",
@@ -252,6 +255,7 @@ __all__ = [
     "PhysicsPlan",
     "Prepared",
     "RefitResult",
+    "RodElements",
     "RodStrength",
     "RunEntry",
     "RunMetrics",
@@ -274,6 +278,7 @@ __all__ = [
     "check_balancer",
     "check_bolts",
     "check_machine",
+    "check_rod_elements",
     "check_rod_strength",
     "checked_surface",
     "clean_runs",

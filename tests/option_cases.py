@@ -93,6 +93,10 @@ TABLE: dict[str, dict[str, Case]] = {
     "rod": {
         "--method": Acts("", "--method fkm"),
         "--lighter": Shown("cli/test_rod.py::test_a_lighter_rod_is_found_and_written"),
+        "--fea": Shown("cli/test_rod.py::test_elements_are_told_beside_the_closed_form"),
+        "--element-size-mm": Refused("--element-size-mm 3", "--element-size-mm: only with --fea"),
+        "--contact": Refused("--contact", "--contact: only with --fea"),
+        "--out": Refused("--out here", "--out: only with --fea"),
         "--json": Acts("", "--json"),
     },
     "balancer": {"--json": Acts("", "--json")},

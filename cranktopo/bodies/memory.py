@@ -103,8 +103,13 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
 
     The estimate leaves out what is refined at fillets, so that nothing is refused which would fit.
     """
+    check_mesh_memory(meshed_volume_mm3(scene), element_size_mm)
+
+
+def check_mesh_memory(volume_mm3: float, element_size_mm: float) -> None:
+    """Check that the mesh of a body of this volume can fit into the memory, without what is refined in it."""
     available = available_memory_MiB()
-    needed = evaluation_memory_MiB(scene, element_size_mm)
+    needed = mesh_memory_MiB(volume_mm3, element_size_mm)
     if needed <= available:
         return
     _check_base("elements of any size", _MESH_BASE_MIB, available)
@@ -117,13 +122,17 @@ def check_element_size(scene: Scene, element_size_mm: float) -> None:
     )
 
 
-def evaluation_memory_MiB(scene: Scene, element_size_mm: float) -> float:
-    """Estimate the minimum peak memory of an evaluation, MiB; halved where symmetric in x."""
+def mesh_memory_MiB(volume_mm3: float, element_size_mm: float) -> float:
+    """Estimate the minimum peak memory of an evaluation of so much volume, MiB."""
+    nodes = _LEAST_NODES * volume_mm3 / element_size_mm**3
+    return _MESH_BASE_MIB + _PER_NODE_KIB * nodes / 1024
+
+
+def meshed_volume_mm3(scene: Scene) -> float:
+    """Return the volume of a throw that an evaluation meshes, mm3; half of it where symmetric in x."""
     near, far = halves(scene)
     volume = _half_volume_mm3(near) + (0.0 if far is near else _half_volume_mm3(far))
-    share = 0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0
-    nodes = _LEAST_NODES * share * volume / element_size_mm**3
-    return _MESH_BASE_MIB + _PER_NODE_KIB * nodes / 1024
+    return volume * (0.5 if may_mirror(scene, web_asymmetry(scene)) else 1.0)
 
 
 def _half_volume_mm3(scene: Scene) -> float:

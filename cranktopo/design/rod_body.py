@@ -214,10 +214,25 @@ def _holes_mm2(rod: Rod, length_mm: float, y: Array) -> Array:
     return np.asarray(bolts + math.pi * radius**2 * open_share * between)
 
 
+def bush_kg(rod: Rod) -> float:
+    """Return the mass of the bush."""
+    bush = math.pi / 4 * (rod.small_end_bore_mm**2 - rod.pin_diameter_mm**2) * rod.small_end_width_mm
+    return density_kg_per_mm3(rod.bush_density_kg_m3) * bush
+
+
+def bolts_kg(rod: Rod) -> float:
+    """Return the mass of both bolts."""
+    return sum(mass for _, mass in _bolts(rod))
+
+
 def _fitted(rod: Rod, length_mm: float) -> list[tuple[float, float]]:
     """Place and mass of what is fitted: bush, shells, then heads and shanks of both bolts."""
-    bush = math.pi / 4 * (rod.small_end_bore_mm**2 - rod.pin_diameter_mm**2) * rod.small_end_width_mm
-    found = [(length_mm, density_kg_per_mm3(rod.bush_density_kg_m3) * bush), (0.0, rod.shells_kg)]
+    return [(length_mm, bush_kg(rod)), (0.0, rod.shells_kg), *_bolts(rod)]
+
+
+def _bolts(rod: Rod) -> list[tuple[float, float]]:
+    """Place and mass of heads and shanks of both bolts."""
+    found: list[tuple[float, float]] = []
     if rod.bolt is not None:
         bolt, diameter = rod.bolt, rod.bolt.nominal.diameter_mm
         head = 2 * _BOLT_KG_PER_MM3 * math.pi / 4 * bolt.head_mm**2 * diameter

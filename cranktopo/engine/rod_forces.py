@@ -28,7 +28,8 @@ class RodMotion:
     Attributes:
         piston_m_s2, pin_m_s2: of piston and crankpin along the cylinder, toward the crank.
         small_m_s2, big_m_s2: of both ends across the rod.
-        cosine: of the rod's angle to the cylinder.
+        small_along_m_s2, big_along_m_s2: of both ends along the rod, toward the big end.
+        cosine, sine: of the rod's angle to the cylinder.
     """
 
     speed_rpm: float
@@ -39,11 +40,24 @@ class RodMotion:
     pin_m_s2: Array
     small_m_s2: Array
     big_m_s2: Array
+    small_along_m_s2: Array
+    big_along_m_s2: Array
     cosine: Array
+    sine: Array
 
     def pin_force_N(self) -> Array:
         """Return the force of the piston pin on the rod along the cylinder, positive a push."""
         return self.gas_N - self.piston_kg * self.piston_m_s2
+
+    def small_end_push_N(self, mass: RodMass, length_mm: float) -> Array:
+        """Return the force of the piston pin along the rod, positive a push.
+
+        Its part across the rod is what turns the rod's mass about the big end.
+        """
+        share = mass.y_mm / length_mm
+        by_small, by_big = (float((share * weight * mass.y_kg).sum()) for weight in (share, 1 - share))
+        across = by_small * self.small_m_s2 + by_big * self.big_m_s2
+        return (self.pin_force_N() - across * self.sine) / self.cosine
 
     def section_force_N(self, mass: RodMass, length_mm: float, y_mm: float) -> Array:
         """Return the compression of the rod at a place, with the inertia of what lies beyond it."""
@@ -100,7 +114,10 @@ def _motion(scene: Scene, speed_rpm: float) -> RodMotion:
         centripetal * np.cos(angle),
         piston * np.sin(tilt),
         centripetal * np.sin(angle + tilt),
+        piston * np.cos(tilt),
+        centripetal * np.cos(angle + tilt),
         np.cos(tilt),
+        np.sin(tilt),
     )
 
 

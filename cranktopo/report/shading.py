@@ -6,6 +6,7 @@ are averaged over smooth regions and kept apart at sharp edges.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,6 +41,8 @@ _INSET = 0.01
 _HIDDEN = 0.01
 """Depth of a point below a face that hides it, over the body's extent."""
 SHARP_DEGREES = 35.0
+_QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+"""Nodes of the four flat triangles of a six-node face."""
 _AMBIENT = 0.30
 # Direction to each light in the axes of the picture (right, up, to the viewer), and its strength.
 _LIGHTS = (((-0.45, 0.60, 0.65), 0.42), ((0.10, 0.00, 1.00), 0.26), ((0.95, -0.10, 0.30), 0.16))
@@ -87,6 +90,19 @@ def shaded(
         faces=np.concatenate([part.faces + shift for part, shift in zip(parts, before, strict=False)]),
         colours=np.concatenate([part.colours for part in parts]),
     )
+
+
+def shaded_faces(
+    points_mm: Array, normals: Array, faces: NDArray[np.intp], paint: Callable[[NDArray[np.intp]], Array]
+) -> ShadedMesh:
+    """Make curved six-node faces (f, 6) ready for drawing, each as four flat triangles.
+
+    Args:
+        normals: of the nodes, (n, 3).
+        paint: gives the colours (m, 3) of triangles (m, 3) of nodes.
+    """
+    triangles = np.concatenate([faces[:, quarter] for quarter in _QUARTERS])
+    return ShadedMesh(points_mm, normals, triangles, paint(triangles))
 
 
 def web_sides_mm(web_z_mm: tuple[float, float]) -> tuple[float, float]:

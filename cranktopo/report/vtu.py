@@ -1,9 +1,10 @@
-"""Cell densities as unstructured VTK files for ParaView."""
+"""Cell densities and fields on surfaces as unstructured VTK files for ParaView."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,25 @@ def write_density_vtu(
         raise ValueError(f"cell_data and keep need the shape {shape} of the edges")
     points, cells = _hexahedra(edges, keep)
     data = {name: [np.ascontiguousarray(field[keep])] for name, field in cell_data.items()}
-    mesh = meshio.Mesh(points, [("hexahedron", cells)], cell_data=data)
+    _write(path, meshio.Mesh(points, [("hexahedron", cells)], cell_data=data))
+
+
+def write_surface_vtu(
+    path: Path, points_mm: Array, faces: NDArray[np.intp], point_data: Mapping[str, Array]
+) -> None:
+    """Write fields at nodes (n, 3) of quadratic triangles (f, 6), compressed binary, atomically.
+
+    Raises:
+        CranktopoError: the file cannot be written.
+    """
+    import meshio
+
+    _write(path, meshio.Mesh(points_mm, [("triangle6", faces)], point_data=dict(point_data)))
+
+
+def _write(path: Path, mesh: Any) -> None:
+    import meshio
+
     with replacing(path) as temporary:
         meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
 

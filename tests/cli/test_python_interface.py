@@ -43,7 +43,7 @@ BEHIND = {
     "vibration": ["shaft_vibration"],
     "modes": ["shaft_modes"],
     "bolts": ["check_bolts"],
-    "rod": ["check_rod_strength", "lighten_rod"],
+    "rod": ["check_rod_strength", "check_rod_elements", "lighten_rod"],
     "balancer": ["check_balancer"],
     "film": ["oil_films"],
     "extract": ["extract_surface"],

@@ -2,6 +2,8 @@
 
 import json
 
+import meshio
+import numpy as np
 import pytest
 
 from cranktopo.app.main import main
@@ -25,6 +27,41 @@ def test_text_and_json_tell_the_same(capsys):
     assert data["buckling"][0]["yield_safety"] == pytest.approx(2.15, abs=0.005)
     assert {s["section"] for s in data["sections"]} >= {"eye, crown", "mid-shank", "cap", "big end"}
     assert data["bolt"]["name"] == "rod"
+
+
+def test_elements_are_told_beside_the_closed_form(capsys, tmp_path):
+    """On coarse elements; a folder gets the result, a picture and the surface."""
+    out = tmp_path / "found"
+    words = ("rod", "mikron-iiic-rod", "--fea", "--contact", "--element-size-mm", "9", "--out", str(out))
+    code, text, _ = run(capsys, *words)
+    assert code == 0
+    assert "By finite elements on a quarter, rigid pins touch" in text
+    assert {path.name for path in out.iterdir()} == {
+        "rod.json",
+        "rod-mikron-iiic-rod.png",
+        "rod-mikron-iiic-rod.vtu",
+    }
+    data = json.loads((out / "rod.json").read_text())
+    found, plain = data["elements"], json.loads(run(capsys, "rod", "--json")[1])
+    assert {key: value for key, value in data.items() if key != "elements"} == plain
+    places = {place["place"]: place for place in found["places"]}
+    for name in ("eye to shank", "mid-shank"):
+        closed = next(s for s in data["sections"] if s["section"] == name)
+        assert places[name]["min_MPa"] == pytest.approx(closed["min_MPa"], rel=0.5)
+        assert f"{places[name]['yield_safety']:.2f}" in text
+    assert found["yield_safety"] == min(place["yield_safety"] for place in places.values())
+    surface = meshio.read(out / "rod-mikron-iiic-rod.vtu")
+    assert np.abs(surface.points).max(axis=0) == pytest.approx([35.95, 185.3, 15.0], abs=0.1)
+    judged = surface.point_data["judged"] > 0
+    highest = surface.point_data["largest_von_mises_MPa"][judged].max()
+    told = max(max(place["max_MPa"], -place["min_MPa"]) for place in places.values())
+    assert highest == pytest.approx(told)
+
+
+def test_elements_too_fine_for_the_memory(capsys):
+    code, _, err = run(capsys, "rod", "--fea", "--element-size-mm", "0.01")
+    assert code == 3
+    assert "too fine" in err
 
 
 def test_its_bolts_are_told_by_bolts_too(capsys):
@@ -84,6 +121,20 @@ def test_a_lighter_rod_is_found_and_written(capsys, tmp_path):
     code, text, _ = run(capsys, "rod", str(file))
     assert code == 0
     assert f"{found['result_kg']:.4f} kg" in text
+
+
+@pytest.mark.slow
+def test_a_lighter_rod_is_checked_by_elements(capsys, tmp_path):
+    """Smallest safeties by elements of the design's own rod, and of the lighter one that is told."""
+    file, mesh = tmp_path / "lighter.toml", ("--fea", "--element-size-mm", "6", "--json")
+    data = json.loads(run(capsys, "rod", "--lighter", str(file), *mesh)[1])
+    own = json.loads(run(capsys, "rod", *mesh)[1])["elements"]
+    for kind in ("yield", "fatigue"):
+        before, after = data["lighter"][f"elements_{kind}_safety"]
+        assert before == pytest.approx(own[f"{kind}_safety"])
+        assert after == data["elements"][f"{kind}_safety"]
+    _, text, _ = run(capsys, "rod", "--lighter", str(file), *mesh[:-1])
+    assert "smallest for fatigue, elements" in text
 
 
 def test_a_lighter_rod_needs_a_toml_file(capsys, tmp_path):

@@ -6,9 +6,11 @@ import math
 
 import pytest
 
+from cranktopo.bodies.mesh.rod_mesh import default_rod_element_mm
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.numerics.gmsh_session import cad_session
+from cranktopo.tasks.rod.element_stage import check_rod_elements
 from cranktopo.tasks.rod.stage import check_rod_strength
 from tests.random_rods import random_rod_engine
 
@@ -28,6 +30,21 @@ def check_rod_of(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_a_random_engine_gets_a_rod(seed: int) -> None:
     check_rod_of(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_every_random_rod_by_elements(seed: int) -> None:
+    """On elements of three times the default size, every sixth with rigid pins."""
+    scene = scene_from_dict(random_rod_engine(seed))
+    size = 3 * default_rod_element_mm(scene)
+    found = check_rod_elements(scene, element_size_mm=size, contact=seed % 6 == 0).elements
+    assert found is not None
+    assert {place.place for place in found.places} >= {"small end", "mid-shank", "big end", "cap"}
+    assert all(0 < place.yield_safety < math.inf for place in found.places)
+    assert all(0 < place.fatigue_safety < math.inf for place in found.places)
+    assert found.residual < 1e-6
+    assert abs(found.volume_error_percent) < 0.05
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
+from cranktopo.tasks.rod.element_stage import check_rod_elements
 from cranktopo.tasks.rod.eye import pulled_arch, pushed_arch, ring_stress_MPa
 from cranktopo.tasks.rod.lighter import lighten_rod
 from cranktopo.tasks.rod.stage import check_rod_strength
@@ -109,6 +110,36 @@ def test_stresses_by_elements_that_are_printed():
     ):
         assert material.yield_MPa / stress == pytest.approx(safety, rel=0.02)
         assert goodman(material, stress, -stress * 1348 / 34480) == pytest.approx(fatigue, rel=0.012)
+
+
+PRINTED_ELEMENTS = {
+    "mikron-iiic-rod": (148.0, 2.54, 1.46),
+    "mikron-iiic-rod-i": (337.0, 3.46, 2.34),
+    "mikron-iiic-rod-h": (382.0, 3.11, 2.06),
+}
+"""By elements: stress of section II, safety against yield of section III, fatigue safety of section II."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRINTED_ELEMENTS)
+def test_stresses_by_elements_of_rods_that_meet_the_analytic_numbers(name):
+    """Where rigid pins touch, the neck has the printed stress within 13 %, from below in all three rods.
+
+    The fatigue safety is Goodman's, as printed. By the cosine over half the bore the small end bends about
+    the narrow neck, and its bore alone has more than all that is printed: it is not the source's load.
+    """
+    stress, third, fatigue = PRINTED_ELEMENTS[name]
+    found = check_rod_elements(name, contact=True).elements
+    places = {place.place: place for place in found.places}
+    neck = places["eye to shank"]
+    assert 0.87 * stress < -neck.min_MPa < 1.0 * stress
+    material = load_scene(name).rod.material
+    assert material.yield_MPa / -places["mid-shank"].min_MPa == pytest.approx(third, rel=0.15)
+    pull = neck.max_MPa * (2100 / 2800) ** 2
+    assert goodman(material, -neck.min_MPa, -pull) == pytest.approx(fatigue, rel=0.15)
+    assert all(place.error_percent < 3 for place in places.values() if place.place != "cap")
+    by_cosine = check_rod_elements(name).elements
+    assert by_cosine.yield_safety < found.yield_safety
 
 
 def test_pull_of_the_piston_group_at_takeoff_speed(rods):

@@ -70,7 +70,7 @@ class MeshedThrow:
         return "whole" if self.whole else parity
 
 
-class _NoMeshError(CranktopoError):
+class NoMeshError(CranktopoError):
     """Elements on the surface cut across each other."""
 
 
@@ -106,12 +106,15 @@ def mesh_throw(
             _set_sizes(
                 gmsh, scene, element_size_mm, graded=graded, full=whole, fillet_fraction=fillet_fraction
             )
-            mesh = _generate(gmsh, element_size_mm, mirrored, fillet_fraction, regular=regular, adapt=adapt)
+            stresses, regular_too = _for_stress(fillet_fraction, regular=regular)
+            mesh = generate(
+                gmsh, element_size_mm, mirrored, stresses=stresses, regular=regular_too, adapt=adapt
+            )
         return MeshedThrow(mesh, body, web_volume_mm3(halves(scene)[0]), whole=whole)
 
     try:
         return make(adapt=False)
-    except _NoMeshError:
+    except NoMeshError:
         return make(adapt=True)  # in a new session, as gmsh stays locked after an error
 
 
@@ -133,7 +136,8 @@ def mesh_body(
         fillet_fraction, regular: as in `mesh_throw`.
     """
     _set_sizes(gmsh, scene, element_size_mm, graded=True, full=full, fillet_fraction=fillet_fraction)
-    return _generate(gmsh, element_size_mm, mirrored, fillet_fraction, regular=regular)
+    stresses, regular = _for_stress(fillet_fraction, regular=regular)
+    return generate(gmsh, element_size_mm, mirrored, stresses=stresses, regular=regular)
 
 
 def serves_polynomials(fillet_fraction: float | None) -> bool:
@@ -141,23 +145,23 @@ def serves_polynomials(fillet_fraction: float | None) -> bool:
     return fillet_fraction is not None and fillet_fraction <= FITTED_FRACTION
 
 
-def _generate(
-    gmsh: Any,
-    size: float,
-    mirrored: bool,
-    fillet_fraction: float | None,
-    *,
-    regular: bool,
-    adapt: bool = False,
+def _for_stress(fillet_fraction: float | None, *, regular: bool) -> tuple[bool, bool]:
+    """Return whether stresses are wanted, and whether they ask for regular elements."""
+    return fillet_fraction is not None, regular or not serves_polynomials(fillet_fraction)
+
+
+def generate(
+    gmsh: Any, size: float, mirrored: bool, *, stresses: bool, regular: bool, adapt: bool = False
 ) -> TetMesh:
-    """Return the mesh, smooth where stresses are wanted.
+    """Return the mesh of the open session, smooth where stresses are wanted.
 
     Regular triangles on the surface and Netgen's optimiser each take a quarter to a third off the noise of
     the stresses; where polynomials do that, optimisers that take a tenth of its time suffice. Bores of a
     quarter model have no seam.
+
+    Raises:
+        NoMeshError: elements on the surface cut across each other.
     """
-    stresses = fillet_fraction is not None
-    regular = regular or not serves_polynomials(fillet_fraction)
     usual = _FRONTAL_2D if stresses and mirrored else _DELAUNAY_2D
     gmsh.option.setNumber("Mesh.Algorithm", _MESH_ADAPT_2D if adapt else usual)
     gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY_3D if regular or adapt else _HXT_3D)
@@ -166,7 +170,7 @@ def _generate(
     except Exception as error:  # gmsh raises the bare class, for elements that cut across a thin part
         if type(error) is not Exception:
             raise
-        raise _NoMeshError(
+        raise NoMeshError(
             f"{gmsh.model.getCurrent()}: no mesh with elements of {size:.3g} mm: they are too large for its "
             "thinnest parts.",
             hint="Choose a smaller element size; an error estimate takes one 1.5 times as large, too.",
@@ -179,10 +183,11 @@ def _generate(
     return extract_mesh(gmsh, mirrored=mirrored)
 
 
-def positive_x(occ: Any, body: DimTags, reach: float) -> DimTags:
-    """Return the half x >= 0 of a body; `reach` is a length of its size, mm."""
+def positive_x(occ: Any, body: DimTags, reach: float, *, quarter: bool = False) -> DimTags:
+    """Return the half x >= 0 of a body, or its quarter with z >= 0; `reach` is a length of its size, mm."""
     size = 20 * reach
-    box = occ.addBox(0, -size, -size, size, 2 * size, 2 * size)
+    low = 0 if quarter else -size
+    box = occ.addBox(0, -size, low, size, 2 * size, size - low)
     kept, _ = occ.intersect(body, [(3, box)])
     return list(kept)
 

@@ -56,7 +56,7 @@ def mean_slopes(model: Elasticity, axis: int, z_from_mm: float, field: Array) ->
     """
     basis, inside = basis_above_plane(model, z_from_mm)
     nodes = field.reshape(-1, 3)[:, axis][basis.element_dofs]
-    value = np.einsum("neq,ne->eq", _values(basis), nodes)
+    value = np.einsum("neq,ne->eq", nodal_values(basis), nodes)
     weight = (value - (value * inside).sum() / inside.sum()) * inside / inside.sum()
     total = np.zeros(model.nodes_mm.shape)
     gather(total, basis, np.einsum("eq,njeq->nje", weight, shape_slopes(basis), optimize=True))
@@ -67,7 +67,7 @@ def centrifugal_slopes(model: Elasticity, density_tonne_per_mm3: float, field: A
     """Return the derivative of `centrifugal_force(model, density) @ field` by the nodes, (3, nodes)."""
     total = np.zeros(model.nodes_mm.shape)
     for basis in chunks(model, LOAD_ORDER):
-        values, place = _values(basis), np.asarray(basis.global_coordinates())
+        values, place = nodal_values(basis), np.asarray(basis.global_coordinates())
         nodes = field.reshape(-1, 3)[basis.element_dofs]  # (10, e, 3)
         moved = np.einsum("neq,nei->ieq", values, nodes)
         moved[2] = 0.0
@@ -85,7 +85,7 @@ def moments(model: Elasticity) -> tuple[Array, Array]:
     totals, slopes = np.zeros(3), np.zeros((3, *model.nodes_mm.shape))
     for basis in chunks(model, LOAD_ORDER):
         x, y, _ = np.asarray(basis.global_coordinates())
-        shapes, values, zero = shape_slopes(basis), _values(basis), np.zeros_like(x)
+        shapes, values, zero = shape_slopes(basis), nodal_values(basis), np.zeros_like(x)
         weights = (np.ones_like(x), (zero, zero)), (y, (zero, zero + 1)), (x * x + y * y, (2 * x, 2 * y))
         for k, (weight, changes) in enumerate(weights):
             totals[k] += (weight * basis.dx).sum()
@@ -127,5 +127,6 @@ def gather(total: Array, basis: Any, found: Array) -> None:
         np.add.at(total[axis], basis.element_dofs, found[:, axis])
 
 
-def _values(basis: Any) -> Array:
+def nodal_values(basis: Any) -> Array:
+    """Return the shape functions at the points of a basis, (10, elements, points)."""
     return np.stack([np.broadcast_to(np.asarray(phi[0]), basis.dx.shape) for phi in basis.basis])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -130,8 +129,6 @@ def hooke(strain: Array, youngs_MPa: float, poisson: float) -> Array:
 
 _CORNERS = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 _PLANE_MM = 1e-6
-_SHARP = math.cos(math.radians(30.0))
-"""Cosine between normals at an edge below which it is sharp; curved faces of an arc stay above it."""
 
 
 @dataclass(frozen=True)
@@ -193,6 +190,20 @@ def surface_stress(model: Elasticity, surface: Surface, found: NodalStress) -> S
     return SurfaceStress(stress, _depth(model, surface, found), _jumps(surface, found))
 
 
+def outward_faces(surface: Surface) -> Index:
+    """Return the faces (f, 6), their corners counter-clockwise as seen from outside."""
+    faces = surface.faces.T
+    a, b, c = (surface.points_mm[:, faces[:, i]] for i in range(3))
+    normal = np.cross((b - a).T, (c - a).T)
+    inward = (normal * surface.normals[faces[:, :3]].mean(axis=1)).sum(axis=1) < 0
+    return np.where(inward[:, None], turned_faces(faces), faces)
+
+
+def turned_faces(faces: Index) -> Index:
+    """Return six-node faces (f, 6) seen from their other side."""
+    return faces[:, [0, 2, 1, 5, 4, 3]]
+
+
 def boundary_faces(elements: Index) -> tuple[Index, Index]:
     """Return local node numbers (6, f) and owners (f,) of the faces that occur once in elements (10, n)."""
     count = elements.shape[1]
@@ -206,38 +217,11 @@ def boundary_faces(elements: Index) -> tuple[Index, Index]:
     return full[side].T, owners
 
 
-def near_sharp_edges(surface: Surface) -> NDArray[np.bool_]:
-    """Return which nodes (n,) lie within two faces of a sharp inner edge, where stress is singular.
-
-    An edge is sharp where the curved faces beside it meet at more than 30 degrees; it is an inner one where
-    the material fills more than half of the space around it (Williams, 1952: no other edge is singular).
-    """
-    faces = surface.faces
-    at = surface.points_mm[:, faces]  # (3, 6, f)
-    normal = _face_normals(at)[:, 3:]
-    normal /= np.linalg.norm(normal, axis=0)
-    outward = surface.normals[faces].mean(axis=0).T
-    normal *= np.sign(np.einsum("ipf,if->pf", normal, outward))
-    middles = faces[3:].ravel()
-    order = np.argsort(middles, kind="stable")
-    pairs = np.flatnonzero(middles[order][1:] == middles[order][:-1])
-    one, other = order[pairs], order[pairs + 1]
-    normals, centres = normal.reshape(3, -1), np.tile(at[:, :3].mean(axis=1), 3)
-    turned = (normals[:, one] * normals[:, other]).sum(axis=0) < _SHARP
-    beyond = centres[:, other] - surface.points_mm[:, middles[one]]
-    inner = turned & ((beyond * normals[:, one]).sum(axis=0) > 0)
-    near = np.zeros(len(surface.nodes), dtype=bool)
-    near[middles[one[inner]]] = True
-    for _ in range(2):
-        near[faces[:, near[faces].any(axis=0)]] = True
-    return near
-
-
 def _normals(
     model: Elasticity, elements: Index, numbers: Index, owners: Index, faces: Index, count: int
 ) -> Array:
     at = model.nodes_mm[:, numbers]
-    normal = _face_normals(at)
+    normal = face_normals(at)
     inside = model.nodes_mm[:, elements[:4, owners]].mean(axis=1) - at[:, :3].mean(axis=1)
     normal *= -np.sign((normal.mean(axis=1) * inside).sum(axis=0))
     total = np.zeros((count, 3))
@@ -245,7 +229,7 @@ def _normals(
     return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
 
-def _face_normals(at: Array) -> Array:
+def face_normals(at: Array) -> Array:
     """Return normals (3, 6, faces) at the nodes `at` of curved faces, of either sign and no unit length."""
     tangents = np.einsum("inf,pnk->ikpf", at, triangle_gradients())
     return np.cross(tangents[:, 0], tangents[:, 1], axis=0)

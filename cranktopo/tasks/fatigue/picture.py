@@ -26,7 +26,6 @@ _VIEWS = (
     ("pin fillet", (0.45, -0.55, 0.9)),
     ("journal fillet", (0.45, 0.55, -0.9)),
 )
-_QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 _TOP = 4.0
 """Safety above which the picture's colours stay the same, over the least safety."""
 
@@ -91,19 +90,18 @@ def _middle_mm(field: FatigueField) -> float:
 
 def _half(field: FatigueField, far: bool, paint: Callable[[Array], Array]) -> ShadedMesh:
     """Return one half of the throw, four flat triangles to a face, coloured by its safety."""
-    from cranktopo.report.shading import ShadedMesh
+    from cranktopo.report.shading import shaded_faces
 
     points, faces = throw_surface(field)
     kept = faces[(points[faces[:, :3], 2].mean(axis=1) > _middle_mm(field)) == far]
-    triangles = np.concatenate([kept[:, q] for q in _QUARTERS])
     normals = np.concatenate(
         [
             field.model.surface.normals * [-1 if i.flip_x else 1, 1, -1 if i.flip_z else 1]
             for i in field.model.images
         ]
     )
-    safety = field.safety.ravel()[triangles].mean(axis=1)
-    return ShadedMesh(points, normals, triangles, paint(safety))
+    safety = field.safety.ravel()
+    return shaded_faces(points, normals, kept, lambda triangles: paint(safety[triangles].mean(axis=1)))
 
 
 def _draw_history(axes: Any, diagram: PlaneDiagram, safety: float) -> None:

@@ -20,11 +20,11 @@ from cranktopo.design.halves import default_element_size_mm, halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.fitted_stress import fitted_stress
+from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
 from cranktopo.numerics.tetrahedra.solver import get_ready
 from cranktopo.numerics.tetrahedra.stress import (
     Surface,
     SurfaceStress,
-    near_sharp_edges,
     nodal_stress,
     outer_surface,
     principal_stresses,

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.base.files import replacing
+from cranktopo.numerics.tetrahedra.stress import outward_faces, turned_faces
+from cranktopo.report.vtu import write_surface_vtu
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 
 
@@ -21,8 +22,6 @@ def write_fatigue_vtu(path: Path, field: FatigueField) -> None:
     Raises:
         CranktopoError: the file cannot be written.
     """
-    import meshio
-
     points, faces = throw_surface(field)
     high = field.amplitude_MPa + field.mean_MPa
     data = {
@@ -33,9 +32,7 @@ def write_fatigue_vtu(path: Path, field: FatigueField) -> None:
         "lowest_signed_von_mises_MPa": (field.mean_MPa - field.amplitude_MPa).ravel(),
         "fillet": np.tile(field.model.on_fillet.astype(float), len(field.model.images)),
     }
-    mesh = meshio.Mesh(points, [("triangle6", faces)], point_data=data)
-    with replacing(path) as temporary:
-        meshio.write(temporary, mesh, file_format="vtu", binary=True, compression="zlib")
+    write_surface_vtu(path, points, faces, data)
 
 
 def throw_surface(field: FatigueField) -> tuple[Array, NDArray[np.intp]]:
@@ -43,19 +40,9 @@ def throw_surface(field: FatigueField) -> tuple[Array, NDArray[np.intp]]:
     model = field.model
     count, pitch = model.surface.points_mm.shape[1], model.scene.pitch_mm
     points, faces = [], []
-    base = _outward(field)
+    base = outward_faces(model.surface)
     for index, image in enumerate(model.images):
         points.append(image.points_mm(model.surface.points_mm, pitch).T)
         flipped = image.flip_x != image.flip_z
-        faces.append((base[:, [0, 2, 1, 5, 4, 3]] if flipped else base) + index * count)
+        faces.append((turned_faces(base) if flipped else base) + index * count)
     return np.concatenate(points), np.concatenate(faces)
-
-
-def _outward(field: FatigueField) -> NDArray[np.intp]:
-    """Faces of the model turned so that their corners run counter-clockwise seen from outside."""
-    surface = field.model.surface
-    faces = surface.faces.T
-    a, b, c = (surface.points_mm[:, faces[:, i]] for i in range(3))
-    normal = np.cross((b - a).T, (c - a).T)
-    inward = (normal * surface.normals[faces[:, :3]].mean(axis=1)).sum(axis=1) < 0
-    return np.where(inward[:, None], faces[:, [0, 2, 1, 5, 4, 3]], faces)

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import click
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
-from cranktopo.cli.options import Choice, designs
+from cranktopo.cli.options import CELL_MM, Choice, designs
 from cranktopo.cli.verbosity import verbosity_options
 
 _DESIGN = "mikron-iiic-rod"
@@ -32,30 +33,61 @@ _DESIGN = "mikron-iiic-rod"
     metavar="FILE",
     help="Search a lighter rod at no less safety and write the design with it (.toml).",
 )
+@click.option("--fea", is_flag=True, help="With stresses, safeties and ovalisation by finite elements.")
+@click.option("--element-size-mm", type=CELL_MM, help="With --fea: element size; by default by the volume.")
+@click.option("--contact", is_flag=True, help="With --fea: rigid pins touch the bores; else by the cosine.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="With --fea: folder for rod.json, picture and VTU file of the surface.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @verbosity_options
-def command(design: str, method: str, lighter: Path | None, as_json: bool) -> None:
+def command(
+    design: str,
+    method: str,
+    lighter: Path | None,
+    fea: bool,
+    element_size_mm: float | None,
+    contact: bool,
+    out: Path | None,
+    as_json: bool,
+) -> None:
     """Connecting rod of DESIGN: masses from its geometry, stresses over the cycle, buckling, pin and bolts.
 
     The rod is [rod]; its masses replace those of [engine.masses] in every command. `export --part rod` writes
     its solid.
+
+    With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
+    eyes, or with --contact where rigid pins touch.
 
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
     from cranktopo.design.loading import load_scene
     from cranktopo.design.writing import design_name, save_scene
     from cranktopo.runs.destination import check_file
-    from cranktopo.tasks.rod.lighter import lighten_rod
+    from cranktopo.tasks.rod.lighter import lighten_rod, with_elements
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
 
-    scene = load_scene(design, whole=True)
-    if lighter is None:
-        found = check_rod_strength(scene, method)
-    else:
+    given = {"--element-size-mm": element_size_mm, "--contact": contact, "--out": out}
+    for option in (name for name, value in given.items() if value and not fea):
+        raise CranktopoError(f"{option}: only with --fea.", hint="Add --fea.", code=ExitCode.USAGE)
+    own = scene = load_scene(design, whole=True)
+    searched = None
+    if lighter is not None:
         check_file(lighter, "--lighter", (".toml",))
-        changed, searched = lighten_rod(scene, method)
-        save_scene(changed.model_copy(update={"name": design_name(lighter)}), lighter)
+        scene, searched = lighten_rod(own, method)
+        save_scene(scene.model_copy(update={"name": design_name(lighter)}), lighter)
         note(str(lighter))
-        found = check_rod_strength(changed, method).model_copy(update={"lighter": searched})
+    if fea:
+        from cranktopo.tasks.rod.element_stage import check_rod_elements  # loads the solvers
+
+        found = check_rod_elements(scene, method, element_size_mm, contact, out)
+        if searched is not None:
+            before = check_rod_elements(own, method, element_size_mm, contact)
+            searched = with_elements(searched, before, found)
+    else:
+        found = check_rod_strength(scene, method)
+    found = found.model_copy(update={"lighter": searched})
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else rod_text(found))

@@ -83,6 +83,19 @@ def lighten_rod(
     return lighter, _told(scene, lighter, before, after, names, bounds)
 
 
+def with_elements(searched: LighterRod, before: RodStrength, after: RodStrength) -> LighterRod:
+    """Return a search with the smallest safeties by finite elements of both rods."""
+    first, last = before.elements, after.elements
+    assert first is not None
+    assert last is not None
+    return searched.model_copy(
+        update={
+            "elements_yield_safety": (first.yield_safety, last.yield_safety),
+            "elements_fatigue_safety": (first.fatigue_safety, last.fatigue_safety),
+        }
+    )
+
+
 def _bounds(rod: Rod, names: tuple[str, ...], start: Array, least_wall_mm: float) -> tuple[Array, Array]:
     """Bounds over the start: eyes do not shrink, walls are no thinner than can be made."""
     low, high = np.full(len(names), _LOWEST), np.full(len(names), _HIGHEST)

@@ -75,6 +75,10 @@ class LighterRod(Result):
     smallest_yield_safety: tuple[float, float]
     """Of all sections and struts."""
     smallest_fatigue_safety: tuple[float, float]
+    elements_yield_safety: tuple[float, float] | None = UNLESS_NONE
+    """Smallest by finite elements, with `--fea`."""
+    elements_fatigue_safety: tuple[float, float] | None = UNLESS_NONE
+    """Smallest by finite elements, with `--fea`."""
     speed_rpm: float
     """Highest speed, of the next two."""
     crankpin_pull_N: tuple[float, float]
@@ -82,6 +86,78 @@ class LighterRod(Result):
     rotating_unbalance_kg_mm: tuple[float, float]
     """The rod's part of the unbalance of a throw."""
     dimensions: tuple[FreeDimension, ...]
+
+
+class RodPlace(Result):
+    """One place of the rod by finite elements, from sharp inner edges away; von Mises stress with the sign of
+    the first invariant."""
+
+    place: str
+    point_mm: tuple[float, float, float]
+    """Point of the largest von Mises stress: across the rod, from the axis of the big end, along the pins."""
+    max_MPa: float
+    """Highest stress of the cycle there."""
+    min_MPa: float
+    """Lowest stress of the cycle there."""
+    error_percent: float | None
+    """Change of the largest von Mises stress from a mesh 1.5 times coarser; null where that has none here."""
+    yield_safety: float
+    fatigue_safety: float
+    """Least of the place."""
+    fatigue_error_percent: float | None
+    """Change of it from a mesh 1.5 times coarser; null where that has none here."""
+    fatigue_point_mm: tuple[float, float, float]
+    amplitude_MPa: float
+    """At the point of least fatigue safety."""
+    mean_MPa: float
+    """At the point of least fatigue safety."""
+    gradient_per_mm: float
+    """Related stress gradient at the point of least fatigue safety."""
+
+
+class EyeShape(Result):
+    """Change of an eye's bore under the largest push or pull, mean over its width."""
+
+    eye: str
+    load: str
+    force_N: float
+    """Force on the bore along the rod."""
+    contact_deg: float
+    """Angle from the middle of the pressed half to where the pressure ends."""
+    across_um: float
+    """Change of the diameter across the rod."""
+    along_um: float
+    """Change of the diameter along the rod."""
+
+
+class SharpEdge(Result):
+    """The largest stress near sharp inner edges, where it follows from the mesh."""
+
+    point_mm: tuple[float, float, float]
+    von_mises_MPa: float
+
+
+class RodElements(Result):
+    """The rod by finite elements: a quarter under pressure in both eyes, inertia and press fit."""
+
+    contact: bool
+    """Pressure of the pins where they touch as rigid ones, in place of the cosine over half of each bore."""
+    element_size_mm: float
+    nodes: int
+    residual: float
+    """Largest force that is left on nodes and supports, over all of a unit load."""
+    volume_error_percent: float
+    """Volume of the mesh against that of the rod."""
+    edge_distance_mm: float
+    """Distance from sharp inner edges from which stresses are judged."""
+    yield_safety: float
+    """Least of all places."""
+    fatigue_safety: float
+    """Least of all places."""
+    places: tuple[RodPlace, ...]
+    eyes: tuple[EyeShape, ...]
+    at_sharp_edges: SharpEdge | None
+    """Null where no inner edge is sharp."""
 
 
 class RodStrength(Result):
@@ -109,3 +185,5 @@ class RodStrength(Result):
     bolt: JointCheck | None
     lighter: LighterRod | None = UNLESS_NONE
     """Dimensions that `--lighter` changed; the strength is then that of the lighter rod."""
+    elements: RodElements | None = UNLESS_NONE
+    """With `--fea`."""

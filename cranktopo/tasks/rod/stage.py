@@ -37,7 +37,7 @@ from cranktopo.tasks.rod.result import Buckling, RodMasses, RodSectionCheck, Rod
 
 
 @dataclass(frozen=True)
-class _Loaded:
+class LoadedRod:
     """A rod with its cycles."""
 
     scene: Scene
@@ -49,10 +49,12 @@ class _Loaded:
 
     @property
     def material(self) -> Material:
+        """Return the material of the rod."""
         return self.rod.material or self.scene.material
 
     @property
     def yield_MPa(self) -> float:
+        """Return its yield strength."""
         return self.material.yield_MPa or math.nan
 
     def force_N(self, y_mm: float) -> list[Array]:
@@ -67,13 +69,8 @@ def check_rod_strength(design: DesignLike, method: str = "lsa") -> RodStrength:
         CranktopoError: no rod, no engine, no gas pressure, or a strength of the material is missing.
     """
     scene = as_scene(design)
-    rod, length = rod_of(scene)
-    of_rod = scene.model_copy(update={"material": rod.material or scene.material})
-    check_method(of_rod, method)
-    if of_rod.material.yield_MPa is None:
-        raise CranktopoError(f"{scene.name}: rod.material.yield_MPa is missing.", hint="Give it.")
-    mass = rod_mass(rod, length, scene.material)
-    loaded = _Loaded(of_rod, rod, length, mass, rod_motions(scene), method)
+    loaded = loaded_rod(scene, method)
+    rod, length, mass = loaded.rod, loaded.length_mm, loaded.mass
     push, push_deg, pull, pull_deg = _pin_extremes(loaded)
     return RodStrength(
         design=scene.name,
@@ -94,6 +91,16 @@ def check_rod_strength(design: DesignLike, method: str = "lsa") -> RodStrength:
     )
 
 
+def loaded_rod(scene: Scene, method: str) -> LoadedRod:
+    """Return the rod of a scene with its cycles; raises as `check_rod_strength`."""
+    rod, length = rod_of(scene)
+    of_rod = scene.model_copy(update={"material": rod.material or scene.material})
+    check_method(of_rod, method)
+    if of_rod.material.yield_MPa is None:
+        raise CranktopoError(f"{scene.name}: rod.material.yield_MPa is missing.", hint="Give it.")
+    return LoadedRod(of_rod, rod, length, rod_mass(rod, length, scene.material), rod_motions(scene), method)
+
+
 def _masses(mass: RodMass) -> RodMasses:
     return RodMasses(
         total_kg=mass.total_kg,
@@ -106,7 +113,7 @@ def _masses(mass: RodMass) -> RodMasses:
     )
 
 
-def _pin_extremes(loaded: _Loaded) -> tuple[float, float, float, float]:
+def _pin_extremes(loaded: LoadedRod) -> tuple[float, float, float, float]:
     """Largest push and pull of the piston pin with their crank angles."""
     values = [(motion.pin_force_N(), motion.angle_deg) for motion in loaded.motions]
     push, push_deg = max((float(force.max()), float(at[force.argmax()])) for force, at in values)
@@ -114,7 +121,7 @@ def _pin_extremes(loaded: _Loaded) -> tuple[float, float, float, float]:
     return push, push_deg, max(pull, 0.0), pull_deg
 
 
-def _fatigue(loaded: _Loaded, high: Array, low: Array, gradient: float) -> float:
+def _fatigue(loaded: LoadedRod, high: Array, low: Array, gradient: float) -> float:
     """Smallest fatigue safety of points whose stress swings between two values."""
     amplitude, mean = np.abs(high - low) / 2, (high + low) / 2
     stress = LocalStress(amplitude, mean, np.full_like(amplitude, gradient))
@@ -122,7 +129,7 @@ def _fatigue(loaded: _Loaded, high: Array, low: Array, gradient: float) -> float
 
 
 def _checked(
-    loaded: _Loaded,
+    loaded: LoadedRod,
     name: str,
     place_mm: float,
     area_mm2: float,
@@ -148,7 +155,7 @@ def _checked(
     )
 
 
-def _eye(loaded: _Loaded, push: float, pull: float) -> Iterator[RodSectionCheck]:
+def _eye(loaded: LoadedRod, push: float, pull: float) -> Iterator[RodSectionCheck]:
     """Yield the small end at crown and worst place, both faces; between pull and push its press fit alone."""
     rod, held = loaded.rod, held_angle_rad(loaded.rod, loaded.length_mm)
     inner, outer, width = rod.small_end_bore_mm / 2, rod.small_end_diameter_mm / 2, rod.small_end_width_mm
@@ -176,7 +183,7 @@ def _eye(loaded: _Loaded, push: float, pull: float) -> Iterator[RodSectionCheck]
         )
 
 
-def _shank(loaded: _Loaded) -> Iterator[RodSectionCheck]:
+def _shank(loaded: LoadedRod) -> Iterator[RodSectionCheck]:
     """Yield the shank below the small end, in its middle and above the big end."""
     rod, length = loaded.rod, loaded.length_mm
     arcs = [fillet(rod, length, small) for small in (True, False)]
@@ -198,7 +205,7 @@ def _shank(loaded: _Loaded) -> Iterator[RodSectionCheck]:
         )
 
 
-def _cap(loaded: _Loaded) -> RodSectionCheck:
+def _cap(loaded: LoadedRod) -> RodSectionCheck:
     rod, pull = loaded.rod, 2 * rod_bolt_force_N(loaded.scene)[0]
     height = (rod.big_end_diameter_mm - rod.big_end_bore_mm) / 2
     stress = np.array([cap_stress_MPa(rod, pull)])
@@ -206,7 +213,7 @@ def _cap(loaded: _Loaded) -> RodSectionCheck:
     return _checked(loaded, "cap", -rod.big_end_bore_mm / 2, area, (0.0, pull), stress, 0 * stress)
 
 
-def _big_end(loaded: _Loaded) -> RodSectionCheck:
+def _big_end(loaded: LoadedRod) -> RodSectionCheck:
     """Both sides of the big end at the split, less the holes of the bolts."""
     rod = loaded.rod
     side = rod.big_end_width_mm * (rod.boss_width_mm - rod.big_end_bore_mm) / 2
@@ -217,7 +224,7 @@ def _big_end(loaded: _Loaded) -> RodSectionCheck:
     return _checked(loaded, "big end", 0.0, area, (push, pull), *stress)
 
 
-def _buckling(loaded: _Loaded) -> tuple[Buckling, Buckling]:
+def _buckling(loaded: LoadedRod) -> tuple[Buckling, Buckling]:
     """Return the shank's middle as a strut hinged at both pins, and held by both eyes across."""
     rod, length = loaded.rod, loaded.length_mm
     found = drilled(rod, section(rod, length, np.array([length / 2])))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks
@@ -9,8 +11,11 @@ from cranktopo.tasks.bolts.text import bolts_text
 from cranktopo.tasks.rod.pin import PinCheck
 from cranktopo.tasks.rod.result import (
     Buckling,
+    EyeShape,
     FreeDimension,
     LighterRod,
+    RodElements,
+    RodPlace,
     RodSectionCheck,
     RodStrength,
 )
@@ -37,6 +42,16 @@ _BUCKLING: tuple[Column[Buckling], ...] = (
     Column("yield", 2, lambda b: b.yield_safety),
 )
 
+_CLOSED_FORM = {"small end": "eye, worst"}
+"""Section in closed form of a place; by default that of its name."""
+_EYES: tuple[Column[EyeShape], ...] = (
+    Column("bore", 0, lambda e: e.eye),
+    Column("under the largest", 0, lambda e: e.load),
+    Column("force_N", 0, lambda e: e.force_N),
+    Column("pressed_deg", 0, lambda e: e.contact_deg),
+    Column("across_um", 1, lambda e: e.across_um),
+    Column("along_um", 1, lambda e: e.along_um),
+)
 _FREE: tuple[Column[FreeDimension], ...] = (
     Column("dimension", 0, lambda d: d.name.removesuffix("_mm").replace("_", " ")),
     Column("start_mm", 2, lambda d: d.start_mm),
@@ -67,10 +82,45 @@ def rod_text(rod: RodStrength) -> str:
         "Shank under the largest push, by Navier and Rankine",
         terminal(tabulate(_BUCKLING, rod.buckling)),
     ]
+    parts += [_elements(rod.elements, rod.sections)] if rod.elements else []
     parts += [_pin(rod.pin)] if rod.pin else []
     if rod.bolt:
         parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,))))
     return "\n\n".join(parts)
+
+
+def _elements(found: RodElements, sections: Sequence[RodSectionCheck]) -> str:
+    closed = {section.section: section for section in sections}
+
+    def section(place: RodPlace) -> RodSectionCheck | None:
+        return closed.get(_CLOSED_FORM.get(place.place, place.place))
+
+    columns: tuple[Column[RodPlace], ...] = (
+        Column("place", 0, lambda p: p.place),
+        Column("x_mm", 1, lambda p: p.point_mm[0]),
+        Column("y_mm", 1, lambda p: p.point_mm[1]),
+        Column("z_mm", 1, lambda p: p.point_mm[2]),
+        Column("highest_MPa", 1, lambda p: p.max_MPa),
+        Column("lowest_MPa", 1, lambda p: p.min_MPa),
+        Column("error_percent", 1, lambda p: p.error_percent),
+        Column("yield", 2, lambda p: p.yield_safety),
+        Column("fatigue", 2, lambda p: p.fatigue_safety),
+        Column("closed form yield", 2, lambda p: getattr(section(p), "yield_safety", None)),
+        Column("closed form fatigue", 2, lambda p: getattr(section(p), "fatigue_safety", None)),
+    )
+    size = f"{found.nodes:,} nodes, elements of {found.element_size_mm:.3g} mm"
+    pins = "rigid pins touch" if found.contact else "pressure by the cosine"
+    lines = [f"By finite elements on a quarter, {pins}: {size}; von Mises stress, positive in tension"]
+    lines.append(terminal(tabulate(columns, found.places)))
+    if found.at_sharp_edges is not None:
+        x, y, z = found.at_sharp_edges.point_mm
+        lines.append(
+            f"Nearer than {found.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
+            f"{found.at_sharp_edges.von_mises_MPa:.0f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, not judged."
+        )
+    lines.append("Change of the bores' diameters")
+    lines.append(terminal(tabulate(_EYES, found.eyes)))
+    return "\n\n".join(lines)
 
 
 def _pin(pin: PinCheck) -> str:
@@ -84,12 +134,22 @@ def _pin(pin: PinCheck) -> str:
     return f"Piston pin under {pin.force_N:,.0f} N\n\n{labelled(rows)}"
 
 
+def _by_elements(found: LighterRod) -> list[tuple[str, str]]:
+    """Rows of what finite elements say of both rods, where they were asked."""
+    safeties = (
+        ("smallest against yield, elements", found.elements_yield_safety),
+        ("smallest for fatigue, elements", found.elements_fatigue_safety),
+    )
+    return [(name, "{:.2f} -> {:.2f}".format(*pair)) for name, pair in safeties if pair]
+
+
 def _lighter(found: LighterRod) -> str:
     change = 100 * (found.result_kg / found.start_kg - 1)
     rows = (
         ("mass", f"{found.start_kg:.4f} -> {found.result_kg:.4f} kg ({change:+.1f} %)"),
         ("smallest against yield", "{:.2f} -> {:.2f}".format(*found.smallest_yield_safety)),
         ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*found.smallest_fatigue_safety)),
+        *_by_elements(found),
         ("rod's unbalance", "{:.2f} -> {:.2f} kg mm".format(*found.rotating_unbalance_kg_mm)),
         (
             f"pull on the crankpin at {found.speed_rpm:g} rpm",

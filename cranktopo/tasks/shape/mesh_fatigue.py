@@ -32,12 +32,12 @@ from cranktopo.numerics.tetrahedra.node_gradients import (
     shape_slopes,
     work_slopes,
 )
+from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import (
     NodalStress,
     Surface,
     SurfaceStress,
     hooke,
-    near_sharp_edges,
     nodal_stress,
     nodes_from_points,
     outer_surface,

@@ -9,7 +9,12 @@ from dataclasses import dataclass
 
 from cranktopo.base.machine import usable_cores
 from cranktopo.base.notes import duration_text, note
-from cranktopo.bodies.memory import available_memory_MiB, evaluation_memory_MiB, optimiser_memory_MiB
+from cranktopo.bodies.memory import (
+    available_memory_MiB,
+    mesh_memory_MiB,
+    meshed_volume_mm3,
+    optimiser_memory_MiB,
+)
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.sweep.executor import WorkerPool, compute
@@ -58,7 +63,7 @@ _REFINED = 2.0
 
 def _point_memory_MiB(scene: Scene, stage: Stage, element_size_mm: float | None) -> float:
     size = element_size_mm or default_element_size_mm(scene)
-    evaluation = _PROGRAM_MIB + _REFINED * evaluation_memory_MiB(scene, size)
+    evaluation = _PROGRAM_MIB + _REFINED * mesh_memory_MiB(meshed_volume_mm3(scene), size)
     if stage in ("evaluate", "fatigue") or scene.envelope is None:
         return evaluation
     cells = optimiser_memory_MiB(scene, scene.optimise.resolution_mm, quarter=False, cases=2)

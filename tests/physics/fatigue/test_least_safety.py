@@ -13,7 +13,8 @@ from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import left_off, plan, plan_for_stress
 from cranktopo.numerics.tetrahedra.elasticity import assemble
-from cranktopo.numerics.tetrahedra.stress import near_sharp_edges, nodal_stress, outer_surface
+from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
+from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface
 from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
 from cranktopo.tasks.fatigue.remarks import note_quality
 from cranktopo.tasks.fatigue.safety_field import fatigue_field

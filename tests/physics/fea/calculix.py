@@ -61,6 +61,20 @@ def displacements(
     return _read(_solved(folder, lines), mesh.points_mm.shape[1] + 2 * len(ends))
 
 
+def of_free_body(
+    folder: Path, mesh: TetMesh, scene: Scene, fixed: Sequence[tuple[int, int]], loads: Sequence[str]
+) -> Array:
+    """Displacements of all nodes of a body without rigid sections, mm, shape (nodes, 3).
+
+    Args:
+        fixed: nodes (from 0) and the axis along which each stays.
+        loads: lines of the deck.
+    """
+    lines = [*_body(mesh, scene, ()), "*BOUNDARY", *(f"{n + 1}, {a + 1}, {a + 1}" for n, a in fixed)]
+    lines += ["*STEP", "*STATIC", *loads, "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
+    return _read(_solved(folder, lines), mesh.points_mm.shape[1])
+
+
 def free_frequencies_Hz(folder: Path, mesh: TetMesh, scene: Scene, count: int) -> Array:
     """First frequencies of a free body above its six rigid motions, by `ccx`."""
     density = f"*DENSITY\n{scene.material.density_kg_m3 * 1e-12:.10e}\n*SOLID SECTION"

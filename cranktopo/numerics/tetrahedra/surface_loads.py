@@ -1,0 +1,55 @@
+"""Nodal forces of pressure on parts of a body's surface, on curved faces, through scikit-fem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import solver_error
+from cranktopo.numerics.tetrahedra.elasticity import LOAD_ORDER, Elasticity
+from cranktopo.numerics.tetrahedra.node_gradients import gather, nodal_values
+
+
+def faces_where(model: Elasticity, inside: Callable[[Array], NDArray[np.bool_]]) -> Any:
+    """Return the basis of the surface's faces whose three corners are inside; points have shape (3, n).
+
+    Raises:
+        CranktopoError: no face is.
+    """
+    from skfem import ElementTetP2, FacetBasis
+
+    mesh = model.mesh
+    outer = mesh.boundary_facets()
+    chosen = outer[inside(mesh.p)[mesh.facets[:, outer]].all(axis=0)]
+    if not len(chosen):
+        raise solver_error("mesh: no element on a loaded face.", "Choose a smaller element size.")
+    return FacetBasis(mesh, ElementTetP2(), facets=chosen, intorder=LOAD_ORDER)
+
+
+def pressure_force(model: Elasticity, faces: Any, pressure_MPa: Array) -> Array:
+    """Return the nodal forces of a pressure at the points of faces, shape (unknowns,), N.
+
+    Args:
+        faces: basis of `faces_where`; its points are `faces.global_coordinates()`, (3, faces, points).
+        pressure_MPa: shape (faces, points); positive presses into the body.
+    """
+    force = np.zeros(model.nodes_mm.shape)
+    weights = -pressure_MPa * faces.dx * np.asarray(faces.normals)
+    gather(force, faces, np.einsum("neq,ieq->nie", nodal_values(faces), weights, optimize=True))
+    return force.T.ravel()
+
+
+def face_shares(model: Elasticity, faces: Any) -> Array:
+    """Return what each node has of the area of faces, shape (nodes,), in sum 1."""
+    shares = np.einsum("neq,eq->ne", nodal_values(faces), faces.dx)
+    total = np.bincount(faces.element_dofs.ravel(), shares.ravel(), minlength=model.nodes_mm.shape[1])
+    return np.asarray(total / faces.dx.sum())
+
+
+def at_faces(faces: Any, field: Array) -> Array:
+    """Return a field of nodes (nodes, k) at the points of faces, shape (k, faces, points)."""
+    return np.asarray(np.einsum("neq,nek->keq", nodal_values(faces), field[faces.element_dofs]))

@@ -1,0 +1,176 @@
+"""Stresses of the rod by finite elements over the cycle: the worst point of each place, and its safeties."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array, Index
+from cranktopo.design.rod_body import RodMass, bush_kg, fillet
+from cranktopo.engine.rod_forces import RodMotion
+from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm
+from cranktopo.numerics.tetrahedra.stress import (
+    Surface,
+    SurfaceStress,
+    nodal_stress,
+    outer_surface,
+    surface_stress,
+)
+from cranktopo.tasks.fatigue.criteria import criterion
+from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
+from cranktopo.tasks.rod.unit_fields import ACROSS, ALONG, RodFields
+
+PLACES = ("small end", "eye to shank", "mid-shank", "shank to big end", "big end", "cap")
+_MIRRORS = ((0, 0.0), (2, 0.0))
+_AT_ONCE = 3
+"""Fields whose stresses are held in all elements at a time."""
+_STEP_DEG = 1.0
+"""Crank angle between the states that are judged: half of it off its peak, a pressure is 1e-4 lower."""
+_BEYOND = 1 + 1e-6
+"""Points of an eye's outer face over its radius."""
+
+
+@dataclass(frozen=True)
+class WorstPoint:
+    """A point of the surface: its signed von Mises stress over the cycle, and its safety.
+
+    Attributes:
+        high_MPa, low_MPa: with the sign of the first invariant.
+    """
+
+    point_mm: tuple[float, float, float]
+    high_MPa: float
+    low_MPa: float
+    gradient_per_mm: float
+    fatigue_safety: float
+
+    @property
+    def largest_MPa(self) -> float:
+        """Return the largest von Mises stress."""
+        return max(abs(self.high_MPa), abs(self.low_MPa))
+
+
+def cycle_loads(
+    fields: RodFields, mass: RodMass, motions: Sequence[RodMotion], bush_pressure_MPa: float
+) -> Array:
+    """Return the factors of the unit loads in every state, (states, loads), speed by speed.
+
+    The big end's bore carries what the small end's does less the inertia between both; bush and shells
+    are beyond the bores.
+    """
+    return np.concatenate([_loads(fields, mass, one, bush_pressure_MPa) for one in motions])
+
+
+def _loads(fields: RodFields, mass: RodMass, motion: RodMotion, bush_pressure_MPa: float) -> Array:
+    small = motion.small_end_push_N(mass, fields.length_mm) - bush_kg(fields.rod) * motion.small_along_m_s2
+    by_small, by_big = fields.inertia_kg
+    big = small - by_small * motion.small_along_m_s2 - by_big * motion.big_along_m_s2
+    factors = {
+        "small push": np.maximum(small, 0.0),
+        "small pull": np.maximum(-small, 0.0),
+        "big push": np.maximum(big, 0.0),
+        "big pull": np.maximum(-big, 0.0),
+        "small inertia": motion.small_along_m_s2,
+        "big inertia": motion.big_along_m_s2,
+        "press fit": np.full_like(small, bush_pressure_MPa),
+        "small whip": motion.small_m_s2,
+        "big whip": motion.big_m_s2,
+    }
+    every = max(round(_STEP_DEG / float(motion.angle_deg[1] - motion.angle_deg[0])), 1)
+    return np.stack([factors[name] for name in (*ALONG, *ACROSS)], axis=1)[::every]
+
+
+@dataclass(frozen=True)
+class ElementStress:
+    """The cycle on the surface of a quarter of the rod; arrays over both sides x >= 0 and x < 0, (2, n).
+
+    Attributes:
+        edge_distance_mm: distance from sharp inner edges from which nodes are judged.
+    """
+
+    fields: RodFields
+    surface: Surface
+    high_MPa: Array
+    low_MPa: Array
+    gradient_per_mm: Array
+    fatigue_safety: Array
+    edge_distance_mm: float
+
+    @property
+    def largest_MPa(self) -> Array:
+        """Return the largest von Mises stress of every node."""
+        return np.maximum(np.abs(self.high_MPa), np.abs(self.low_MPa))
+
+    @cached_property
+    def judged(self) -> NDArray[np.bool_]:
+        """Nodes (n,) far enough from sharp inner edges, where the mesh decides the stress."""
+        return from_sharp_edges_mm(self.surface) >= self.edge_distance_mm
+
+    def worst(self) -> Iterator[tuple[str, WorstPoint, WorstPoint]]:
+        """Yield each place with its point of largest stress and its point of least fatigue safety."""
+        place = place_of(self.fields, self.surface.points_mm)
+        for number, name in enumerate(PLACES):
+            here = self.judged & (place == number)
+            if here.any():
+                yield name, self._point(-self.largest_MPa, here), self._point(self.fatigue_safety, here)
+
+    def at_sharp_edges(self) -> WorstPoint | None:
+        """Return the point of largest stress of those that are not judged; None where all are."""
+        return None if self.judged.all() else self._point(-self.largest_MPa, ~self.judged)
+
+    def _point(self, values: Array, among: NDArray[np.bool_]) -> WorstPoint:
+        side, node = np.unravel_index(int(np.where(among, values, np.inf).argmin()), values.shape)
+        x, y, z = (float(c) for c in self.surface.points_mm[:, node])
+        found = (self.high_MPa, self.low_MPa, self.gradient_per_mm, self.fatigue_safety)
+        return WorstPoint((-x if side else x, y, z), *(float(values[side, node]) for values in found))
+
+
+def element_stress(fields: RodFields, loads: Array, method: str, edge_distance_mm: float) -> ElementStress:
+    """Return the stresses of a rod over the states of its cycle, and their safety by a fatigue method."""
+    surface, found = surface_stresses(fields)
+    across = np.array([name in ACROSS for name in (*ALONG, *ACROSS)])
+    other_side = np.where(across, -1.0, 1.0)
+    ranges = signed_von_mises_ranges(found, (loads, loads * other_side))
+    local = [one.local for one in ranges]
+    safety = [criterion(method).point_safety(fields.scene, one).safety for one in local]
+    return ElementStress(
+        fields,
+        surface,
+        np.stack([one.mean_MPa + one.amplitude_MPa for one in local]),
+        np.stack([one.mean_MPa - one.amplitude_MPa for one in local]),
+        np.stack([one.gradient_per_mm for one in local]),
+        np.stack(safety),
+        edge_distance_mm,
+    )
+
+
+def surface_stresses(fields: RodFields) -> tuple[Surface, SurfaceStress]:
+    """Return the surface of the quarter, and the stresses of the unit loads on it."""
+    model, moved = fields.model, fields.displacement_mm
+    surface = outer_surface(model, model.mesh.dofs.element_dofs, _MIRRORS)
+    parts = [
+        surface_stress(model, surface, nodal_stress(model, moved[first : first + _AT_ONCE], *fields.elastic))
+        for first in range(0, len(moved), _AT_ONCE)
+    ]
+    joined = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("stress_MPa", "depth_MPa_per_mm", "jump_MPa")
+    )
+    return surface, SurfaceStress(*joined)
+
+
+def place_of(fields: RodFields, points_mm: Array) -> Index:
+    """Return for points (3, n) of the rod which of `PLACES` they belong to."""
+    rod, length = fields.rod, fields.length_mm
+    x, y, _ = np.abs(points_mm[0]), points_mm[1], points_mm[2]
+    arcs = [fillet(rod, length, small) for small in (True, False)]
+    top = arcs[0].edge_y_mm if arcs[0] else length - (rod.small_end_diameter_mm + rod.shank_small_mm) / 2
+    bottom = arcs[1].edge_y_mm if arcs[1] else (rod.big_end_diameter_mm + rod.shank_big_mm) / 2
+    in_small = np.hypot(x, y - length) <= _BEYOND * rod.small_end_diameter_mm / 2
+    in_big = (np.hypot(x, y) <= _BEYOND * rod.big_end_diameter_mm / 2) | (y <= _BEYOND * rod.boss_above_mm)
+    along = np.select([y >= top, y > bottom], [1, 2], 3)
+    return np.asarray(np.select([in_small, in_big & (y < 0), in_big], [0, 5, 4], along), dtype=np.intp)

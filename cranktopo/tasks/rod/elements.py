@@ -1,0 +1,166 @@
+"""The rod by finite elements: stresses and safeties by place, ovalisation of both eyes, the mesh's error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.notes import Pace, note
+from cranktopo.base.units import MM_PER_M
+from cranktopo.bodies.mesh.rod_mesh import default_rod_element_mm, rod_volume_mm3
+from cranktopo.design.rod_body import rod_mass
+from cranktopo.design.schema import Scene
+from cranktopo.engine.rod_forces import RodMotion
+from cranktopo.numerics.tetrahedra.surface_loads import at_faces
+from cranktopo.tasks.fea.evaluation import RATIO
+from cranktopo.tasks.rod.contact import contact_deg, cosine
+from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_loads, element_stress
+from cranktopo.tasks.rod.eye import bush_pressure_MPa
+from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, SharpEdge
+from cranktopo.tasks.rod.unit_fields import (
+    ALONG,
+    PRESSED,
+    QUARTERS,
+    Eye,
+    Pressures,
+    RodFields,
+    bore_of,
+    contact_pressures,
+    rod_material,
+    rod_model,
+    solve_rod,
+)
+
+_EDGE_ELEMENTS = 2.0
+"""Elements of the default size around sharp inner edges in which nothing is judged: they spoil them."""
+_HARMONICS = 12
+"""Waves around a bore that its shape is told by."""
+_STEPS = ("coarse mesh", "fine mesh")
+
+
+def rod_elements(
+    scene: Scene,
+    motions: Sequence[RodMotion],
+    method: str,
+    element_size_mm: float | None = None,
+    *,
+    contact: bool = False,
+) -> tuple[RodElements, ElementStress]:
+    """Return the rod of a scene by finite elements on two meshes, and the stresses on the finer one.
+
+    Args:
+        scene: its material is that of the rod.
+        contact: pressure where rigid pins touch, found on the coarse mesh, in place of the cosine.
+
+    Raises:
+        CranktopoError: no valid mesh, or a failed solve.
+    """
+    usual = default_rod_element_mm(scene)
+    size, away = element_size_mm or usual, _EDGE_ELEMENTS * usual
+    pace = Pace(f"{scene.name}: rod by elements", len(_STEPS))
+    found = []
+    pressures: Pressures | None = None
+    for step, one in zip(_STEPS, (RATIO * size, size), strict=True):
+        pace.begin(step)
+        note(f"{scene.name}: rod on elements of {one:.3g} mm")
+        model = rod_model(scene, one)
+        if pressures is None:
+            pressures = contact_pressures(scene, model) if contact else {}
+        fields = solve_rod(scene, model, pressures)
+        loads = _states(fields, motions)
+        found.append(element_stress(fields, loads, method, away))
+    coarse, fine = found
+    return _told(coarse, fine, loads, size), fine
+
+
+def _states(fields: RodFields, motions: Sequence[RodMotion]) -> Array:
+    mass = rod_mass(fields.rod, fields.length_mm, fields.scene.material)
+    pressure = bush_pressure_MPa(fields.rod, rod_material(fields.scene))
+    return cycle_loads(fields, mass, motions, pressure)
+
+
+def _told(coarse: ElementStress, fine: ElementStress, loads: Array, size: float) -> RodElements:
+    fields, sharp = fine.fields, fine.at_sharp_edges()
+    limit = rod_material(fields.scene).yield_MPa or np.nan
+    before = {name: (stress, fatigue) for name, stress, fatigue in coarse.worst()}
+    places = tuple(
+        _place(name, stress, fatigue, before.get(name), limit) for name, stress, fatigue in fine.worst()
+    )
+    return RodElements(
+        contact=bool(fields.pressures),
+        element_size_mm=size,
+        nodes=fields.model.nodes_mm.shape[1],
+        residual=fields.residual,
+        volume_error_percent=100 * (QUARTERS * fields.model.volume_mm3 / rod_volume_mm3(fields.scene) - 1),
+        edge_distance_mm=fine.edge_distance_mm,
+        yield_safety=min(place.yield_safety for place in places),
+        fatigue_safety=min(place.fatigue_safety for place in places),
+        places=places,
+        eyes=eye_shapes(fields, loads),
+        at_sharp_edges=None
+        if sharp is None
+        else SharpEdge(point_mm=sharp.point_mm, von_mises_MPa=sharp.largest_MPa),
+    )
+
+
+def _place(
+    name: str,
+    stress: WorstPoint,
+    fatigue: WorstPoint,
+    coarse: tuple[WorstPoint, WorstPoint] | None,
+    yield_MPa: float,
+) -> RodPlace:
+    """What is told of a place; the other mesh's points of largest stress and of least safety beside it."""
+    change, safety_change = None, None
+    if coarse is not None:
+        change = 100 * abs(coarse[0].largest_MPa / stress.largest_MPa - 1)
+        safety_change = 100 * abs(coarse[1].fatigue_safety / fatigue.fatigue_safety - 1)
+    return RodPlace(
+        place=name,
+        point_mm=stress.point_mm,
+        max_MPa=stress.high_MPa,
+        min_MPa=stress.low_MPa,
+        error_percent=change,
+        yield_safety=yield_MPa / stress.largest_MPa,
+        fatigue_safety=fatigue.fatigue_safety,
+        fatigue_error_percent=safety_change,
+        fatigue_point_mm=fatigue.point_mm,
+        amplitude_MPa=(fatigue.high_MPa - fatigue.low_MPa) / 2,
+        mean_MPa=(fatigue.high_MPa + fatigue.low_MPa) / 2,
+        gradient_per_mm=fatigue.gradient_per_mm,
+    )
+
+
+def eye_shapes(fields: RodFields, loads: Array) -> tuple[EyeShape, ...]:
+    """Return what the largest push and pull of either eye make of its bore."""
+    found = []
+    for number, (eye, side) in enumerate(PRESSED):
+        state = int(loads[:, number].argmax())
+        across, along = _diameters_um(fields, loads[state], eye)
+        shape = EyeShape(
+            eye=f"{eye} end",
+            load=ALONG[number].split()[1],
+            force_N=float(loads[state, number]),
+            contact_deg=contact_deg(fields.pressures.get((eye, side), cosine)),
+            across_um=across,
+            along_um=along,
+        )
+        found.append(shape)
+    return tuple(found)
+
+
+def _diameters_um(fields: RodFields, loads: Array, eye: Eye) -> tuple[float, float]:
+    """Return the changes of a bore's diameter across and along the rod, by waves around it."""
+    bore = bore_of(fields.scene, fields.model, eye)
+    x, y, _ = np.asarray(bore.faces.global_coordinates()).reshape(3, -1)
+    angle, count = np.arctan2(x, y - bore.y_mm), len(ALONG)
+    moved = (loads[:count] @ fields.displacement_mm[:count]).reshape(-1, 3)
+    at_x, at_y, _ = at_faces(bore.faces, moved).reshape(3, -1)
+    outward = at_x * np.sin(angle) + at_y * np.cos(angle)
+    root, waves = np.sqrt(bore.faces.dx.ravel()), np.arange(_HARMONICS + 1)
+    fitted = np.linalg.lstsq(root[:, None] * np.cos(np.outer(angle, waves)), root * outward, rcond=None)[0]
+    even = waves % 2 == 0
+    across, along = (2 * float((fitted * np.cos(waves * at))[even].sum()) for at in (np.pi / 2, 0.0))
+    return across * MM_PER_M, along * MM_PER_M
