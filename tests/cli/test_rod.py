@@ -22,6 +22,8 @@ def test_text_and_json_tell_the_same(capsys):
     code, text, _ = run(capsys, "rod")
     assert code == 0
     assert "0.4690 kg; 0.1436 kg oscillate, 0.3254 kg rotate" in text
+    least = "\nleast safety: yield 2.15 (shank buckling, motion); fatigue by lsa 1.45 (eye to shank)\n"
+    assert least in text
     code, out, _ = run(capsys, "rod", "--json")
     data = json.loads(out)
     assert data["buckling"][0]["yield_safety"] == pytest.approx(2.15, abs=0.005)
@@ -50,6 +52,11 @@ def test_elements_are_told_beside_the_closed_form(capsys, tmp_path):
         assert places[name]["min_MPa"] == pytest.approx(closed["min_MPa"], rel=0.5)
         assert f"{places[name]['yield_safety']:.2f}" in text
     assert found["yield_safety"] == min(place["yield_safety"] for place in places.values())
+    worst = min(places.values(), key=lambda place: place["fatigue_safety"])
+    assert worst["fatigue_safety"] < 1
+    second = text.splitlines()[1]
+    assert second.startswith("NOT SAFE: least safety: ")
+    assert f"fatigue by lsa {worst['fatigue_safety']:.2f} ({worst['place']}, by elements)" in second
     surface = meshio.read(out / "rod-mikron-iiic-rod.vtu")
     assert np.abs(surface.points).max(axis=0) == pytest.approx([35.95, 185.3, 15.0], abs=0.1)
     judged = surface.point_data["judged"] > 0

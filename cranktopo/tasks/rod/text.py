@@ -75,7 +75,7 @@ def rod_text(rod: RodStrength) -> str:
     )
     parts = [
         *([_lighter(rod.lighter)] if rod.lighter else []),
-        f"{rod.design}: {rod.shank} shank at {speeds} rpm",
+        f"{rod.design}: {rod.shank} shank at {speeds} rpm\n{least_safety(rod)}",
         labelled(rows),
         f"Stresses over the cycle, tension positive; fatigue by method {rod.method}",
         terminal(tabulate(_SECTIONS, rod.sections)),
@@ -87,6 +87,22 @@ def rod_text(rod: RodStrength) -> str:
     if rod.bolt:
         parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,))))
     return "\n\n".join(parts)
+
+
+def least_safety(rod: RodStrength) -> str:
+    """Return the least safeties of closed form and elements, with their places; a rod that fails is said so."""
+    places = [(f"{one.place}, by elements", one) for one in (rod.elements.places if rod.elements else ())]
+    every = [(one.section, one) for one in rod.sections] + places
+    yielding = [(name, one.yield_safety) for name, one in every]
+    yielding += [(f"shank buckling, {one.plane}", one.yield_safety) for one in rod.buckling]
+    told = {
+        "yield": min(yielding, key=lambda one: one[1]),
+        f"fatigue by {rod.method}": min(
+            ((name, one.fatigue_safety) for name, one in every), key=lambda one: one[1]
+        ),
+    }
+    words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in told.items())
+    return f"{'' if min(safety for _, safety in told.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
 
 
 def _elements(found: RodElements, sections: Sequence[RodSectionCheck]) -> str:
