@@ -90,7 +90,7 @@ def rod_text(rod: RodStrength) -> str:
 
 
 def least_safety(rod: RodStrength) -> str:
-    """Return the least safeties of closed form and elements, with their places; a rod that fails is said so."""
+    """Return the least safeties of closed form and elements, with their places; NOT SAFE below 1."""
     places = [(f"{one.place}, by elements", one) for one in (rod.elements.places if rod.elements else ())]
     every = [(one.section, one) for one in rod.sections] + places
     yielding = [(name, one.yield_safety) for name, one in every]
