@@ -19,6 +19,8 @@ LATEST_PEAK_DEG = 30.0
 """Latest crank angle of the largest pressure after firing top dead centre; the earliest is 0."""
 MOST_OF_CHARGE = 20.0
 """Largest mean pressure over that before compression: a charge with all fuel it can burn gives 12 to 16."""
+LEAST_CHARGE_MPA = 0.02
+"""Pressure before compression below that of any engine: a throttled one at idle has about 0.03."""
 HIGHEST_MEAN_MPA = 3.5
 """Indicated mean pressure above those of engines in series: the highest charged ones have 3 to 3.4."""
 EXPONENTS = 1.2, 1.45
@@ -79,8 +81,8 @@ def _unusual_mean(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
 
 
 def implausible(cycle: Cycle, engine: Engine, radius_mm: float) -> tuple[str, ...]:
-    """Return what no engine's pressure does, one line each: angle of the peak, mean pressure, exponent."""
-    rules = (_peak_misplaced, _mean_too_high, _wrong_exponent)
+    """Return what no engine's pressure does, one line each: angle of the peak, charge, mean, exponent."""
+    rules = (_peak_misplaced, _charge_too_low, _mean_too_high, _wrong_exponent)
     return tuple(line for rule in rules if (line := rule(cycle, engine, radius_mm)))
 
 
@@ -119,27 +121,51 @@ def _firing_elsewhere(gas: Gas | None, a_turn_off: bool) -> str:
     return ": engine.gas.firing_deg says where the trace has firing top dead centre"
 
 
+def _charge_too_low(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
+    charge = _pressure_at(cycle, -180.0)
+    if not _measured(engine) or charge >= LEAST_CHARGE_MPA:
+        return ""
+    return (
+        f"the trace has {charge:.3g} MPa before compression, less than any engine "
+        f"({LEAST_CHARGE_MPA:g} MPa): its pressures are gauge pressures or offset; add the ambient pressure, "
+        "or what is missing, to all of them, so that they are absolute"
+    )
+
+
+def _measured(engine: Engine) -> bool:
+    return engine.gas is not None and engine.gas.measured
+
+
 def _mean_too_high(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     mean, charge = mean_pressure_MPa(cycle.indicated_work_J, engine, radius_mm), _pressure_at(cycle, -180.0)
     if mean <= 0:
         return (
             f"the gas does no work (mean pressure {mean:.3g} MPa): angles count from firing top dead centre"
         )
-    if mean <= MOST_OF_CHARGE * charge:
+    if mean <= MOST_OF_CHARGE * charge or _charge_too_low(cycle, engine, radius_mm):
         return ""
+    cause = (
+        "are the trace's pressures gauge pressures, or offset? They must be absolute"
+        if _measured(engine)
+        else "give engine.gas.intake_pressure_MPa of a charged engine"
+    )
     return (
         f"the indicated mean pressure of {mean:.3g} MPa is {mean / charge:.3g} times the {charge:.3g} MPa "
-        f"before compression; no engine has more than {MOST_OF_CHARGE:g} times: give "
-        "engine.gas.intake_pressure_MPa of a charged engine"
+        f"before compression; no engine has more than {MOST_OF_CHARGE:g} times: {cause}"
     )
 
 
 def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
-    """A trace at wrong angles does not rise with the volume; only where trace and compression are given."""
+    """A trace at wrong angles, or offset, does not rise with the volume; only with a compression ratio given.
+
+    Nothing is told beside a charge too low, which raises the exponent by itself.
+    """
     gas = engine.gas
     if gas is None or gas.indicator_csv is None or "compression_ratio" not in gas.model_fields_set:
         return ""
-    if _a_turn_off(_peak_after_firing_deg(cycle, engine), engine):
+    if _a_turn_off(_peak_after_firing_deg(cycle, engine), engine) or _charge_too_low(
+        cycle, engine, radius_mm
+    ):
         return ""
     way = exact_motion(np.radians(_COMPRESSION_DEG), radius_mm, engine.rod_length_mm).displacement_mm
     volume = 2 * radius_mm / (gas.compression_ratio - 1) + way
@@ -147,11 +173,11 @@ def _wrong_exponent(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     exponent = math.log(late / early) / math.log(volume[0] / volume[1])
     if EXPONENTS[0] <= exponent <= EXPONENTS[1]:
         return ""
-    side = "late" if exponent < EXPONENTS[0] else "early"
+    side, offset = ("late", "high") if exponent < EXPONENTS[0] else ("early", "low")
     return (
         f"the pressure rises in compression with the exponent {exponent:.2f}, where gas has {EXPONENTS[0]:g} "
-        f"to {EXPONENTS[1]:g}: the trace is {side} by some degrees (engine.gas.firing_deg), "
-        "or engine.gas.compression_ratio is another"
+        f"to {EXPONENTS[1]:g}: the trace is {side} by some degrees (engine.gas.firing_deg), its pressures "
+        f"are too {offset} (they must be absolute), or engine.gas.compression_ratio is another"
     )
 
 

@@ -178,6 +178,44 @@ def test_a_proposed_counterweight_balances_the_share(capsys, weighted_vee):
     assert radius in run(capsys, str(weighted_vee), "--propose", "65")[1]
 
 
+DRILLED = """
+[[throw.drilling]]
+diameter_mm = 5.0
+web = "first"
+from = {on = "main_journal", angle_deg = 170.0, place_mm = 3.0}
+to = {on = "crankpin", angle_deg = 10.0, place_mm = 0.0}
+"""
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "before", "copy"),
+    [
+        (
+            "throw.drilling[0].web",
+            DRILLED,
+            "[web]",
+            "throw.drilling[0].web = 'both', or without that drilling",
+        ),
+        (
+            "throw.second_main_journal_length_mm",
+            "second_main_journal_length_mm = 50.0",
+            "[throw.main_journal]",
+            "two equal halves",
+        ),
+    ],
+)
+def test_a_proposal_needs_equal_halves_and_says_so(capsys, tmp_path, key, value, before, copy):
+    """The command itself takes the design."""
+    design = tmp_path / "d.toml"
+    design.write_text(MIKRON.replace(before, f"{value}\n{before}"))
+    assert run(capsys, str(design))[0] == 0
+    code, _, err = run(capsys, str(design), "--propose", "50%")
+    assert code == 3
+    assert f"{key}: the halves of the throw differ, and --propose sizes one counterweight" in err
+    assert f"Propose on a copy of the design with {copy}. Without --propose, balance takes" in err
+    assert "Taken by" not in err
+
+
 def test_a_proposal_that_finds_no_place_says_so(capsys, tmp_path):
     page = tmp_path / "b.html"
     code, out, _ = run(capsys, "car-diesel", "--propose", "50%", "--report", str(page))

@@ -138,9 +138,10 @@ def test_mean_pressure_power_and_the_pistons_motion(capsys, tmp_path):
 def traced(tmp_path):
     """The Mikron with its own pressure as a measured trace, late by some degrees."""
 
-    def write(late_deg, ratio="compression_ratio = 8.0"):
+    def write(late_deg, ratio="compression_ratio = 8.0", offset_MPa=0.0):
         curve = pressure_curve(load_scene("mikron-iiic-plain"))
         pressure = np.interp(curve.angle_deg - late_deg, curve.angle_deg, curve.pressure_MPa, period=720.0)
+        pressure = pressure + offset_MPa
         rows = np.column_stack([curve.angle_deg, pressure])
         np.savetxt(
             tmp_path / "t.csv", rows, delimiter=",", header="crank_angle_deg,pressure_MPa", comments=""
@@ -174,6 +175,29 @@ def test_a_trace_at_wrong_angles_is_warned_of(capsys, traced, late_deg, told):
     for line, part in zip(warnings, told, strict=True):
         assert part in line
         assert f"warning: mikron-iiic-plain: {line}" in err
+
+
+@pytest.mark.parametrize(
+    ("offset_MPa", "told"),
+    [
+        (
+            -0.085,
+            ["0.00293 MPa before compression, less than any engine (0.02 MPa): its pressures are gauge"],
+        ),
+        (
+            -0.055,
+            ["no engine has more than 20 times: are the trace's pressures gauge", "are too low (they must"],
+        ),
+        (-0.02, []),
+        (0.1, ["exponent 1.00, where gas has 1.2 to 1.45: the trace is late by some degrees"]),
+    ],
+)
+def test_offset_pressures_of_a_trace_are_named(capsys, traced, offset_MPa, told):
+    """And never the intake pressure, which a trace does not take."""
+    warnings = json.loads(run(capsys, "loads", traced(0.0, offset_MPa=offset_MPa), "--json")[1])["warnings"]
+    assert len(warnings) == len(told)
+    assert all(part in line for line, part in zip(warnings, told, strict=True))
+    assert not any("intake_pressure" in line for line in warnings)
 
 
 def test_a_trace_that_counts_from_gas_exchange_is_told_the_key_and_its_value(capsys, traced):

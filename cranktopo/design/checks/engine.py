@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from cranktopo.base.errors import CranktopoError, invalid
+from cranktopo.design.checks.engine_size import check_engine_size
 from cranktopo.design.engine import Arrangement, BalancerShaft, Engine, Gas
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import Damper, ShaftTable
@@ -225,6 +226,7 @@ def check_engine(scene: Scene) -> None:
         raise scene.invalid(
             "engine.overspeed_rpm", f"must be at least engine.speed_rpm = {engine.speed_rpm:g} rpm"
         )
+    check_engine_size(scene, engine)
     low, high = engine.min_torque_Nm, engine.max_torque_Nm
     if low is not None and high is not None and low > high:
         raise scene.invalid("engine.min_torque_Nm", f"must be at most engine.max_torque_Nm = {high:g} N m")

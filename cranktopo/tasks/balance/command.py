@@ -30,7 +30,8 @@ from cranktopo.cli.verbosity import verbosity_options
     metavar="SHARE",
     callback=share_of,
     help="Propose the counterweight of each web that balances this share of the oscillating mass, such as "
-    "50%, in place of engine.arrangement.balanced_oscillating_share; 0%: the rotating masses alone.",
+    "50%, in place of engine.arrangement.balanced_oscillating_share; 0%: the rotating masses alone. "
+    "The halves of the throw must be alike.",
 )
 @verbosity_options
 def command(design: str, as_json: bool, page: Path | None, share: float | None) -> None:

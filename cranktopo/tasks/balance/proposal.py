@@ -7,7 +7,7 @@ import numpy as np
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.balance_factor import rods_kg_mm
-from cranktopo.design.halves import require_equal_halves
+from cranktopo.design.halves import difference
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
@@ -56,7 +56,7 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
     Raises:
         CranktopoError: different webs, no oscillating mass, or no radius that balances so much or so little.
     """
-    require_equal_halves(scene)
+    _require_equal_halves(scene)
     if not rods_kg_mm(scene)[1]:
         raise invalid("engine.masses", None, "must be given: without them nothing oscillates")
     own_deg = scene.web.counterweight.half_angle_deg if scene.web.counterweight else _HALF_ANGLE_DEG
@@ -74,6 +74,19 @@ def propose_counterweight(scene: Scene, percent: float) -> ProposedCounterweight
         return found
     why = own.refused if own.half_angle_deg == own_deg else "no outer radius balances so much"
     return found.model_copy(update={"own_angle_refused": why})
+
+
+def _require_equal_halves(scene: Scene) -> None:
+    key = difference(scene)
+    if not key:
+        return
+    drilled = key.startswith("throw.drilling")
+    copy = f"{key} = 'both', or without that drilling" if drilled else "two equal halves"
+    raise CranktopoError(
+        f"{key}: the halves of the throw differ, and --propose sizes one counterweight for both webs.",
+        hint=f"Propose on a copy of the design with {copy}. Without --propose, balance takes this design "
+        "and says what each of its webs needs.",
+    )
 
 
 def _other_angles_deg(own_deg: float) -> list[float]:

@@ -12,6 +12,7 @@ from cranktopo.base.notes import note
 from cranktopo.bodies.cells.domain import laterally_symmetric
 from cranktopo.bodies.memory import available_memory_MiB, check_resolution
 from cranktopo.design.assumed import ENVELOPE, GOAL, SUPPORTS, THROW, assumed_json, assumed_text, assumptions
+from cranktopo.design.free_dimensions import is_of_counterweight, move_journals
 from cranktopo.design.goal.constraint import Constraint
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import stated_goal
@@ -105,9 +106,13 @@ def _result(model: BoundModel, bound: Bound, assumed: list[dict[str, Any]]) -> B
 
 def bound_for_goal(scene: Scene, goal: Goal, cell_mm: float) -> BoundStatement | NoBound:
     """Prove the entry `bound` of shape.json but for what was reached; call inside `double_precision()`."""
-    if free_dimensions(scene):
-        why = "dimensions of the throw are free, and the bound is about webs between its journals"
-        return NoBound(none=why)
+    free = free_dimensions(scene)
+    if move_journals(free):  # a counterweight may have any form within the envelope as it is
+        others = ", ".join(name for name in free if not is_of_counterweight(name))
+        why = (
+            "free, and the bound is about webs of one thickness between the same journals, bores and fillets"
+        )
+        return NoBound(none=f"{others}: {why}")
     try:
         model = _model(scene, goal, cell_mm)
         return _statement(model, prove(model, goal))

@@ -9,9 +9,16 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.spans import holds
+from cranktopo.bodies.cells.domain import build_domain
+from cranktopo.bodies.cells.outside import without_counterweight
+from cranktopo.design.free_dimensions import with_dimensions
+from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.precision import double_precision
+from cranktopo.tasks.bound import stage
+from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.fea.evaluation import evaluate_on_mesh
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.refit.family import Layout, exact_web_of, free_dimensions, scene_at, with_free
@@ -83,6 +90,50 @@ def test_cells_follow_the_counterweight(free: Scene) -> None:
     assert rules_at(free, web, values).violated == ()
     values[-2] = 76.0
     assert rules_at(free, web, values).violated == ("room of the envelope",)
+
+
+def test_the_proof_may_fill_every_counterweight_of_the_range(free: Scene) -> None:
+    """All that the range allows in the envelope lies in cells that any web may fill, or that all have."""
+    domain = build_domain(without_counterweight(free), 8.0)
+    room, filled = domain.passive_fraction + domain.design_fraction, []
+    for radius, angle in ((50.0, 40.0), (62.0, 60.0), (74.9, 40.0), (74.9, 90.0)):
+        one = with_dimensions(free, {"counterweight_radius": radius, "counterweight_angle": angle})
+        own = build_domain(one, 8.0, "web", domain.extent, domain.grid).passive_fraction
+        assert (own <= room + 1e-9).all()
+        filled.append(own.sum())
+    assert filled[0] < filled[1] < filled[3]
+
+
+LIGHT = Goal("minimise", "mass", (Limit("torsion", ">=", 90.0, percent=True),))
+
+
+def test_a_free_counterweight_leaves_the_bound_to_the_proof(
+    free: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def proof(*_: object) -> None:
+        raise CranktopoError("a failed solve")
+
+    monkeypatch.setattr(stage, "bound_model", proof)
+    assert stage.bound_for_goal(free, LIGHT, 8.0) == NoBound(none="a failed solve")
+
+
+@pytest.mark.slow
+def test_the_bound_beside_a_free_counterweight_is_that_of_the_design(free: Scene) -> None:
+    with double_precision():
+        found, own = (
+            stage.bound_for_goal(scene, LIGHT, 8.0)
+            for scene in (free, free.model_copy(update={"shape": type(free.shape)()}))
+        )
+    assert isinstance(found, BoundStatement)
+    assert found == own
+
+
+def test_a_free_thickness_rules_the_bound_out_and_is_named(free: Scene) -> None:
+    data = free.model_dump(mode="json", exclude_none=True)
+    other = scene_from_dict({**data, "shape": {"free": {**FREE, "web_thickness_mm": [15.0, 20.0]}}}, "other")
+    found = stage.bound_for_goal(other, LIGHT, 8.0)
+    assert isinstance(found, NoBound)
+    assert found.none.startswith("web_thickness: free, and the bound is about webs of one thickness")
 
 
 def test_the_web_of_a_free_counterweight_keeps_it(free: Scene) -> None:

@@ -112,3 +112,53 @@ def test_defaults():
     gas = parse_scene(MIKRON).engine.gas
     assert gas.exhaust_MPa == gas.ambient_pressure_MPa
     assert gas.intake_MPa == 0.08793
+
+
+SIZES = [
+    (
+        "bore_mm = 95.0",
+        "bore_mm = 9.5",
+        r"engine\.bore_mm = 9\.5: must be >= 24 and <= 384 mm .*stroke of 96",
+    ),
+    ("bore_mm = 95.0", "bore_mm = 385.0", r"engine\.bore_mm = 385\.0: must be >= 24 and <= 384 mm"),
+    (
+        "speed_rpm = 2100.0",
+        "speed_rpm = 16000.0\noverspeed_rpm = 16000.0",
+        r"engine\.speed_rpm = 16000\.0: must be <= 15625 rpm .* 51\.2 m/s",
+    ),
+    (
+        "speed_rpm = 2100.0",
+        "speed_rpm = 2100.0\noverspeed_rpm = 16000.0",
+        r"engine\.overspeed_rpm = 16000\.0: must be <= 15625 rpm",
+    ),
+    (
+        "piston_group_kg = 0.491",
+        "piston_group_kg = 491.0",
+        r"engine\.masses\.piston_group_kg = 491\.0: must be 0, or >= 0\.00857 and <= 42\.9 kg for a bore of"
+        r" 95 mm\. Is it in grams\? Write 0\.491 kg\.",
+    ),
+    ("rod_reciprocating_kg = 0.1436", "rod_reciprocating_kg = 143.6", r"in grams\? Write 0\.1436 kg"),
+    ("rod_rotating_kg = 0.3254", "rod_rotating_kg = 325.4", r"rod_rotating_kg = 325\.4: must be 0, or"),
+    ("rod_rotating_kg = 0.3254", "rod_rotating_kg = 3e-4", r"rod_rotating_kg = 0\.0003: .* Correct the mass"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), SIZES)
+def test_what_no_engine_of_such_a_stroke_has_is_refused(old, new, message):
+    text = re.sub(r"(?m)^overspeed_rpm.*\n", "", MIKRON)
+    with pytest.raises(CranktopoError) as error:
+        parse_scene(changed(old, new, text))
+    assert re.search(message, str(error.value))
+
+
+def test_a_whole_rod_in_grams_is_refused():
+    text = re.sub(r"(?m)^rod_(recip|rot).*\n", "", MIKRON)
+    rod = "piston_group_kg = 0.491\nrod_centre_from_big_end_mm = 50.0\nrod_kg = "
+    assert parse_scene(changed("piston_group_kg = 0.491", f"{rod}0.469", text))
+    with pytest.raises(CranktopoError, match=r"rod_kg = 469\.0"):
+        parse_scene(changed("piston_group_kg = 0.491", f"{rod}469.0", text))
+
+
+def test_masses_may_be_none():
+    text = re.sub(r"(?m)^(piston_group_kg|rod_r\w+_kg) = [\d.]+", r"\1 = 0", MIKRON)
+    assert parse_scene(text).engine.reciprocating_kg == 0

@@ -168,12 +168,14 @@ def test_a_run_where_a_design_belongs(tmp_path) -> None:
 
 @pytest.mark.parametrize("scale", [1 / 40, 1.0, 2000 / 48], ids=["model engine", "aircraft", "ship"])
 def test_engines_of_all_sizes_pass(scale: float) -> None:
-    """Throws of 1.2, 48 and 2000 mm, everything in proportion."""
+    """Throws of 1.2, 48 and 2000 mm, everything in proportion, pistons of one speed."""
 
     def scaled(line: str) -> str:
         key, _, value = line.partition(" = ")
         number = value.split("#")[0].strip()
-        return f"{key} = {float(number) * scale!r}" if key.endswith("_mm") else line
+        powers = {"_mm": 1, "_kg": 3, "_rpm": -1}
+        power = next((powers[unit] for unit in powers if key.endswith(unit)), None)
+        return line if power is None else f"{key} = {float(number) * scale**power!r}"
 
     lines = [line for line in MIKRON.splitlines() if not line.startswith("fillet_mm")]
     scene = parse_scene("\n".join(scaled(line) for line in lines))
