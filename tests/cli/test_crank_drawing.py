@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import ArrowStyle
 
 from cranktopo.app.main import main
 from cranktopo.base.units import MM_PER_INCH
@@ -21,6 +23,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.crank_drawing.balancing import balancing_notes
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
+from cranktopo.tasks.crank_drawing.crank_views import _chain
 from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, SheetLayout
 from cranktopo.tasks.crank_drawing.sheet import _places, crank_figure
 from cranktopo.throw.counterweight.table import Counterweight
@@ -117,6 +120,21 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
 
 def test_no_text_lies_over_another(sheet: tuple[Figure, SheetLayout]) -> None:
     assert not overlaps(sheet[0])
+
+
+def test_numbers_and_arrows_of_short_parts_keep_apart() -> None:
+    """A flange and two half journals at 1:20 on A2: their numbers lay over each other, and the arrowheads."""
+    width, height = SHEETS_MM["A2"]
+    mm, figure = 20.0, Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-1000.0, width * mm - 1000.0), ylim=(-4000.0, 4400.0))
+    places = np.cumsum([0.0, 50.0, 70.0, 70.0, 125.0, 140.0, 125.0, 70.0, 10.0, 10.0, 10.0])
+    _chain(axes, list(pairwise(places.tolist())), 0.0, -15.0 * mm, mm)
+    assert len(words(figure)) == 2 * 10
+    assert not overlaps(figure)
+    for line in (text for text in axes.texts if hasattr(text, "measured")):
+        short = abs(line.measured.end[0] - line.measured.start[0]) < 3.0 * mm
+        headless = type(line.arrow_patch.get_arrowstyle()) is type(ArrowStyle("-"))
+        assert headless or not short
 
 
 @pytest.mark.slow
