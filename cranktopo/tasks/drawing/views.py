@@ -84,11 +84,15 @@ class Sheet:
         return [place for feature in (*self.features, *self.drilled) for place in feature.places]
 
     @property
+    def web_y_mm(self) -> tuple[float, float]:
+        """Ends of the web along the throw: a counterweight hides the outline's own lower end."""
+        low, high = self.scene.web.y_range_mm(self.scene.throw.radius_mm)
+        return min([low, *(y for feature in self.features for _, y in feature.added)]), high
+
+    @property
     def y_range_mm(self) -> tuple[float, float]:
         """Extent of web and journals along the throw."""
-        throw = self.scene.throw
-        low, high = self.scene.web.y_range_mm(throw.radius_mm)
-        low = min([low, *(y for feature in self.features for _, y in feature.added)])
+        throw, (low, high) = self.scene.throw, self.web_y_mm
         reach = throw.radius_mm + throw.crankpin.radius_mm
         return min(low, -throw.main_journal.radius_mm), max(high, reach)
 
@@ -138,7 +142,7 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     front_body(axes, sheet)
     web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
     gap, line, (y, half) = _GAP_MM / scale, _LINE_MM / scale, outline_points(sheet.scene)
-    low, high = web.y_range_mm(radius)
+    low, high = sheet.web_y_mm
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
