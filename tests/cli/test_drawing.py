@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from manifold3d import CrossSection, FillRule, Manifold
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.app.main import main
@@ -87,6 +88,17 @@ def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> No
             middle = (np.array(arrow.xy) + np.array(arrow.xyann)) / 2
             spot = CrossSection.circle(0.05, 8).translate(tuple(middle))
             assert (spot ^ body).area() == 0.0, (axes.get_title(loc="left"), middle)
+
+
+def test_the_notes_of_a_second_sheet_stand_above_the_title() -> None:
+    scene = load_scene("mikron-iiic-plain")
+    sheet = Sheet(scene, Manifold.cube((200.0, 200.0, 200.0), center=True), half="second")
+    figure = drawing_figure([sheet], throw_balance(scene))
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    boxes = {text.get_text(): text.get_window_extent(renderer) for text in figure.axes[3].texts}
+    (notes,) = (text for text in boxes if "Half a turn" in text)
+    assert notes.count("\n") >= 6
+    assert boxes[notes].y0 > boxes["Title"].y1
 
 
 def test_heights_end_where_the_counterweight_has_its_edge() -> None:
