@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import ArrowStyle
@@ -26,6 +27,7 @@ from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
 from cranktopo.tasks.crank_drawing.crank_views import _chain
 from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, SheetLayout
 from cranktopo.tasks.crank_drawing.sheet import _places, crank_figure
+from cranktopo.tasks.drawing.views import Sheet, lengthwise_section
 from cranktopo.throw.counterweight.table import Counterweight
 
 JOURNAL = {"outer_diameter_mm": 40.0, "length_mm": 30.0, "fillet_mm": 2.0}
@@ -135,6 +137,28 @@ def test_numbers_and_arrows_of_short_parts_keep_apart() -> None:
         short = abs(line.measured.end[0] - line.measured.start[0]) < 3.0 * mm
         headless = type(line.arrow_patch.get_arrowstyle()) is type(ArrowStyle("-"))
         assert headless or not short
+
+
+def test_the_place_of_an_outlet_keeps_clear_of_the_radius_of_its_fillet() -> None:
+    """At 1:2 the 7 mm off the middle lay under their own number, and that at the label of the fillet."""
+    drilling = {
+        "diameter_mm": 6.0,
+        "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 7.0},
+        "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 0.0},
+    }
+    throw = small().throw.model_dump(mode="json", exclude_none=True, by_alias=True)
+    cube = Manifold.cube((200.0, 200.0, 200.0), center=True)
+    (_, room, _) = (one := Sheet(small(throw=throw | {"drilling": [drilling]}), cube)).rooms
+    figure = Figure(figsize=[mm / MM_PER_INCH for mm in room.size_mm(0.5)])
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    room.set_limits(axes, 0.5)
+    lengthwise_section(axes, one, 0.5)
+    assert not [pair for pair in overlaps(figure) if {"7", "R2"} & set(pair) and "leaves" not in pair[1]]
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    (number,) = (text for text in axes.texts if text.get_text() == "7")
+    (line,) = (text for text in axes.texts if hasattr(text, "measured") and text.measured.text == "7")
+    box = number.get_window_extent(renderer)
+    assert box.y1 < axes.transData.transform(line.xy)[1], "the number hides its line"
 
 
 @pytest.mark.slow
