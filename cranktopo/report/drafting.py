@@ -10,6 +10,12 @@ import numpy as np
 
 INK, THIN, GHOST, STEEL = "#1a1a1a", "#5a6472", "#d0482b", "#dfe4ea"
 TEXT_SIZE = 7.5
+DROP_MM = 2.6
+"""Paper from a dimension line to a number that does not fit on it."""
+_HEADS_MM = 4.0
+"""Least paper between two arrowheads; a shorter line ends in dots."""
+_LETTER_MM = 1.9
+"""Mean width of a letter of a dimension on paper."""
 _Flat = tuple[float, float]
 
 
@@ -30,11 +36,12 @@ def dimension(
     shift: _Flat,
     text: str,
     lift: _Flat = (0.0, 0.0),
+    mm: float = 0.0,
 ) -> None:
     """Draw a dimension line between two points, with extension lines and its number.
 
     It is moved off the points across the line by `shift`, one component being 0; a number that does not fit
-    on the line is lifted off it. All in mm.
+    on the line is lifted off it. All in mm; `mm` is one of paper where the line may be short.
     """
     a, b = (np.array(point) + np.array(shift) for point in (start, end))
     if shift[0]:  # vertical dimension: both extension lines reach the same x
@@ -43,9 +50,13 @@ def dimension(
         axes.plot([point[0], at[0]], [point[1], at[1]], color=THIN, lw=0.5)[0]
         for point, at in ((start, a), (end, b))
     ]
+    short = float(np.hypot(*(b - a))) < _HEADS_MM * mm
+    style = "-" if short else "<|-|>"
     line = axes.annotate(
-        "", a, b, arrowprops={"arrowstyle": "<|-|>", "lw": 0.7, "color": INK, "shrinkA": 0, "shrinkB": 0}
+        "", a, b, arrowprops={"arrowstyle": style, "lw": 0.7, "color": INK, "shrinkA": 0, "shrinkB": 0}
     )
+    if short:
+        parts += axes.plot(*zip(a, b, strict=True), "o", ms=2.0, color=INK)
     middle, upright = (a + b) / 2, abs(a[0] - b[0]) < 1e-9
     number = axes.text(
         *(middle + lift),
@@ -59,6 +70,16 @@ def dimension(
     line.measured = Measured(start, end, (float(a[0]), float(a[1])), text)  # a DXF file dimensions by itself
     for part in (*parts, number):
         part.of_dimension = True
+
+
+def number_mm(text: str) -> float:
+    """Return the width of a dimension's number on paper."""
+    return _LETTER_MM * len(text)
+
+
+def fits(length_mm: float, text: str, mm: float) -> bool:
+    """Tell whether a number fits on its dimension line between the arrowheads; `mm` is one of paper."""
+    return length_mm >= (number_mm(text) + 6.0) * mm
 
 
 def leader(axes: Any, tip: _Flat, at: _Flat, text: str, align: str = "center") -> None:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import sys
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import ArrowStyle
 
 from cranktopo.app.main import main
 from cranktopo.base.units import MM_PER_INCH
@@ -21,8 +24,10 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.crank_drawing.balancing import balancing_notes
 from cranktopo.tasks.crank_drawing.crank_shape import crank_shape
+from cranktopo.tasks.crank_drawing.crank_views import _chain
 from cranktopo.tasks.crank_drawing.layout import SHEETS_MM, SheetLayout
 from cranktopo.tasks.crank_drawing.sheet import _places, crank_figure
+from cranktopo.tasks.drawing.views import Sheet, lengthwise_section
 from cranktopo.throw.counterweight.table import Counterweight
 
 JOURNAL = {"outer_diameter_mm": 40.0, "length_mm": 30.0, "fillet_mm": 2.0}
@@ -117,6 +122,43 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
 
 def test_no_text_lies_over_another(sheet: tuple[Figure, SheetLayout]) -> None:
     assert not overlaps(sheet[0])
+
+
+def test_numbers_and_arrows_of_short_parts_keep_apart() -> None:
+    """A flange and two half journals at 1:20 on A2: their numbers lay over each other, and the arrowheads."""
+    width, height = SHEETS_MM["A2"]
+    mm, figure = 20.0, Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-1000.0, width * mm - 1000.0), ylim=(-4000.0, 4400.0))
+    places = np.cumsum([0.0, 50.0, 70.0, 70.0, 125.0, 140.0, 125.0, 70.0, 10.0, 10.0, 10.0])
+    _chain(axes, list(pairwise(places.tolist())), 0.0, -15.0 * mm, mm)
+    assert len(words(figure)) == 2 * 10
+    assert not overlaps(figure)
+    for line in (text for text in axes.texts if hasattr(text, "measured")):
+        short = abs(line.measured.end[0] - line.measured.start[0]) < 3.0 * mm
+        headless = type(line.arrow_patch.get_arrowstyle()) is type(ArrowStyle("-"))
+        assert headless or not short
+
+
+def test_the_place_of_an_outlet_keeps_clear_of_the_radius_of_its_fillet() -> None:
+    """At 1:2 the 7 mm off the middle lay under their own number, and that at the label of the fillet."""
+    drilling = {
+        "diameter_mm": 6.0,
+        "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 7.0},
+        "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 0.0},
+    }
+    throw = small().throw.model_dump(mode="json", exclude_none=True, by_alias=True)
+    cube = Manifold.cube((200.0, 200.0, 200.0), center=True)
+    (_, room, _) = (one := Sheet(small(throw=throw | {"drilling": [drilling]}), cube)).rooms
+    figure = Figure(figsize=[mm / MM_PER_INCH for mm in room.size_mm(0.5)])
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    room.set_limits(axes, 0.5)
+    lengthwise_section(axes, one, 0.5)
+    assert not [pair for pair in overlaps(figure) if {"7", "R2"} & set(pair) and "leaves" not in pair[1]]
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    (number,) = (text for text in axes.texts if text.get_text() == "7")
+    (line,) = (text for text in axes.texts if hasattr(text, "measured") and text.measured.text == "7")
+    box = number.get_window_extent(renderer)
+    assert box.y1 < axes.transData.transform(line.xy)[1], "the number hides its line"
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.cli.test_rule_dossier import checked, row
 
@@ -51,6 +52,22 @@ def test_everything_that_a_reviewer_asks(tmp_path: Path) -> None:
     assert "## Critical speeds" in text
     assert _misfire_told(text) == pytest.approx(_misfire_computed(tmp_path / "mine.toml"), rel=1e-3)
     assert re.search(r"Document M53-mikron-iiic-plain-[0-9a-f]{8}\.", text)
+
+
+def test_engine_data_of_the_design_and_unknown_for_what_it_does_not_give(tmp_path: Path) -> None:
+    """Power by the mean pressure p V n / 2 of a four-stroke engine."""
+    text = dossier(tmp_path, "").read_text(encoding="utf-8").replace("\\", "")
+    swept_m3 = 4 * math.pi / 4 * 0.095**2 * 2 * load_scene("mikron-iiic-plain").throw.radius_mm / 1000
+    (mean, _), (power, _) = (
+        row(text, name)[1].split()
+        for name in ("indicated mean pressure", "indicated power at rated speed, friction not taken off")
+    )
+    assert float(power) == pytest.approx(float(mean) * 1e3 * swept_m3 * 2100 / 120, rel=1e-3)
+    assert row(text, "cylinder pressure over crank angle")[1].startswith("Wiebe combustion model")
+    assert row(text, "compression ratio")[1] == "8"
+    assert row(text, "charge-air pressure (intake, absolute)")[1] == "0.08793 MPa"
+    for name in ("rated power", "sense of rotation"):
+        assert row(text, name)[1] == "unknown"
 
 
 def _misfire_told(text: str) -> list[float]:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from manifold3d import CrossSection, FillRule
+from manifold3d import CrossSection, FillRule, Manifold
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.app.main import main
@@ -18,7 +19,8 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
-from cranktopo.tasks.drawing.views import Sheet
+from cranktopo.tasks.drawing.views import Sheet, front_view
+from cranktopo.throw.counterweight.table import Counterweight
 from tests.physics.fea.test_two_webs import POCKET, lopsided
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
@@ -86,6 +88,30 @@ def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> No
             middle = (np.array(arrow.xy) + np.array(arrow.xyann)) / 2
             spot = CrossSection.circle(0.05, 8).translate(tuple(middle))
             assert (spot ^ body).area() == 0.0, (axes.get_title(loc="left"), middle)
+
+
+def test_the_notes_of_a_second_sheet_stand_above_the_title() -> None:
+    scene = load_scene("mikron-iiic-plain")
+    sheet = Sheet(scene, Manifold.cube((200.0, 200.0, 200.0), center=True), half="second")
+    figure = drawing_figure([sheet], throw_balance(scene))
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    boxes = {text.get_text(): text.get_window_extent(renderer) for text in figure.axes[3].texts}
+    (notes,) = (text for text in boxes if "Half a turn" in text)
+    assert notes.count("\n") >= 6
+    assert boxes[notes].y0 > boxes["Title"].y1
+
+
+def test_heights_end_where_the_counterweight_has_its_edge() -> None:
+    """The round lower end of the outline lies inside the counterweight, where nobody can measure to it."""
+    plain = load_scene("mikron-iiic-plain")
+    added = Counterweight(outer_radius_mm=60.0, half_angle_deg=60.0)
+    low, high = plain.web.y_range_mm(plain.throw.radius_mm)
+    scene = plain.model_copy(update={"web": plain.web.model_copy(update={"counterweight": added})})
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    front_view(axes, Sheet(scene, Manifold.cube()), 1.0)
+    found = {text.get_text() for text in axes.texts}
+    assert {"60.00", f"{high + 60.0:.2f}"} <= found
+    assert not {f"{-low:.2f}", f"{high - low:.2f}"} & found
 
 
 @pytest.mark.parametrize("ending", [pytest.param(".svg", marks=pytest.mark.slow), ".pdf", ".png"])

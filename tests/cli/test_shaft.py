@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 import json
 import math
@@ -19,9 +20,11 @@ from cranktopo.design.shaft import Supports
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.shaft.stage import shaft_tables
-from cranktopo.tasks.shaft_safety.plots import safety_pictures
+from cranktopo.tasks.shaft_safety.page import shaft_page
+from cranktopo.tasks.shaft_safety.plots import BearingPolar, safety_pictures
 from cranktopo.tasks.shaft_safety.result import (
     SafetySeconds,
+    ShaftAssessment,
     ShaftSafety,
     SpeedSafety,
     WebSafety,
@@ -223,6 +226,23 @@ def test_safety_in_words() -> None:
     assert max(map(len, text.splitlines())) <= 80
 
 
+def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: dict[str, Any]) -> None:
+    loads = BearingPolar(900.0, np.array([0.0, 360.0]), (1,), np.ones((1, 2, 2)))
+    missed = "the mesh misses the rule's checks: jump between elements 9.4 % (at most 5 %)"
+    unwritten = {"throw_inertias_kg_mm2": (1.0,) * 4, "throw_by_bearings_Nm_per_rad": {}, "weighed": "shaft"}
+    for safety, status, told in (
+        (judged(), "good", False),
+        (judged().model_copy(update={"mesh_shortfall": missed}), "unknown", True),
+        (judged(outlets=0.7).model_copy(update={"mesh_shortfall": missed}), "bad", True),
+    ):
+        data = {**bored, **unwritten, "safety": safety.as_json()}
+        page = shaft_page(ShaftAssessment.model_validate(data), loads, "")
+        fact = page.facts[0]
+        assert fact.label == "Least safety"
+        assert fact.status == status
+        assert (missed in page.headline) == (missed in fact.note) == told
+
+
 def test_the_bars_of_a_web_have_the_part_with_the_least_safety() -> None:
     """An outlet below 1 is seen beside fillets above."""
     for more, names in (
@@ -259,6 +279,7 @@ def test_safety_of_every_web(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     for web in found["webs"]:
         assert web["safety"] == min(web["over_speeds"]) == web[web["part"]]
     text = page.read_text(encoding="utf-8")
+    assert found["mesh_shortfall"] in html.unescape(text), "elements of half a fillet are too coarse"
     for part in (
         "Safety of every web",
         "of each web over speed",

@@ -20,6 +20,7 @@ from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.visible_edges import visible_edges
 from cranktopo.report.drafting import (
+    DROP_MM,
     INK,
     TEXT_SIZE,
     THIN,
@@ -29,7 +30,9 @@ from cranktopo.report.drafting import (
     dimension,
     edges,
     finish,
+    fits,
     hatched,
+    number_mm,
     tolerance_frame,
 )
 from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, MainJournal, PlacedThrow
@@ -38,8 +41,9 @@ from cranktopo.throw.journal import Journal
 
 _PIXEL_SHARE = 1 / 1600
 _GAP_MM, _LINE_MM, _CALLOUT_MM = 9.0, 7.0, (64.0, 21.0)
-_LETTER_MM = 1.9
-"""Mean width of a letter of a dimension on paper."""
+_APART_MM = 0.4
+"""Paper beside a number under its line."""
+_Span = tuple[float, float]
 _FROM_SIDE = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 _FROM_FREE_END = np.array([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
 
@@ -71,7 +75,7 @@ def lengthwise_room(shape: CrankShape, scale: float) -> Room:
     (_, _, low, high), (start, end) = shape.reach_mm, shape.z_mm
     told = _CALLOUT_MM[0] * (len(_distinct_mains(shape)) + len(_distinct_pins(shape)))
     beside = max(2 * _GAP_MM, told - (end - start) * scale)
-    under = 2 * _GAP_MM + 3 * _LINE_MM
+    under = 2 * _GAP_MM + 3 * _LINE_MM + _under_parts(shape, 1 / scale)
     return Room(shape.z_mm, (low, high), (3 * _GAP_MM, beside, under, _CALLOUT_MM[1] + 2.5 * _GAP_MM))
 
 
@@ -113,19 +117,26 @@ def _pin_axis(axes: Any, throw: PlacedThrow, number: int, top: float, mm: float)
 
 def _lengths(axes: Any, shape: CrankShape, low: float, mm: float) -> None:
     """Dimension the parts of each distinct throw once, all throws, the whole length."""
-    levels = [low - (_GAP_MM + 6.0 + k * _LINE_MM) * mm for k in range(3)]
-    told: list[Scene] = []
-    for throw in shape.throws:
-        if throw.scene not in told:
-            told.append(throw.scene)
-            _chain(axes, _faces(throw), low, levels[0], mm)
-    for part in shape.end_parts:
-        _chain(axes, sorted(part.z_mm), low, levels[0], mm)
+    levels = [low - (_GAP_MM + 6.0 + k * _LINE_MM + (k > 0) * _under_parts(shape, mm)) * mm for k in range(3)]
+    _chain(axes, _parts(shape), low, levels[0], mm)
     planes = [throw.z_mm for throw in shape.throws]
     planes.append(planes[-1] + shape.throws[-1].scene.pitch_mm)
-    _chain(axes, planes, low, levels[1], mm)
+    _chain(axes, list(pairwise(planes)), low, levels[1], mm)
     if len(planes) > 2 or shape.z_mm != (planes[0], planes[-1]):
-        _chain(axes, shape.z_mm, low, levels[2], mm)
+        _chain(axes, [shape.z_mm], low, levels[2], mm)
+
+
+def _parts(shape: CrankShape) -> list[_Span]:
+    """Return where the parts of each distinct throw and of the ends begin and end, from the free end."""
+    first = {throw.scene: throw for throw in reversed(shape.throws)}
+    spans = [span for throw in first.values() for span in pairwise(_faces(throw))]
+    ends = [(min(part.z_mm), max(part.z_mm)) for part in shape.end_parts]
+    return sorted([*spans, *ends])
+
+
+def _under_parts(shape: CrankShape, mm: float) -> float:
+    """Return the paper that numbers of short parts take below the first one under their line."""
+    return DROP_MM * max([row - 1 for row in _rows(_parts(shape), mm)] + [0])
 
 
 def _faces(throw: PlacedThrow) -> list[float]:
@@ -141,11 +152,29 @@ def _faces(throw: PlacedThrow) -> list[float]:
     ]
 
 
-def _chain(axes: Any, places: Sequence[float], edge: float, level: float, mm: float) -> None:
-    for a, b in pairwise(places):
-        text = f"{round(b - a, 3):g}"
-        narrow = b - a < (_LETTER_MM * len(text) + 6.0) * mm
-        dimension(axes, (a, edge), (b, edge), (0.0, level - edge), text, (0.0, -2.6 * mm * narrow))
+def _chain(axes: Any, spans: Sequence[_Span], edge: float, level: float, mm: float) -> None:
+    for (a, b), row in zip(spans, _rows(spans, mm), strict=True):
+        down = (0.0, -DROP_MM * row * mm)
+        dimension(axes, (a, edge), (b, edge), (0.0, level - edge), _length_text((a, b)), down, mm)
+
+
+def _length_text(span: _Span) -> str:
+    return f"{round(span[1] - span[0], 3):g}"
+
+
+def _rows(spans: Sequence[_Span], mm: float) -> list[int]:
+    """Return the row of each number: 0 on its line, below it the first one that its neighbours leave free."""
+    ends: list[float] = []  # of the last number in each row under the line
+    rows = []
+    for a, b in spans:
+        text, row = _length_text((a, b)), 0
+        if not fits(b - a, text, mm):
+            half = (number_mm(text) / 2 + _APART_MM) * mm
+            start, end = (a + b) / 2 - half, (a + b) / 2 + half
+            row = next((k for k, last in enumerate(ends, 1) if last <= start), len(ends) + 1)
+            ends[row - 1 : row] = [end]
+        rows.append(row)
+    return rows
 
 
 def _callouts(axes: Any, shape: CrankShape, bottom: float, mm: float) -> None:

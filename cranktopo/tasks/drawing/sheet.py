@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 
 
 _WIDTH_MM, _HEIGHT_MM, _BORDER_MM = 420.0, 297.0, 10.0
-_TABLE_MM, _TITLE_MM = 112.0, 62.0
+_TABLE_MM, _FIELDS_MM = 112.0, 40.0
+_NOTES_MM, _NOTE_MM = 22.0, 3.3
+"""Least paper for the notes above the fields of the title block, and that of a line of them."""
 SCALES = (10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 """Scales of ISO 5455."""
 _SHOWN = {
@@ -166,20 +168,20 @@ def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, w
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )
-    step = (_TITLE_MM - 22) / len(rows)
-    frame(page, left, bottom, _TABLE_MM, _TITLE_MM, 1.0)
+    symmetric = ["Web symmetric in x."] * (not web_asymmetry(scene))
+    turned = [_TURNED] * (sheet.half == "second")
+    notes = [*surface_notes(scene.drawing), *strength_notes(scene), *symmetric, *turned]
+    step, top = _FIELDS_MM / len(rows), bottom + _FIELDS_MM + max(_NOTES_MM, 3.0 + _NOTE_MM * len(notes))
+    frame(page, left, bottom, _TABLE_MM, top - bottom, 1.0)
     for number, (name, text) in enumerate(reversed(rows)):
         y = bottom + number * step
         frame(page, left, y, _TABLE_MM, step, 0.5)
         page.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
         page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
-    symmetric = ["Web symmetric in x."] * (not web_asymmetry(scene))
-    turned = [_TURNED] * (sheet.half == "second")
-    notes = "\n".join([*surface_notes(scene.drawing), *strength_notes(scene), *symmetric, *turned])
-    page.text(left + 2, bottom + _TITLE_MM - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
+    page.text(left + 2, top - 2, "\n".join(notes), fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if sheet.body is not None:
-        y = bottom + _TITLE_MM + 4
+        y = top + 4
         page.plot([left + 2, left + 12], [y] * 2, color=GHOST, lw=1, ls="--")
         page.text(left + 14, y, "body that was re-modelled", fontsize=TEXT_SIZE, va="center")
 

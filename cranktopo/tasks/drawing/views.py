@@ -15,7 +15,19 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.bodies.prisms import web_region
 from cranktopo.design.schema import Scene
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, circle, dimension, finish, ghost, hatched, leader
+from cranktopo.report.drafting import (
+    DROP_MM,
+    INK,
+    TEXT_SIZE,
+    THIN,
+    circle,
+    dimension,
+    finish,
+    fits,
+    ghost,
+    hatched,
+    leader,
+)
 from cranktopo.throw.primitives import Circle, DimensionLine, FeatureDrawing, Polyline
 from cranktopo.throw.profile import ProfileWeb
 
@@ -25,6 +37,8 @@ if TYPE_CHECKING:
 _POINTS = 400
 _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
+_LEAST_OFF_MM = 3.0
+"""Least paper from an edge to the dimension of a feature along it."""
 _PLACE_MM = 15.0
 """Paper for running dimensions of places."""
 _TEXT_MM = 46.0
@@ -84,11 +98,15 @@ class Sheet:
         return [place for feature in (*self.features, *self.drilled) for place in feature.places]
 
     @property
+    def web_y_mm(self) -> tuple[float, float]:
+        """Ends of the web along the throw: a counterweight hides the outline's own lower end."""
+        low, high = self.scene.web.y_range_mm(self.scene.throw.radius_mm)
+        return min([low, *(y for feature in self.features for _, y in feature.added)]), high
+
+    @property
     def y_range_mm(self) -> tuple[float, float]:
         """Extent of web and journals along the throw."""
-        throw = self.scene.throw
-        low, high = self.scene.web.y_range_mm(throw.radius_mm)
-        low = min([low, *(y for feature in self.features for _, y in feature.added)])
+        throw, (low, high) = self.scene.throw, self.web_y_mm
         reach = throw.radius_mm + throw.crankpin.radius_mm
         return min(low, -throw.main_journal.radius_mm), max(high, reach)
 
@@ -138,7 +156,7 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     front_body(axes, sheet)
     web, radius = sheet.scene.web, sheet.scene.throw.radius_mm
     gap, line, (y, half) = _GAP_MM / scale, _LINE_MM / scale, outline_points(sheet.scene)
-    low, high = web.y_range_mm(radius)
+    low, high = sheet.web_y_mm
     widest, place = web.largest_half_width_mm, float(y[np.argmax(half)])
     under, beside = sheet.y_range_mm[0], sheet.half_width_mm
     dimension(axes, (-widest, place), (widest, place), (0, under - gap - place), f"{2 * widest:.2f}")
@@ -230,12 +248,19 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             dimension(axes, *ends, (side * (gap + number * line), 0), f"⌀{diameter:g}")
         if journal.fillet_mm:
             across = (start if side < 0 else stop) + side * 0.3 * journal.fillet.axial_mm
-            up = y + side * (journal.radius_mm + 0.3 * journal.fillet_mm)
-            at = across + side * 0.4 * journal.length_mm / 2, up + side * 0.55 * gap
+            way = -side if _dimensioned(sheet, y + side * journal.radius_mm) else side
+            up = y + way * (journal.radius_mm + 0.3 * journal.fillet_mm)
+            away = 0.55 * gap if way == side else 0.9 * gap  # clear of the mark of a detail
+            at = across + side * 0.4 * journal.length_mm / 2, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
     for feature in (*sheet.features, *sheet.drilled):
-        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
+        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line, 1 / scale)
     finish(axes, "Section x = 0")
+
+
+def _dimensioned(sheet: Sheet, y_mm: float) -> bool:
+    """Tell whether a drilling's outlet is dimensioned along this edge of a journal."""
+    return any(line.start[1] == y_mm for drilled in sheet.drilled for line in drilled.lengthwise)
 
 
 def cross_body(axes: Any, sheet: Sheet, y_mm: float) -> None:
@@ -309,12 +334,21 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=1.0, ls=style)
 
 
-def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
-    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
+def _dimensions(
+    axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float, mm: float
+) -> None:
+    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body.
+
+    Numbers of short ones stand off their line, away from the body; `mm` is one of paper.
+    """
     for one in found:
-        shift = one.shift
+        length, shift = float(np.hypot(*np.subtract(one.end, one.start))), one.shift
         if shift[0] < 0:
             shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
         elif shift[0] > 0:
             shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
-        dimension(axes, one.start, one.end, shift, one.text)
+        else:
+            shift = (0.0, float(np.copysign(max(abs(shift[1]), _LEAST_OFF_MM * mm), shift[1])))
+        off = 0.0 if fits(length, one.text, mm) else DROP_MM * mm
+        lift = float(np.sign(shift[0])) * off, float(np.sign(shift[1])) * off
+        dimension(axes, one.start, one.end, shift, one.text, lift, mm)

@@ -6,11 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 from cranktopo.base.units import number_text
-from cranktopo.design.engine import Engine
+from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
+from cranktopo.engine.analysis import Cycle
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Section, pairs, quantity_words
 from cranktopo.tasks.vibration.page import vibration_page
@@ -19,15 +21,15 @@ _UNKNOWN = "unknown"
 _Rows = list[tuple[str, Any]]
 
 
-def engine_section(scene: Scene) -> Section:
+def engine_section(scene: Scene, cycle: Cycle | None) -> Section:
     """Return engine data and masses; what the design does not give is unknown."""
     engine = scene.engine
-    data = _engine_rows(scene, engine) if engine else [("engine", _UNKNOWN)]
+    data = _engine_rows(scene, engine, cycle) if engine else [("engine", _UNKNOWN)]
     tables = (("Engine", pairs(data)), ("Masses", pairs(_mass_rows(scene, engine))))
     return Section("engine", "Engine data and masses", tables=tables)
 
 
-def _engine_rows(scene: Scene, engine: Engine) -> _Rows:
+def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
     gas = engine.gas
     curve = pressure_curve(scene) if gas and gas.map else None
     peak = gas.peak_pressure_MPa if gas else None
@@ -41,10 +43,36 @@ def _engine_rows(scene: Scene, engine: Engine) -> _Rows:
         ("length of the connecting rod", f"{engine.rod_length_mm:g} mm"),
         ("rated speed", f"{engine.speed_rpm:g} rpm"),
         ("overspeed", f"{engine.overspeed_rpm:g} rpm" if engine.overspeed_rpm else _UNKNOWN),
+        ("sense of rotation", _UNKNOWN),
+        ("rated power", _UNKNOWN),
+        *_performance_rows(scene, engine, cycle),
         ("maximum cylinder pressure (absolute)", pressure),
+        *_gas_rows(gas, cycle),
         ("firing order", "-".join(map(str, engine.order))),
         ("firing angles of the cylinders", _listed(engine.firing_angles_deg, "deg")),
         ("angles of the throws", _listed(engine.throw_angles_deg, "deg")),
+    ]
+
+
+def _performance_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
+    """Return power and mean pressure that follow from the cylinder pressure."""
+    power = mean = _UNKNOWN
+    if cycle is not None:
+        pressure_MPa = mean_pressure_MPa(cycle.indicated_work_J, engine, scene.throw.radius_mm)
+        power, mean = f"{power_kW(cycle.mean_work_J, engine):.1f} kW", f"{pressure_MPa:.3f} MPa"
+    return [
+        ("indicated power at rated speed, friction not taken off", power),
+        ("indicated mean pressure", mean),
+    ]
+
+
+def _gas_rows(gas: Gas | None, cycle: Cycle | None) -> _Rows:
+    given = {} if gas is None else gas.model_dump(include=gas.model_fields_set)
+    intake, ratio = given.get("intake_pressure_MPa"), given.get("compression_ratio")
+    return [
+        ("charge-air pressure (intake, absolute)", f"{intake:g} MPa" if intake else _UNKNOWN),
+        ("compression ratio", f"{ratio:g}" if ratio else _UNKNOWN),
+        ("cylinder pressure over crank angle", cycle.pressure.source if cycle else _UNKNOWN),
     ]
 
 

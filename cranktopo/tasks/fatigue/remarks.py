@@ -9,9 +9,8 @@ from cranktopo.tasks.fatigue.stress_model import StressModel
 
 def note_quality(field: FatigueField) -> None:
     """Tell in a line where means miss the rule's checks of a mesh, and what is not counted."""
-    quality = field.model.quality
-    if not (quality.within_limits or field.model.fitted):
-        note(f"note: {field.model.name}: {quality.shortfall}; a smaller --fillet-fraction helps.")
+    if missed := mesh_shortfall(field.model):
+        note(f"note: {field.model.name}: {missed}; a smaller --fillet-fraction helps.")
     sharp = field.at_sharp_edges
     if sharp is not None and sharp.safety < field.critical.safety:
         note(
@@ -19,6 +18,11 @@ def note_quality(field: FatigueField) -> None:
             "counted: it falls with every finer mesh. Give the edge a radius."
         )
     note_cut_outlets(field.model)
+
+
+def mesh_shortfall(model: StressModel) -> str:
+    """Return the rule's checks that a mesh misses whose stresses are means over elements, else nothing."""
+    return "" if model.quality.within_limits or model.fitted else model.quality.shortfall
 
 
 def note_cut_outlets(model: StressModel) -> None:

@@ -93,7 +93,7 @@ def rule_page(record: RuleRecord) -> Page:
         sections=(
             *_each(checks, _acceptability),
             _input(record),
-            engine_section(record.scene),
+            engine_section(record.scene, record.loads.cycle if record.loads else None),
             shaft_section(record.scene),
             *_each(checks, _size),
             loads_section(record.loads, record.cases),

@@ -17,6 +17,8 @@ from cranktopo.tasks.fea.quantities import MASS, SAFETY
 
 SAME = 0.02
 """Relative difference of safety below which two variants count as equal: the scatter of the worst node."""
+_OTHER_LOADS = 0.002
+"""Relative difference of a load's amplitude from which two variants are judged by different loads."""
 _FatigueResult = FatigueField | RuleCheck
 _FIELD_COLUMNS: tuple[Column[FatigueField], ...] = (
     Column("target", 0, lambda f: f.model.name),
@@ -264,7 +266,25 @@ def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
             f"{one.name}: {100 * (one.mass_kg / base.mass_kg - 1):+z.1f} % mass, "
             f"{100 * (ratio - 1):+z.1f} % safety: {safe} {base.name}."
         )
+        lines += _other_loads(results[index], results[baseline])
     return lines
+
+
+def _other_loads(one: _FatigueResult, base: _FatigueResult) -> list[str]:
+    """Return a line where the rule judged a target by other loads than the baseline: masses, vibration."""
+    if not (isinstance(one, RuleCheck) and isinstance(base, RuleCheck)):
+        return []
+    pairs = (
+        ("radial force", "kN", one.loads.radial_N, base.loads.radial_N),
+        ("bending moment", "kN m", one.loads.moment_Nm, base.loads.moment_Nm),
+        ("torque", "kN m", one.loads.torque_Nm, base.loads.torque_Nm),
+    )
+    differ = [
+        f"{name} {own / 1000:.4g} against {other / 1000:.4g} {unit}"
+        for name, unit, own, other in pairs
+        if abs(own - other) > _OTHER_LOADS * abs(other)
+    ]
+    return [f"{one.name}: other load amplitudes than {base.name}: {', '.join(differ)}."] if differ else []
 
 
 def percent_of_baseline(results: Sequence[_FatigueResult], baseline: int) -> tuple[FatigueShare, ...]:

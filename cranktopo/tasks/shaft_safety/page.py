@@ -30,7 +30,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
     return Page(
         title=f"Shaft on its bearings: {shaft.design}",
         subtitle=f"method {found.method}, {_speeds(found)}, {shaft.bearings} bearings; {written}",
-        headline=worst_sentence(found).replace("\n", " "),
+        headline=" ".join([*worst_sentence(found).splitlines(), *_unsure(found)]),
         facts=_facts(shaft, found, carried),
         sections=(
             Section(
@@ -67,6 +67,12 @@ def _speeds(found: ShaftSafety) -> str:
     return f"{len(found.speeds)} speeds, {first:,.0f} to {last:,.0f} rpm"
 
 
+def _unsure(found: ShaftSafety) -> list[str]:
+    """Return why the safety is not sure, if so."""
+    missed = found.mesh_shortfall
+    return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
+
+
 def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
     safest = max(found.webs, key=lambda web: web.safety)
     bearing = carried.worst_bearing
@@ -74,8 +80,8 @@ def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft)
         Fact(
             "Least safety",
             f"{found.safety:.3f}",
-            f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm",
-            "good" if found.safety >= 1 else "bad",
+            "; ".join([f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm", *_unsure(found)]),
+            "bad" if found.safety < 1 else "unknown" if found.mesh_shortfall else "good",
         ),
         Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),
         Fact(

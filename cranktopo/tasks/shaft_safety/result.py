@@ -95,6 +95,8 @@ class ShaftSafety(Result):
     """Number of load states of each throw: angles times speeds."""
     quality: JudgedQuality
     """The mesh of the throw with the worst point, and its checks."""
+    mesh_shortfall: str | None = UNLESS_NONE
+    """Checks of the rule that this mesh misses, so that the safety is not sure."""
     seconds: SafetySeconds
     """Time taken."""
     assumed: tuple[Assumption, ...]

@@ -22,7 +22,7 @@ from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
 from cranktopo.tasks.fatigue.needs import check_method
-from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
+from cranktopo.tasks.fatigue.remarks import mesh_shortfall, note_quality, note_yielding
 from cranktopo.tasks.fatigue.result import JudgedQuality
 from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
@@ -150,6 +150,7 @@ class _JudgedShaft:
             speeds=_by_speed(least, speeds),
             load_states=angle_deg.size * len(speeds),
             quality=JudgedQuality(**vars(quality), within_rule=quality.within_limits),
+            mesh_shortfall=mesh_shortfall(field.model) or None,
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=filter_by_table(self.target.assumed, USED),
         )

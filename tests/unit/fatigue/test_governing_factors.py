@@ -20,7 +20,7 @@ from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, unchecked_journal_ou
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table
-from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table
+from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table, verdicts
 from cranktopo.tasks.fea.targets import Target
 
 ALLOWED = FilletCheck(200.0, 240.0)
@@ -95,6 +95,17 @@ def test_a_comparison_says_first_what_the_rule_answers() -> None:
     told = compare_fatigue([sound, weak], 0, nothing).verdicts
     assert told[0].endswith(f": accepted by UR M53, least Q {sound.safety:.3f}, 1.15 asked.")
     assert told[1].endswith(": not accepted by UR M53, least Q 1.130, 1.15 asked.")
+
+
+def test_a_comparison_says_where_the_loads_differ() -> None:
+    """A torque amplitude 5 % above the baseline's; one within 0.1 % is the same."""
+    base = replace(check(ALLOWED, ALLOWED), name="base")
+    near = replace(base, name="near", loads=AlternatingLoads(18000.0, 265.5, 410.3))
+    other = replace(base, name="other", loads=AlternatingLoads(18000.0, 265.5, 430.5))
+    told = verdicts([base, near, other], 0)
+    assert [line for line in told if "load" in line] == [
+        "other: other load amplitudes than base: torque 0.4305 against 0.41 kN m."
+    ]
 
 
 def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_unjudged() -> None:
