@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
+from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
@@ -192,6 +193,7 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "throw": add_full_throw,
             "crankshaft": add_crankshaft,
             "rod": add_rod,
+            "raw": add_raw_throw,
         }[part]
         body = add(occ, scene)
     _remove_loose(occ)
@@ -213,7 +215,7 @@ def _remove_loose(occ: Any) -> int:
 
 
 def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
-    names = {"half": "half throw", "second_web": "second web"}
+    names = {"half": "half throw", "second_web": "second web", "raw": "raw part"}
     version = versions()["cranktopo"] or "unknown version"
     return StepLabel(
         f"{scene.name} {names.get(part, part)}",
@@ -260,14 +262,16 @@ def _read_back(path: Path, volume: float) -> None:
         )
 
 
-def half_surfaces(scene: Scene, facet_mm: float | None = None) -> tuple[SurfaceMesh, SurfaceMesh]:
-    """Return closed triangle meshes of both half throws, each in the frame of its half.
+def half_surfaces(
+    scene: Scene, facet_mm: float | None = None, part: Literal["throw", "raw"] = "throw"
+) -> tuple[SurfaceMesh, SurfaceMesh]:
+    """Return closed triangle meshes of both halves of a throw or its raw part, each in the frame of its half.
 
     They are cut out of the whole: a drilling may reach across.
     """
     from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
 
-    throw, middle = solid_of(surface_of(scene, "throw", facet_mm), "throw"), halves(scene)[0].pitch_mm / 2
+    throw, middle = solid_of(surface_of(scene, part, facet_mm), part), halves(scene)[0].pitch_mm / 2
     first = throw.trim_by_plane((0.0, 0.0, -1.0), -middle)
     second = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
     return mesh_of(first), mesh_of(second.translate((0.0, 0.0, scene.pitch_mm)))
