@@ -16,6 +16,7 @@ from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
+from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
@@ -140,7 +141,7 @@ def export_solid(
     with replacing(path) as temporary:
         with cad_session(f"{part} of {scene.name}") as gmsh:
             body = _add(gmsh.model.occ, scene, part)
-            volume = float(gmsh.model.occ.getMass(*body[0]))
+            volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in body]
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
                 _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
@@ -148,8 +149,8 @@ def export_solid(
                 gmsh.write(str(temporary))
         if suffix != ".stl":
             label_step(temporary, _label(scene, part, time_of_writing(started)))
-            _read_back(temporary, volume)
-    return volume
+            _read_back(temporary, volumes)
+    return sum(volumes)
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:
@@ -181,7 +182,7 @@ def end_surface_of(scene: Scene, side: Side) -> SurfaceMesh:
 
 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
-    """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
+    """The bodies of a part, one but for plugs, and nothing else in the session: no points of its arcs."""
     if part in ("web", "second_web"):
         first, second = halves(scene)
         body = _web(occ, first if part == "web" else mirror_image(second))
@@ -194,6 +195,7 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "crankshaft": add_crankshaft,
             "rod": add_rod,
             "raw": add_raw_throw,
+            "plugs": add_plugs,
         }[part]
         body = add(occ, scene)
     _remove_loose(occ)
@@ -223,6 +225,7 @@ def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
         "cranktopo",
         version,
         written,
+        plug_names(scene) if part == "plugs" else (),
     )
 
 
@@ -248,16 +251,17 @@ def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> 
             _orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
 
 
-def _read_back(path: Path, volume: float) -> None:
+def _read_back(path: Path, volumes: list[float]) -> None:
     with cad_session(str(path)) as gmsh:
         occ = gmsh.model.occ
         occ.importShapes(str(path), highestDimOnly=False)
         loose = _remove_loose(occ)
         found = [float(occ.getMass(*pair)) for pair in occ.getEntities(3)]
-    if len(found) != 1 or loose or abs(found[0] - volume) > VOLUME_TOLERANCE * volume:
+    total = sum(volumes)
+    if len(found) != len(volumes) or loose or abs(sum(found) - total) > VOLUME_TOLERANCE * total:
         raise solver_error(
             f"STEP file: reads back as {len(found)} solids of {sum(found):.3f} mm3 and {loose} loose points, "
-            f"curves and faces instead of one solid of {volume:.3f} mm3.",
+            f"curves and faces instead of {len(volumes)} of {total:.3f} mm3.",
             "Export STL, or change the dimensions slightly.",
         )
 

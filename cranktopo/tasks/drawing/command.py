@@ -1,6 +1,6 @@
 """`cranktopo export`
 
-Write the exact solid of a design as STEP or STL: throw, half, web, crankshaft or raw part.
+Write the exact solid of a design as STEP or STL: throw, half, web, crankshaft, raw part or plugs.
 """
 
 from __future__ import annotations

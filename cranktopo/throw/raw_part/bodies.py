@@ -24,6 +24,7 @@ from cranktopo.throw.feature import Body, MirroredPrism
 from cranktopo.throw.primitives import Arc, Curve, Cylinder, LineSegment, Loft, Point, Solid
 from cranktopo.throw.raw_part.drafted_outline import DraftedOutline
 
+_Width = Callable[[Array, Array], Array]
 _BEYOND_MM = 1.0
 """Reach of tools beyond the widest place."""
 
@@ -244,10 +245,14 @@ class RawHalf(RawBody):
                 row, height = np.delete(row, first), np.delete(height, first)
         return list(found.T)
 
-    def _gaps(self) -> Iterator[Callable[[Array, Array], Array]]:
+    def _gaps(self) -> Iterator[_Width]:
         widths = [partial(_width_mm, body) for body in (*self.web, *self.cuts, *self.journals)]
         for one, other in combinations(widths, 2):
-            yield lambda y, z, one=one, other=other: one(y, z) - other(y, z)
+            yield partial(_apart_mm, one, other)
+
+
+def _apart_mm(one: _Width, other: _Width, y_mm: Array, z_mm: Array) -> Array:
+    return one(y_mm, z_mm) - other(y_mm, z_mm)
 
 
 def _width_mm(body: Body, y_mm: Array, z_mm: Array) -> Array:
