@@ -41,5 +41,6 @@ def plug_names(scene: Scene) -> tuple[str, ...]:
 
 def _plugs(half: Scene) -> Iterator[tuple[Plug, Cylinder]]:
     weight = half.web.counterweight
-    for plug in weight.plug if weight is not None else ():
-        yield plug, plug.cylinder(weight.sector(half), weight.face)
+    if weight is not None:
+        sector = weight.sector(half)
+        yield from ((plug, plug.cylinder(sector, weight.face)) for plug in weight.plug)

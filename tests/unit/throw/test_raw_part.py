@@ -25,6 +25,7 @@ from cranktopo.throw.raw_part.bodies import Collar, RawHalf
 from cranktopo.throw.raw_part.drafted_outline import drafted_outline
 from cranktopo.throw.raw_part.half import raw_half
 from cranktopo.throw.raw_part.table import Forging
+from cranktopo.throw.web import web_bodies, web_spans
 from tests.step_volume import step_volume_mm3
 from tests.unit.throw.counterweight_cases import DISC, OUTLINES, PLAIN, roomy_scene, weighted
 
@@ -127,15 +128,15 @@ POCKET = {
     "draft_deg": 12.0,
 }
 CASES: dict[str, tuple[dict[str, Any], dict[str, float]]] = {
-    "obround": ({**OUTLINES["obround"], **CROWNED}, FLUSH),
-    "rectangle": (OUTLINES["rectangle"], USUAL),
+    "obround": ({**OUTLINES["obround"], **CROWNED}, USUAL),
+    "rectangle": ({**OUTLINES["rectangle"], **CROWNED}, FLUSH),
     "ellipse": (OUTLINES["ellipse"], USUAL),
     "widening": ({**OUTLINES["widening"], "pocket": [POCKET]}, USUAL),
     "profile": (OUTLINES["profile"], {**USUAL, "allowance_mm": 0.0}),
 }
 
 
-DEAR = ("ellipse", "widening", "profile")
+DEAR = ("obround", "ellipse", "widening", "profile")
 
 
 @pytest.mark.parametrize(
@@ -174,6 +175,35 @@ def allowance_points(scene: Scene, beyond_mm: float) -> np.ndarray:
             z = np.full(turn.shape, face + out * height)
             found.append(np.stack([radius * np.cos(turn), y + radius * np.sin(turn), z], axis=1))
     return np.concatenate(found)
+
+
+BEVELLED = {
+    "plain": {},
+    "crowned": {"crown_mm": 1.5},
+    "hollow": {"crown_mm": -1.5, "draft_deg": 2.0},
+    "steeper": {"draft_deg": 8.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("outline", "bevel"), [*((one, "crowned") for one in OUTLINES), *(("obround", one) for one in BEVELLED)]
+)
+def test_the_finished_web_lies_in_the_raw_one(plain: Scene, outline: str, bevel: str) -> None:
+    """Random places and heights of the finished web: the raw half is as wide there or wider."""
+    ends = (
+        {"face": "journal", "y_mm": 54.0, "depth_mm": 12.0},
+        {"face": "pin", "y_mm": -4.0, "depth_mm": 9.0},
+    )
+    bevels = [{**end, **BEVELLED[bevel]} for end in ends]
+    scene = forged(plain, FLUSH, web={**OUTLINES[outline], "thickness_mm": 19.0, "bevel": bevels})
+    assert scene.forging is not None
+    random = np.random.default_rng(7)
+    y, z = (random.uniform(*ends, 20_000) for ends in (scene.web.y_range_mm(48.0), scene.web_z_mm))
+    left, right = web_spans(web_bodies(scene), y, z)
+    finished = np.where(right > left, right, 0.0).max(axis=0)
+    raw = raw_half(scene, scene.forging).half_mm(y, z)
+    assert (raw - finished).min() >= -1e-9
+    assert np.median((raw - finished)[finished > 0]) < 1.0
 
 
 @pytest.mark.slow
