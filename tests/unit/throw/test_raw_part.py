@@ -162,6 +162,47 @@ def test_draft_and_allowance_of_the_kernels_faces(plain: Scene, case: str) -> No
         assert gmsh.model.isInside(3, body[0][1], beyond.ravel().tolist()) == 0
 
 
+def some_web(random: np.random.Generator) -> dict[str, Any]:
+    """An outline, alone or with a bevel or a counterweight."""
+    name = str(random.choice(list(OUTLINES)))
+    web = {**OUTLINES[name], "thickness_mm": float(random.choice([19, 24, 30]))}
+    kind, draft = random.integers(3), float(random.choice([0, 4, 10]))
+    if kind == 1:
+        crown = float(random.choice([-1, 0, 1]))
+        bevel = {"face": "journal", "y_mm": 54.0, "depth_mm": 7.0, "crown_mm": crown, "draft_deg": draft}
+        return {**web, "bevel": [bevel]}
+    if kind == 2:
+        sizes = {
+            "outer_radius_mm": random.choice([60, 70]),
+            "half_angle_deg": random.choice([40, 65, 89, 90]),
+        }
+        thin = {"thickness_mm": 10.0, "face": str(random.choice(["pin", "journal"]))}
+        weight = {key: float(value) for key, value in sizes.items()} | thin | {"corner_mm": 6.0}
+        return {**web, "counterweight": weight}
+    return web
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_random_raw_parts(plain: Scene, seed: int) -> None:
+    """The kernel's volume is that of the quadrature, and no face has less than the draft."""
+    random = np.random.default_rng(seed)
+    forging = {
+        "allowance_mm": float(random.choice([0, 0.3, 1, 2, 3.3])),
+        "draft_deg": float(random.choice([0.5, 1, 3, 5, 7, 12])),
+        "flash_mm": float(random.choice([0, 0.5, 2, 4])),
+    }
+    scene = forged(roomy_scene(plain), forging, web=some_web(random))
+    with cad_session(str(seed)) as gmsh:
+        body = add_raw_half(gmsh.model.occ, scene)
+        gmsh.model.occ.synchronize()
+        assert gmsh.model.occ.getMass(*body[0]) == pytest.approx(raw_half_volume_mm3(scene), rel=1e-6)
+        points, normals = sampled(gmsh, body[0][1])
+    x, z = np.abs(points[:, 0]), points[:, 2]
+    walls = (x > forging["flash_mm"] / 2 + 1e-6) & (z > 1e-6) & (z < scene.pitch_mm / 2 - 1e-6)
+    assert np.abs(normals[walls, 0]).min() >= math.sin(math.radians(forging["draft_deg"])) - 1e-6
+
+
 def allowance_points(scene: Scene, beyond_mm: float) -> np.ndarray:
     """Points off the journals' cylinders, their fillets and the faces around them, along the normals."""
     found, turn = [], np.linspace(0, 2 * np.pi, 24, endpoint=False)
