@@ -9,5 +9,5 @@ SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
 PLOTS = (".png", ".svg", ".pdf")
 DRAWINGS = (*PLOTS, ".dxf")
 SOLIDS = (".step", ".stp", ".stl")
-SolidPart = Literal["throw", "half", "web", "second_web", "crankshaft", "rod"]
+SolidPart = Literal["throw", "half", "web", "second_web", "crankshaft", "rod", "raw", "plugs"]
 PARTS: tuple[SolidPart, ...] = get_args(SolidPart)

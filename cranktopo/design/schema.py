@@ -9,7 +9,16 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from cranktopo.base.errors import CranktopoError, invalid
-from cranktopo.base.table import LIKE_WEB, SHOWN, Fraction, Length, SceneTable, Weight, WholeNumber
+from cranktopo.base.table import (
+    LIKE_WEB,
+    SHOWN,
+    Fraction,
+    Length,
+    SceneTable,
+    Weight,
+    WholeNumber,
+    not_given,
+)
 from cranktopo.design.balancer import BalancerPart
 from cranktopo.design.bolt import BoltedJoint
 from cranktopo.design.crank import Crank
@@ -28,6 +37,7 @@ from cranktopo.throw.envelope import Envelope
 from cranktopo.throw.feature import Feature
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.outline import Web
+from cranktopo.throw.raw_part.table import Forging
 
 
 class ThrowTable(SceneTable):
@@ -216,6 +226,7 @@ class Scene(SceneTable):
     shaft: ShaftTable | None = None
     crank: Crank | None = None
     bearings: PlainBearings | None = None
+    forging: Forging | None = Field(default=None, exclude_if=not_given)
     rod: Rod | None = None
     balancer: BalancerPart | None = None
     bolted_joint: tuple[BoltedJoint, ...] = Field(default=(), max_length=64)

@@ -16,7 +16,15 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.table import Length, Place
 from cranktopo.throw.bevel_arc import BevelArc
 from cranktopo.throw.bevel_tool import BevelTool, DraftedBevelTool
-from cranktopo.throw.feature import Body, Face, Feature, JournalsView, ThrowView, least_shoulder_mm
+from cranktopo.throw.feature import (
+    Body,
+    Face,
+    Feature,
+    ForgingView,
+    JournalsView,
+    ThrowView,
+    least_shoulder_mm,
+)
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     Axes,
@@ -82,6 +90,20 @@ class EndBevel(Feature):
             return (BevelTool(key, z_mm, arc, face, into, 2 * wide),)
         inner = max(arc.start_mm - float(arc.inward) * wide, _first_mm(scene, arc))
         return (DraftedBevelTool(key, z_mm, arc, face, into, 2 * wide, inner, end - start),)
+
+    @override
+    def forged(self, scene: ThrowView, key: str, forging: ForgingView) -> tuple[Body, ...]:
+        """With the draft of the die, so far outward that nowhere less than the allowance lies on its face."""
+        own, wide = self.arc(scene), scene.web.largest_half_width_mm
+        arc = replace(own, draft_deg=max(own.draft_deg, forging.draft_deg))
+        out, chord = (arc.fall - own.fall) * wide, own.chord_mm
+        rise, run = own.end_mm - own.start_mm, own.depth_mm
+        arc = replace(arc, start_mm=own.start_mm + out * run / chord, end_mm=own.end_mm + out * run / chord)
+        (start, end), up = scene.web_z_mm, forging.allowance_mm + out * rise / chord
+        face, into = (start - up, 1.0) if arc.outward > 0 else (end + up, -1.0)
+        thick = end - start + 2 * (up + forging.fall * wide)
+        inner = _first_mm(scene, arc) - wide
+        return (DraftedBevelTool(key, (start - up, end + up), arc, face, into, 2 * wide, inner, thick),)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:

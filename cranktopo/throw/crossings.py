@@ -15,14 +15,15 @@ _INSIDE = 1e-7
 """Distance inside an interval of heights at which its ends are looked at, over its size."""
 _STEPS = 14
 _TINY = 1e-300
-_Gap = Callable[[Array, Array], Array]
+Gap = Callable[[Array, Array], Array]
+"""Of places along the throw and heights, mm."""
 
 
 def crossings(bodies: Sequence[Body], y_mm: Array, breaks_mm: Array) -> Array:
     """Return heights of crossings between breaks (y, n), (y, most of a place); the rest the first break."""
     rows, heights = [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
     for gap in _gaps([body for body in bodies if not body.adds]):
-        row, height = _roots(gap, y_mm, breaks_mm)
+        row, height = roots(gap, y_mm, breaks_mm)
         rows.append(row)
         heights.append(height)
     row, height = np.concatenate(rows), np.concatenate(heights)
@@ -34,7 +35,7 @@ def crossings(bodies: Sequence[Body], y_mm: Array, breaks_mm: Array) -> Array:
     return found
 
 
-def _gaps(cuts: Sequence[Body]) -> Iterator[_Gap]:
+def _gaps(cuts: Sequence[Body]) -> Iterator[Gap]:
     """Yield, for each oblique cut and each edge of another, how far its own edge lies farther out."""
     zero = np.zeros(1)
     for cut in (cut for cut in cuts if cut.oblique):
@@ -49,7 +50,7 @@ def _gap(cut: Body, other: Body, number: int, side: int, y_mm: Array, z_mm: Arra
     return np.asarray(own - np.abs(edge))
 
 
-def _roots(gap: _Gap, y_mm: Array, breaks_mm: Array) -> tuple[NDArray[np.intp], Array]:
+def roots(gap: Gap, y_mm: Array, breaks_mm: Array) -> tuple[NDArray[np.intp], Array]:
     """Return where a gap changes its sign between breaks: rows and heights, by the Illinois method."""
     inside = _INSIDE * np.diff(breaks_mm, axis=1)
     low, high = breaks_mm[:, :-1] + inside, breaks_mm[:, 1:] - inside

@@ -47,6 +47,22 @@ class JournalsView(Hashable, Protocol):
         """The oil drillings, each a feature."""
 
 
+class ForgingView(Protocol):
+    """What forged features need to know of the raw part."""
+
+    @property
+    def allowance_mm(self) -> float:
+        """Allowance on the faces of the web."""
+
+    @property
+    def draft_deg(self) -> float:
+        """Least draft of every surface."""
+
+    @property
+    def fall(self) -> float:
+        """Tangent of the draft."""
+
+
 class ThrowView(Hashable, Protocol):
     """The throw around a web: its journals, the web table (`WebTable`) and where its faces lie."""
 
@@ -214,6 +230,10 @@ class Feature(SceneTable, ABC):
     def occupied(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         """Bodies that the design space must hold; by default those that no optimiser takes away."""
         return tuple(body for body in self.bodies(scene, key) if body.kept)
+
+    def forged(self, scene: ThrowView, key: str, forging: ForgingView) -> tuple[Body, ...]:
+        """Bodies that a die leaves out of the raw part; by default none: what is cut is machined."""
+        return ()
 
     def reach_mm(self, scene: ThrowView, key: str) -> Iterator[Reach]:
         """Outermost points of what the design space must hold."""

@@ -101,6 +101,14 @@ class Revolution:
 
 
 @dataclass(frozen=True)
+class Loft:
+    """Straight lines between two closed plane contours of curves in the same order."""
+
+    near: tuple[Curve, ...]
+    far: tuple[Curve, ...]
+
+
+@dataclass(frozen=True)
 class RoundedOutlet:
     """What rounds the edge at which a hole leaves a cylinder along the crank axis.
 
@@ -118,7 +126,7 @@ class RoundedOutlet:
     rounding_mm: float
 
 
-Solid = Cylinder | Box | Frustum | Extrusion | Revolution | RoundedOutlet
+Solid = Cylinder | Box | Frustum | Extrusion | Revolution | Loft | RoundedOutlet
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.table import Length, LengthOrZero, Place
 from cranktopo.throw.bevel import height_range_mm
 from cranktopo.throw.bevel_arc import BevelArc
-from cranktopo.throw.feature import Body, Feature, ThrowView
+from cranktopo.throw.feature import Body, Feature, ForgingView, ThrowView
 from cranktopo.throw.fitted import (
     CLEAR_MM,
     JOURNALS,
@@ -75,6 +75,16 @@ class SidePocket(Feature):
     @override
     def bodies(self, scene: ThrowView, key: str) -> tuple[Body, ...]:
         return (self._slots(scene, key),)
+
+    @override
+    def forged(self, scene: ThrowView, key: str, forging: ForgingView) -> tuple[Body, ...]:
+        """As it is where its walls have the draft of the die; a groove goes on through the raw ends."""
+        if self.draft_deg < forging.draft_deg:
+            return ()
+        slots, (low, high) = self._slots(scene, key), scene.web.y_range_mm(scene.throw.radius_mm)
+        groove = slots.y_range_mm[0] < low and slots.y_range_mm[1] > high
+        more = forging.fall * scene.web.largest_half_width_mm if groove else 0.0
+        return (replace(slots, half_length_mm=slots.half_length_mm + more),)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:

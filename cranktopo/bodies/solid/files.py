@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
+from cranktopo.bodies.solid.plugs import add_plugs, plug_names
+from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
@@ -139,7 +141,7 @@ def export_solid(
     with replacing(path) as temporary:
         with cad_session(f"{part} of {scene.name}") as gmsh:
             body = _add(gmsh.model.occ, scene, part)
-            volume = float(gmsh.model.occ.getMass(*body[0]))
+            volumes = [float(gmsh.model.occ.getMass(*pair)) for pair in body]
             gmsh.model.occ.synchronize()
             if suffix == ".stl":
                 _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
@@ -147,8 +149,8 @@ def export_solid(
                 gmsh.write(str(temporary))
         if suffix != ".stl":
             label_step(temporary, _label(scene, part, time_of_writing(started)))
-            _read_back(temporary, volume)
-    return volume
+            _read_back(temporary, volumes)
+    return sum(volumes)
 
 
 def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> SurfaceMesh:
@@ -180,7 +182,7 @@ def end_surface_of(scene: Scene, side: Side) -> SurfaceMesh:
 
 
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
-    """The one body of a part, and nothing else in the session: not the points that its arcs were built on."""
+    """The bodies of a part, one but for plugs, and nothing else in the session: no points of its arcs."""
     if part in ("web", "second_web"):
         first, second = halves(scene)
         body = _web(occ, first if part == "web" else mirror_image(second))
@@ -192,6 +194,8 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "throw": add_full_throw,
             "crankshaft": add_crankshaft,
             "rod": add_rod,
+            "raw": add_raw_throw,
+            "plugs": add_plugs,
         }[part]
         body = add(occ, scene)
     _remove_loose(occ)
@@ -213,7 +217,7 @@ def _remove_loose(occ: Any) -> int:
 
 
 def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
-    names = {"half": "half throw", "second_web": "second web"}
+    names = {"half": "half throw", "second_web": "second web", "raw": "raw part"}
     version = versions()["cranktopo"] or "unknown version"
     return StepLabel(
         f"{scene.name} {names.get(part, part)}",
@@ -221,6 +225,7 @@ def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
         "cranktopo",
         version,
         written,
+        plug_names(scene) if part == "plugs" else (),
     )
 
 
@@ -246,28 +251,31 @@ def _triangulate(gmsh: Any, body: DimTags, part: SolidPart, facet_mm: float) -> 
             _orient_outward(gmsh, [tag for _, tag in gmsh.model.getBoundary([pair], oriented=False)])
 
 
-def _read_back(path: Path, volume: float) -> None:
+def _read_back(path: Path, volumes: list[float]) -> None:
     with cad_session(str(path)) as gmsh:
         occ = gmsh.model.occ
         occ.importShapes(str(path), highestDimOnly=False)
         loose = _remove_loose(occ)
         found = [float(occ.getMass(*pair)) for pair in occ.getEntities(3)]
-    if len(found) != 1 or loose or abs(found[0] - volume) > VOLUME_TOLERANCE * volume:
+    total = sum(volumes)
+    if len(found) != len(volumes) or loose or abs(sum(found) - total) > VOLUME_TOLERANCE * total:
         raise solver_error(
             f"STEP file: reads back as {len(found)} solids of {sum(found):.3f} mm3 and {loose} loose points, "
-            f"curves and faces instead of one solid of {volume:.3f} mm3.",
+            f"curves and faces instead of {len(volumes)} of {total:.3f} mm3.",
             "Export STL, or change the dimensions slightly.",
         )
 
 
-def half_surfaces(scene: Scene, facet_mm: float | None = None) -> tuple[SurfaceMesh, SurfaceMesh]:
-    """Return closed triangle meshes of both half throws, each in the frame of its half.
+def half_surfaces(
+    scene: Scene, facet_mm: float | None = None, part: Literal["throw", "raw"] = "throw"
+) -> tuple[SurfaceMesh, SurfaceMesh]:
+    """Return closed triangle meshes of both halves of a throw or its raw part, each in the frame of its half.
 
     They are cut out of the whole: a drilling may reach across.
     """
     from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
 
-    throw, middle = solid_of(surface_of(scene, "throw", facet_mm), "throw"), halves(scene)[0].pitch_mm / 2
+    throw, middle = solid_of(surface_of(scene, part, facet_mm), part), halves(scene)[0].pitch_mm / 2
     first = throw.trim_by_plane((0.0, 0.0, -1.0), -middle)
     second = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
     return mesh_of(first), mesh_of(second.translate((0.0, 0.0, scene.pitch_mm)))

@@ -39,23 +39,32 @@ _SOLID = re.compile(rf"(=\s*MANIFOLD_SOLID_BREP\s*\(\s*){_TEXT}")
 
 @dataclass(frozen=True)
 class StepLabel:
-    """Labels that a reader shows of a STEP file: its product and one solid, in a line; written in UTC."""
+    """Labels that a reader shows of a STEP file: its product and its solids, in a line; written in UTC.
+
+    Without names of solids there is one, which is called as the product.
+    """
 
     product: str
     description: str
     program: str
     version: str
     written: datetime
+    solids: tuple[str, ...] = ()
 
 
 def label_step(path: Path, label: StepLabel) -> None:
-    """Write the label into a STEP file of one solid that OCC wrote."""
+    """Write the label into a STEP file that OCC wrote."""
     path.write_text(labelled(path.read_text(encoding="ascii"), label), encoding="ascii")
 
 
 def labelled(text: str, label: StepLabel) -> str:
-    """Return the text of a STEP file with the label; it must hold one product with one solid."""
+    """Return the text of a STEP file with the label; it must hold the solids that this names.
+
+    Of several each is a product, and all of them are one.
+    """
     product, description = step_string(label.product), step_string(label.description)
+    solids = [step_string(name) for name in label.solids or (label.product,)]
+    names = [product, *solids] if len(solids) > 1 else [product]
     system = _SYSTEM.search(text)
     header = (
         "ISO-10303-21;\nHEADER;\n"
@@ -65,14 +74,21 @@ def labelled(text: str, label: StepLabel) -> str:
         f"  {system[1] if system else repr('')},{step_string(f'{label.program} {label.version}')},'');\n"
     )
     text, headers = _HEADER.subn(lambda found: f"{header}{found[1]}\nENDSEC;", text)
-    text, products = _PRODUCT.subn(lambda m: f"{m[1]}{product}{m[2]}{product}{m[3]}{description}", text)
-    text, solids = _SOLID.subn(lambda m: f"{m[1]}{product}", text)
-    if (headers, products, solids) != (1, 1, 1):
+    found = len(_PRODUCT.findall(text)), len(_SOLID.findall(text))
+    if (headers, *found) != (1, len(names), len(solids)):
         raise solver_error(
-            f"STEP file: holds {products} products with {solids} solids instead of one each.",
+            f"STEP file: holds {found[0]} products with {found[1]} solids instead of {len(names)} with "
+            f"{len(solids)}.",
             "Export STL, or change the dimensions slightly.",
         )
-    return text
+    named, called = iter(names), iter(solids)
+
+    def with_name(match: re.Match[str]) -> str:
+        name = next(named)
+        return f"{match[1]}{name}{match[2]}{name}{match[3]}{description}"
+
+    text = _PRODUCT.sub(with_name, text)
+    return _SOLID.sub(lambda match: f"{match[1]}{next(called)}", text)
 
 
 def step_string(text: str) -> str:

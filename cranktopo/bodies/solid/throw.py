@@ -32,6 +32,7 @@ from cranktopo.throw.primitives import (
     Extrusion,
     Frustum,
     LineSegment,
+    Loft,
     Point,
     Rectangle,
     Revolution,
@@ -64,6 +65,10 @@ def add_solid(occ: Any, solid: Solid) -> DimTags:
             section = (2, _Contour(occ).face(contour))
             made = occ.revolve([section], *on_axis, 0, 0, 1, 2 * math.pi)
             occ.remove([section], recursive=True)
+            return [(dim, tag) for dim, tag in made if dim == 3]
+        case Loft(near, far):
+            loops = [_Contour(occ).loop(contour) for contour in (near, far)]
+            made = occ.addThruSections(loops, -1, True, True)
             return [(dim, tag) for dim, tag in made if dim == 3]
         case RoundedOutlet():
             return _rounding(occ, solid)
@@ -174,8 +179,12 @@ class _Contour:
             size = rectangle.size_x, rectangle.size_y
             tag: int = self._occ.addRectangle(*rectangle.low, *size, -1, rectangle.corner_radius)
             return tag
-        loop = self._occ.addCurveLoop([self._curve(curve) for curve in curves])
-        tag = self._occ.addPlaneSurface([loop])
+        tag = self._occ.addPlaneSurface([self.loop(curves)])
+        return tag
+
+    def loop(self, curves: tuple[Any, ...]) -> int:
+        """Return the loop of curves, each of which begins where the last ends."""
+        tag: int = self._occ.addCurveLoop([self._curve(curve) for curve in curves])
         return tag
 
     def _curve(self, curve: LineSegment | Arc | Bezier | EllipseCurve) -> int:

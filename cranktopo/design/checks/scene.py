@@ -23,6 +23,7 @@ from cranktopo.throw.drilling.checks import check_across_pin, check_apart
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.feature import SMALLEST, SMALLEST_FILLET, least_shoulder_mm
 from cranktopo.throw.journal import ROUNDING_MM, Journal
+from cranktopo.throw.raw_part.half import raw_half
 from cranktopo.throw.recess import check_recesses_apart
 from cranktopo.throw.web import check_inside
 
@@ -240,6 +241,8 @@ def _check_half(scene: Scene) -> None:
     for key, feature in scene.throw.features():
         feature.check_alone(scene, key)
     check_solid(scene)
+    if scene.forging is not None:
+        raw_half(scene, scene.forging)
     _check_web_extent(scene)
     _check_envelope(scene)
     _check_optimise(scene)

@@ -14,6 +14,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.tasks.crank_import.choices import EndJournals
+from cranktopo.tasks.crank_import.end_steps import EndFinder
 from cranktopo.tasks.crank_import.faces import (
     CylinderFace,
     Faces,
@@ -55,25 +56,29 @@ def find_crank(faces: Faces, name: str, ends: EndJournals = "auto") -> FoundCran
     pins = found.pins([line for line in lines if line is not main_line], main_line, name)
     main_line = found.welded(main_line)
     journals, unread = found.mains(main_line, pins)
-    steps = [found.steps_beyond(main_line, journals[side], side) for side in (0, -1)]
+    beyond = EndFinder(faces, origin, direction)
+    steps = [
+        beyond.steps_beyond(main_line, journals[side].faces_mm[side], outward)
+        for side, outward in ((0, -1), (-1, 1))
+    ]
     if ends == "auto" and len(journals) == 2 and any(steps):
         ends = "whole"
     halves, told = _halves(journals, pins, ends)
     if not halves:
         raise _no_crank(name, "no crankpin lies next to a main journal")
-    beyond = [
+    taken = [
         None if half.main_plane_mm in half.main.faces_mm or not any(half.main.free) else own
         for half, own in zip((halves[0], halves[-1]), steps, strict=True)
     ]
-    taken = {words for own in beyond for step in own or () for words in _step_words(step)}
-    left = [words for words in unread if words not in taken]
+    known = {words for own in taken for step in own or () for words in _step_words(step)}
+    left = [words for words in unread if words not in known]
     return FoundCrank(
         origin,
         direction,
         journals,
         pins,
         halves,
-        (beyond[0], beyond[1]),
+        (taken[0], taken[1]),
         tuple(assumed + told),
         tuple(left + found.spare),
     )
@@ -221,27 +226,6 @@ class _Finder:
             same = float(last.axis @ self.axis) > 0
             whole[-1] = replace(last, span_mm=(low, high + more) if same else (low - more, high))
         return whole
-
-    def steps_beyond(
-        self, line: Sequence[CylinderFace], journal: FoundJournal, side: int
-    ) -> tuple[FoundStep, ...]:
-        """Return the cylinders that follow outwards on the first (0) or the last (-1) main journal."""
-        at, near = journal.faces_mm[side], _NEAR * journal.radius_mm
-        order = -1 if side == 0 else 1
-        steps: list[FoundStep] = []
-        for face in sorted(line, key=lambda one: order * sum(self._span(one))):
-            inner, outer = self._span(face)[::order]
-            if abs(inner - at) < near:
-                bores = [
-                    2 * bore.radius_mm
-                    for bore in self.bores
-                    if same_axis(bore, face)
-                    and bore.full
-                    and self._span(bore)[0] < (inner + outer) / 2 < self._span(bore)[1]
-                ]
-                steps.append(FoundStep(face.radius_mm, max(bores, default=0.0), abs(outer - inner)))
-                at = outer
-        return tuple(steps)
 
     def _long(self, face: CylinderFace) -> bool:
         return face.span_mm[1] - face.span_mm[0] > _SHORTEST * face.radius_mm

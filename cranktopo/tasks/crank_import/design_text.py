@@ -51,8 +51,8 @@ _NOTES = {
     "material": "# CAD does not tell the material: confirm it, or take another.\n",
     "envelope": "# Space for the optimised web: as large as the present one.\n"
     "# Widen it to what piston and crankcase leave.\n",
-    "crank": "# Cylinders beyond the outer main journals. CAD does not tell the free end: the lower one\n"
-    "# is taken. Cones, keyways and holes in them are not read.\n",
+    "crank": "# Cylinders, cones and keyways beyond the outer main journals. CAD does not tell the free\n"
+    "# end: the lower one is taken. Holes in them are not read.\n",
     "original": "# The web that gains are measured against: the body itself.\n",
 }
 
@@ -76,7 +76,7 @@ def _crank(scene: Scene, crank: FoundCrank) -> dict[str, Any]:
         differing = {k: round(v, DIGITS) for k, v in found.items() if abs(v - usual[k]) > _ALIKE * usual[k]}
         own += [{"number": number, **differing}] if differing else []
     ends = [
-        {"side": side, "step": [_step(step) for step in steps]}
+        {"side": side, "step": [_step(step, crank) for step in steps]}
         for side, steps in zip(("free", "output"), crank.ends, strict=True)
         if steps is not None
     ]
@@ -84,9 +84,16 @@ def _crank(scene: Scene, crank: FoundCrank) -> dict[str, Any]:
     return throws | ({"main_journal": own} if own else {}) | ({"end": ends} if ends else {})
 
 
-def _step(step: FoundStep) -> dict[str, Any]:
+def _step(step: FoundStep, crank: FoundCrank) -> dict[str, Any]:
     sizes = {"diameter_mm": 2 * step.radius_mm, "length_mm": step.length_mm, "bore_diameter_mm": step.bore_mm}
-    return {"kind": "cylinder", **{key: round(value, DIGITS) for key, value in sizes.items()}}
+    kind, keyway = "cylinder", step.keyway
+    if step.outer_radius_mm is not None:
+        kind, sizes["outer_end_diameter_mm"] = "cone", 2 * step.outer_radius_mm
+    if keyway is not None:
+        kind = "keyway"
+        sizes |= {"width_mm": keyway.width_mm, "depth_mm": keyway.depth_mm}
+        sizes["angle_deg"] = crank.turn_deg(keyway.direction)
+    return {"kind": kind, **{key: round(value, DIGITS) for key, value in sizes.items()}}
 
 
 def _envelope(scene: Scene) -> dict[str, Any]:

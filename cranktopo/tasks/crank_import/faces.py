@@ -1,4 +1,4 @@
-"""Exact faces of the body in an open CAD session: planes, cylinders and tori, by the kernel's own numbers."""
+"""Exact faces of the body in an open CAD session: planes, cylinders, cones, tori, by the kernel's numbers."""
 
 from __future__ import annotations
 
@@ -83,13 +83,25 @@ class TorusFace:
 
 
 @dataclass(frozen=True)
+class ConeFace:
+    """A conical face: the middles of its ends on its axis, and their radii."""
+
+    axis: Array
+    ends_mm: tuple[Array, Array]
+    radii_mm: tuple[float, float]
+    full: bool
+    outward: bool
+
+
+@dataclass(frozen=True)
 class Faces:
-    """Faces of a body by kind; `others` are names of the surfaces that have no kind here."""
+    """Faces of a body by kind; `others` are names of the surfaces that no web has, cones among them."""
 
     cylinders: tuple[CylinderFace, ...]
     planes: tuple[PlaneFace, ...]
     tori: tuple[TorusFace, ...]
     others: tuple[str, ...]
+    cones: tuple[ConeFace, ...] = ()
 
     @property
     def sides(self) -> list[PlaneFace]:
@@ -103,6 +115,7 @@ def exact_faces(gmsh: Any, tags: Sequence[int] | None = None) -> Faces:
     cylinders: list[CylinderFace] = []
     planes: list[PlaneFace] = []
     tori: list[TorusFace] = []
+    cones: list[ConeFace] = []
     others: list[str] = []
     for tag in [tag for _, tag in gmsh.model.getEntities(2)] if tags is None else tags:
         kind = gmsh.model.getType(2, tag)
@@ -116,7 +129,8 @@ def exact_faces(gmsh: Any, tags: Sequence[int] | None = None) -> Faces:
             tori.append(TorusFace(reals[:3], reals[3:6], float(reals[6]), float(reals[7])))
         else:
             others.append(kind)
-    return Faces(tuple(_joined(cylinders)), tuple(planes), tuple(tori), tuple(others))
+            cones += [_cone(gmsh, tag, reals)] if kind == "Cone" else []
+    return Faces(tuple(_joined(cylinders)), tuple(planes), tuple(tori), tuple(others), tuple(cones))
 
 
 def _cylinder(gmsh: Any, tag: int, reals: Array) -> CylinderFace:
@@ -126,6 +140,17 @@ def _cylinder(gmsh: Any, tag: int, reals: Array) -> CylinderFace:
     return CylinderFace(
         reals[:3], reals[3:6], float(reals[6]), (float(low), float(high)), float(last - first), outward, point
     )
+
+
+def _cone(gmsh: Any, tag: int, reals: Array) -> ConeFace:
+    (first, low), (last, high) = gmsh.model.getParametrizationBounds(2, tag)
+    on_axis, axis = reals[:3], reals[3:6]
+    rims = np.array(gmsh.model.getValue(2, tag, [first, low, first, high])).reshape(2, 3)
+    ends = [on_axis + ((rim - on_axis) @ axis) * axis for rim in rims]
+    radii = [float(np.linalg.norm(rim - end)) for rim, end in zip(rims, ends, strict=True)]
+    middle, normal = _middle(gmsh, tag)
+    outward = bool(normal @ (middle - on_axis - ((middle - on_axis) @ axis) * axis) > 0)
+    return ConeFace(axis, (ends[0], ends[1]), (radii[0], radii[1]), bool(last - first >= _FULL_TURN), outward)
 
 
 def _middle(gmsh: Any, tag: int) -> tuple[Array, Array]:

@@ -40,12 +40,28 @@ class FoundJournal:
 
 
 @dataclass(frozen=True)
+class FoundKeyway:
+    """A keyway along a whole step: its width, its depth below the cylinder, and the way that it opens."""
+
+    width_mm: float
+    depth_mm: float
+    direction: Array
+
+
+@dataclass(frozen=True)
 class FoundStep:
-    """A cylinder of an end of the crank, beyond an outer main journal."""
+    """A cylinder or cone of an end of the crank, beyond an outer main journal.
+
+    Attributes:
+        radius_mm: of a cone that at its inner face.
+        outer_radius_mm: of a cone that at its outer face; None for a cylinder.
+    """
 
     radius_mm: float
     bore_mm: float
     length_mm: float
+    outer_radius_mm: float | None = None
+    keyway: FoundKeyway | None = None
 
 
 @dataclass(frozen=True)
@@ -122,7 +138,11 @@ class FoundCrank:
 
         That is left-handed about the axis, which runs from the free end.
         """
-        first, own = self.direction(self.pins[0]), self.direction(pin)
+        return self.turn_deg(self.direction(pin))
+
+    def turn_deg(self, own: Array) -> float:
+        """Return the angle of a direction across the axis from the first throw, as `angle_deg`."""
+        first = self.direction(self.pins[0])
         angle = math.degrees(math.atan2(float(np.cross(own, first) @ self.axis), float(first @ own)))
         return round(angle % 360, 6) % 360
 

@@ -1,11 +1,12 @@
 """`cranktopo export`
 
-Write the exact solid of a design as STEP or STL: throw, half, web or crankshaft.
+Write the exact solid of a design as STEP or STL: throw, half, web, crankshaft, raw part or plugs.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,6 +14,9 @@ from cranktopo.base.formats import PARTS, PLOTS, SOLIDS, SolidPart
 from cranktopo.base.notes import note
 from cranktopo.cli.options import Choice, Number, designs, throw_option
 from cranktopo.cli.verbosity import verbosity_options
+
+if TYPE_CHECKING:
+    from cranktopo.design.schema import Scene
 
 
 @click.command()
@@ -33,7 +37,8 @@ def command(
     """Write the exact solid of DESIGN to FILE (.step or .stl), or its workshop drawing (.pdf, .svg or .png).
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
-    The drawing is an A3 sheet at a true scale, dimensions in mm; of halves that differ, one each.
+    The drawing is an A3 sheet at a true scale, dimensions in mm; of halves that differ, one each. With
+    [forging] another one shows the raw part.
 
     Example: cranktopo export mikron-iiic throw.step
     """
@@ -52,15 +57,34 @@ def command(
     if assumed:
         note(assumed_text(assumed))
     if file.suffix.lower() in PLOTS:
-        from cranktopo.tasks.drawing.sheet import export_drawing
-
-        sheets = export_drawing(scene, file)
-        click.echo(f"{file}: workshop drawing, {'A3' if sheets == 1 else 'A2: two sheets A3, one half each'}")
+        click.echo(f"{file}: workshop drawing, {_drawn(scene, file)}")
         return
     from cranktopo.bodies.solid.files import export_solid
 
     volume = export_solid(scene, part, file, facet_mm)
-    click.echo(f"{file}: {part}, {volume:.1f} mm3")
+    click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene) if part == 'raw' else ''}")
+
+
+def _drawn(scene: Scene, file: Path) -> str:
+    """Draw the throw, and its raw part where it has one; return the sheets in words."""
+    from cranktopo.tasks.drawing.raw_sheet import raw_pages
+    from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
+
+    sheets = throw_sheets(scene)
+    more = raw_pages(scene, sheets) if scene.forging is not None else []
+    export_drawing(scene, file, sheets, more)
+    words = ["A3" if len(sheets) == 1 else "A2: two sheets A3, one half each"]
+    return ", ".join([*words, *["below it the raw part"] * bool(more)])
+
+
+def _of_raw(scene: Scene) -> str:
+    from cranktopo.bodies.raw_part import machined_out, raw_mass_kg
+    from cranktopo.engine.balance.throw import throw_balance
+
+    raw_kg, finished_kg = raw_mass_kg(scene), throw_balance(scene).mass_kg
+    full = ", ".join(machined_out(scene)) or "nothing"
+    part = f"{raw_kg:.3f} kg; finished {finished_kg:.3f} kg, {finished_kg / raw_kg:.1%} of it"
+    return f", {part}; machined out of the full: {full}"
 
 
 def _check_options(suffix: str, part: SolidPart, facet_mm: float | None) -> None:

@@ -8,8 +8,10 @@ general tolerances are those of ISO 2768.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +27,7 @@ from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
 from cranktopo.report.plot import save_figure
-from cranktopo.tasks.drawing.views import Sheet, cross_section, front_view, lengthwise_section
+from cranktopo.tasks.drawing.views import Room, Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
 
 if TYPE_CHECKING:
@@ -46,57 +48,110 @@ _SHOWN = {
 _TURNED = "Half a turn about the throw from where sheet 1 is drawn."
 
 
+@dataclass(frozen=True)
+class Page:
+    """What stands on one A3: three views with their rooms, a table, title block and notes.
+
+    Attributes:
+        views: front, section through both axes, section across the throw; each takes axes and scale.
+        ghost: what the dashed outlines are of; empty without any.
+    """
+
+    rooms: tuple[Room, Room, Room]
+    views: tuple[Callable[[Any, float], None], ...]
+    lines: Sequence[str]
+    title: str
+    material: str
+    mass: str
+    notes: Sequence[str]
+    ghost: str = ""
+
+
 def write_drawing(
-    sheets: Sequence[Sheet], balance: ThrowBalance, paths: Sequence[Path], started: datetime | None = None
+    sheets: Sequence[Sheet],
+    balance: ThrowBalance,
+    paths: Sequence[Path],
+    started: datetime | None = None,
+    more: Sequence[Page] = (),
 ) -> None:
     """Draw a half throw, or both, into files in the format of their ending, dated `started` or today."""
     import matplotlib as mpl
 
     written = time_of_writing(started)
-    figure = drawing_figure(sheets, balance, written)
+    figure = drawing_figure(sheets, balance, written, more)
     with mpl.rc_context({"svg.hashsalt": sheets[0].scene.name}):  # the same names of parts in every drawing
         for path in paths:
             date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
             save_figure(figure, path, dpi=150, metadata=date.get(path.suffix.lower()))
 
 
-def drawing_figure(sheets: Sequence[Sheet], balance: ThrowBalance, written: datetime | None = None) -> Figure:
-    """Return the drawing as a figure, one A3 above the other, dated `written` or today."""
+def drawing_figure(
+    sheets: Sequence[Sheet],
+    balance: ThrowBalance,
+    written: datetime | None = None,
+    more: Sequence[Page] = (),
+) -> Figure:
+    """Return the drawing as a figure, one A3 above the other, more pages last, dated `written` or today."""
     from matplotlib.figure import Figure
 
-    date = time_of_writing(written)
-    figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(sheets) * _HEIGHT_MM / MM_PER_INCH))
-    parts = figure.subfigures(len(sheets), 1, squeeze=False)[:, 0]
-    for part, sheet in zip(parts, sheets, strict=True):
-        _draw(part, sheet, balance, date)
+    date, pages = time_of_writing(written), [*(_page(sheet, balance) for sheet in sheets), *more]
+    figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(pages) * _HEIGHT_MM / MM_PER_INCH))
+    parts = figure.subfigures(len(pages), 1, squeeze=False)[:, 0]
+    for part, page in zip(parts, pages, strict=True):
+        _draw(part, page, date)
     return figure
 
 
-def _draw(figure: SubFigure, sheet: Sheet, balance: ThrowBalance, written: datetime) -> None:
-    scale = _scale(sheet)
-    front, long, across = sizes = [room.size_mm(scale) for room in sheet.rooms]
+def _page(sheet: Sheet, balance: ThrowBalance) -> Page:
+    scene, symmetric = sheet.scene, ["Web symmetric in x."] * (not web_asymmetry(sheet.scene))
+    web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
+    return Page(
+        rooms=sheet.rooms,
+        views=tuple(
+            partial(_on_sheet, view, sheet) for view in (front_view, lengthwise_section, cross_section)
+        ),
+        lines=table_lines(sheet),
+        title=f"{scene.name}: crank throw, {_SHOWN[sheet.half]}",
+        material=scene.material.name,
+        mass=f"throw {balance.mass_kg:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg",
+        notes=[
+            *surface_notes(scene.drawing),
+            *strength_notes(scene),
+            *symmetric,
+            *[_TURNED] * (sheet.half == "second"),
+        ],
+        ghost="" if sheet.body is None else "body that was re-modelled",
+    )
+
+
+def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any, scale: float) -> None:
+    view(axes, sheet, scale)
+
+
+def _draw(figure: SubFigure, page: Page, written: datetime) -> None:
+    scale = _scale(page.rooms)
+    front, long, across = sizes = [room.size_mm(scale) for room in page.rooms]
     # the views stand in the middle of their room
     x = _BORDER_MM + (_WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - front[0] - long[0]) / 2
     free_y = _HEIGHT_MM - 2 * _BORDER_MM - max(front[1], long[1]) - across[1]
     y = _BORDER_MM + free_y / 2 + across[1]
-    views = (front_view, lengthwise_section, cross_section)
     places = ((x, y), (x + front[0], y), (x, y - across[1]))
-    for view, room, size, place in zip(views, sheet.rooms, sizes, places, strict=True):
+    for view, room, size, place in zip(page.views, page.rooms, sizes, places, strict=True):
         axes = _axes(figure, place, size)
         room.set_limits(axes, scale)
-        view(axes, sheet, scale)
-    page = _axes(figure, (0.0, 0.0), (_WIDTH_MM, _HEIGHT_MM))
-    page.set_xlim(0, _WIDTH_MM)
-    page.set_ylim(0, _HEIGHT_MM)
-    page.axis("off")
-    frame(page, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
-    _table(page, sheet)
-    _title_block(page, sheet, balance, scale, written)
+        view(axes, scale)
+    paper = _axes(figure, (0.0, 0.0), (_WIDTH_MM, _HEIGHT_MM))
+    paper.set_xlim(0, _WIDTH_MM)
+    paper.set_ylim(0, _HEIGHT_MM)
+    paper.axis("off")
+    frame(paper, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
+    _table(paper, page.lines)
+    _title_block(paper, page, scale, written)
 
 
-def _scale(sheet: Sheet) -> float:
+def _scale(rooms: Sequence[Room]) -> float:
     for scale in SCALES:
-        front, long, across = (room.size_mm(scale) for room in sheet.rooms)
+        front, long, across = (room.size_mm(scale) for room in rooms)
         wide = max(front[0] + long[0], across[0]) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
         if wide and max(front[1], long[1]) + across[1] <= _HEIGHT_MM - 2 * _BORDER_MM:
             return scale
@@ -108,11 +163,10 @@ def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, flo
     return figure.add_axes((x / _WIDTH_MM, y / _HEIGHT_MM, width / _WIDTH_MM, height / _HEIGHT_MM))
 
 
-def _table(page: Any, sheet: Sheet) -> None:
-    lines = table_lines(sheet)
+def _table(paper: Any, lines: Sequence[str]) -> None:
     size = min(8.0, 8.0 * 60 / max(len(lines), 1))
     left, top = _WIDTH_MM - _BORDER_MM - _TABLE_MM + 4, _HEIGHT_MM - _BORDER_MM - 4
-    page.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
+    paper.text(left, top, "\n".join(lines), va="top", family="monospace", fontsize=size, linespacing=1.25)
 
 
 def table_lines(sheet: Sheet) -> list[str]:
@@ -155,35 +209,31 @@ def _outline_lines(scene: Scene) -> list[str]:
     ]
 
 
-def _title_block(page: Any, sheet: Sheet, balance: ThrowBalance, scale: float, written: datetime) -> None:
+def _title_block(paper: Any, page: Page, scale: float, written: datetime) -> None:
     """Draw the fields of ISO 7200 in the lower right corner, the notes above them."""
-    scene = sheet.scene
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
-    web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
     rows = (
-        ("Title", f"{scene.name}: crank throw, {_SHOWN[sheet.half]}"),
-        ("Material", scene.material.name),
-        ("Mass", f"throw {balance.mass_kg:.3f} kg, {sheet.half or 'one'} web {web_kg:.3f} kg"),
+        ("Title", page.title),
+        ("Material", page.material),
+        ("Mass", page.mass),
         ("Scale", scale_text(scale)),
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )
-    symmetric = ["Web symmetric in x."] * (not web_asymmetry(scene))
-    turned = [_TURNED] * (sheet.half == "second")
-    notes = [*surface_notes(scene.drawing), *strength_notes(scene), *symmetric, *turned]
-    step, top = _FIELDS_MM / len(rows), bottom + _FIELDS_MM + max(_NOTES_MM, 3.0 + _NOTE_MM * len(notes))
-    frame(page, left, bottom, _TABLE_MM, top - bottom, 1.0)
+    step, room = _FIELDS_MM / len(rows), max(_NOTES_MM, 3.0 + _NOTE_MM * len(page.notes))
+    top = bottom + _FIELDS_MM + room
+    frame(paper, left, bottom, _TABLE_MM, top - bottom, 1.0)
     for number, (name, text) in enumerate(reversed(rows)):
         y = bottom + number * step
-        frame(page, left, y, _TABLE_MM, step, 0.5)
-        page.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
-        page.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
-    projection_symbol(page, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
-    page.text(left + 2, top - 2, "\n".join(notes), fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
-    if sheet.body is not None:
-        y = top + 4
-        page.plot([left + 2, left + 12], [y] * 2, color=GHOST, lw=1, ls="--")
-        page.text(left + 14, y, "body that was re-modelled", fontsize=TEXT_SIZE, va="center")
+        frame(paper, left, y, _TABLE_MM, step, 0.5)
+        paper.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
+        paper.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
+    projection_symbol(paper, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
+    notes = "\n".join(page.notes)
+    paper.text(left + 2, top - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
+    if page.ghost:
+        paper.plot([left + 2, left + 12], [top + 4] * 2, color=GHOST, lw=1, ls="--")
+        paper.text(left + 14, top + 4, page.ghost, fontsize=TEXT_SIZE, va="center")
 
 
 def scale_text(scale: float) -> str:
@@ -191,16 +241,10 @@ def scale_text(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-def export_drawing(scene: Scene, path: Path, half: SurfaceMesh | None = None) -> int:
-    """Write the drawing of a scene's throw (.pdf, .svg or .png) and return how many sheets it has.
-
-    Args:
-        half: triangles of the half throw where they are known.
-    """
-    sheets = throw_sheets(scene, half)
+def export_drawing(scene: Scene, path: Path, sheets: Sequence[Sheet], more: Sequence[Page] = ()) -> None:
+    """Write the sheets of a scene's throw, and more pages below them (.pdf, .svg or .png)."""
     with replacing(path) as temporary:
-        write_drawing(sheets, throw_balance(scene), [temporary])
-    return len(sheets)
+        write_drawing(sheets, throw_balance(scene), [temporary], more=more)
 
 
 def throw_sheets(scene: Scene, half: SurfaceMesh | None = None) -> list[Sheet]:

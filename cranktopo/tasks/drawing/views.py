@@ -265,9 +265,9 @@ def _dimensioned(sheet: Sheet, y_mm: float) -> bool:
 
 def cross_body(axes: Any, sheet: Sheet, y_mm: float) -> None:
     """Draw the web cut across the throw, without dimensions."""
-    hatched(axes, _section_y(web_region(sheet.solid, sheet.scene), y_mm))
+    hatched(axes, section_y(web_region(sheet.solid, sheet.scene), y_mm))
     if sheet.body is not None:
-        ghost(axes, _section_y(web_region(sheet.body, sheet.scene), y_mm))
+        ghost(axes, section_y(web_region(sheet.body, sheet.scene), y_mm))
 
 
 def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
@@ -307,7 +307,7 @@ def section_x(solid: Manifold) -> list[Array]:
     return [np.asarray(polygon) * (-1.0, 1.0) for polygon in turned.to_polygons()]
 
 
-def _section_y(solid: Manifold, y_mm: float) -> list[Array]:
+def section_y(solid: Manifold, y_mm: float) -> list[Array]:
     """Return polygons (x, z) of a section across the throw."""
     turned = solid.translate((0.0, -y_mm, 0.0)).rotate((-90.0, 0.0, 0.0)).slice(0.0)
     return [np.asarray(polygon) for polygon in turned.to_polygons()]

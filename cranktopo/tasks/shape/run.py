@@ -51,7 +51,7 @@ from cranktopo.runs.kind import (
 )
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
-from cranktopo.tasks.drawing.sheet import export_drawing
+from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.film.stage import film_change
 from cranktopo.tasks.importing.imported_body import half_throw_surface
@@ -230,7 +230,7 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
     export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
     export_solid(shaped, "half", run.path / _FILES["stl"])
     half = read_stl(run.path / _FILES["stl"])
-    export_drawing(shaped, run.path / _FILES["drawing"], half)
+    export_drawing(shaped, run.path / _FILES["drawing"], throw_sheets(shaped, half))
     return half
 
 

@@ -262,6 +262,15 @@ class Plug(DrilledHole):
         floor = None if self.length_mm >= high - low else z[upward]
         return AxialHole(key, z, self.x_mm, self.y_mm, radius, floor)
 
+    def cylinder(self, sector: Sector, face: Face) -> Cylinder:
+        """Return the plug itself, in the counterweight that is flush with a face of the web."""
+        hole, radius = self.body(sector, face, ""), self.diameter_mm / 2
+        if isinstance(hole, AxialHole):
+            return Cylinder((self.x_mm, self.y_mm, hole.z_mm[0]), (0.0, 0.0, self.length_mm), radius)
+        way = self.x_mm / self._reach_mm, self.y_mm / self._reach_mm
+        start: Point = (hole.inner_mm * way[0], hole.inner_mm * way[1], sum(hole.z_mm) / 2)
+        return Cylinder(start, (self.length_mm * way[0], self.length_mm * way[1], 0.0), radius)
+
     @override
     def check(self, sector: Sector) -> tuple[str, str] | None:
         thick, radius = sector.z_mm[1] - sector.z_mm[0], self.diameter_mm / 2

@@ -197,15 +197,15 @@ def test_a_solid_of_an_assembly(tmp_path: Path) -> None:
         import_crank(both, None, tmp_path / "again", solid="rod")
 
 
-def with_ends(cylinders: int, **crank: Any) -> Scene:
-    """The plain Mikron with a nose and a seat at the free end, and a flange at the output."""
+def with_ends(cylinders: int, output: list[dict[str, Any]] | None = None, **crank: Any) -> Scene:
+    """The plain Mikron with a nose and a seat at the free end, and a flange at the output or other steps."""
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True, exclude={"published"})
     order = list(range(1, cylinders + 1)) if cylinders < 4 else [1, 3, 4, 2]
     data["engine"] |= {"cylinders": cylinders, "firing_order": order}
     seat = {"kind": "cylinder", "diameter_mm": 36.0, "length_mm": 16.0, "bore_diameter_mm": 10.0}
     nose = {"kind": "cylinder", "diameter_mm": 28.0, "length_mm": 22.0, "bore_diameter_mm": 0.0}
     flange = {"kind": "cylinder", "diameter_mm": 140.0, "length_mm": 12.0, "bore_diameter_mm": 16.0}
-    ends = [{"side": "free", "step": [seat, nose]}, {"side": "output", "step": [flange]}]
+    ends = [{"side": "free", "step": [seat, nose]}, {"side": "output", "step": output or [flange]}]
     return scene_from_dict({**data, "crank": {"end": ends, **crank}}, "ends")
 
 
@@ -215,6 +215,23 @@ def test_the_ends_of_a_crank_come_back(tmp_path: Path) -> None:
     result = import_crank(tmp_path / "body.step", "ends", tmp_path / "out")
     assert [journal.length_mm for journal in result.main_journals] == pytest.approx([40.0, 40.0])
     found, wanted = load_scene(result.halves[0].design).crank, scene.crank
+    assert found is not None
+    assert wanted is not None
+    assert flat(found.model_dump(mode="json")) == pytest.approx(flat(wanted.model_dump(mode="json")))
+    assert not [line for line in result.unread if line.startswith("step of")]
+
+
+def test_cones_and_keyways_come_back(tmp_path: Path) -> None:
+    """Both at the output: a seat with a keyway off the throw, a cone with a bore, a nose behind it."""
+    key = {"kind": "keyway", "diameter_mm": 38.0, "length_mm": 20.0, "width_mm": 9.0, "depth_mm": 5.0}
+    key |= {"angle_deg": 75.0, "bore_diameter_mm": 8.0}
+    cone = {"kind": "cone", "diameter_mm": 34.0, "outer_end_diameter_mm": 27.0, "length_mm": 31.0}
+    cone["bore_diameter_mm"] = 8.0
+    nose = {"kind": "cylinder", "diameter_mm": 22.0, "length_mm": 14.0, "bore_diameter_mm": 0.0}
+    wanted = with_ends(1, [key, cone, nose]).crank
+    export_solid(with_ends(1, [key, cone, nose]), "crankshaft", tmp_path / "body.step")
+    result = import_crank(tmp_path / "body.step", "ends", tmp_path / "out")
+    found = load_scene(result.halves[0].design).crank
     assert found is not None
     assert wanted is not None
     assert flat(found.model_dump(mode="json")) == pytest.approx(flat(wanted.model_dump(mode="json")))

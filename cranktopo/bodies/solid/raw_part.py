@@ -1,0 +1,86 @@
+"""OCC solid of the raw part that a die forges of a throw, checked against its volume by quadrature."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+from cranktopo.bodies.raw_part import forging_of, raw_half_volume_mm3
+from cranktopo.bodies.solid.throw import DimTags, add_solid, check_body, cut
+from cranktopo.design.halves import halves, mirror_image
+from cranktopo.design.schema import Scene
+from cranktopo.throw.primitives import Extrusion, LineSegment, Point
+from cranktopo.throw.raw_part.bodies import DraftedPrism, RawBody
+from cranktopo.throw.raw_part.half import raw_half
+
+_BEYOND_MM = 1.0
+
+
+def add_raw_throw(occ: Any, scene: Scene) -> DimTags:
+    """Return the raw part of a throw between its two mid-main-journal planes as one checked body."""
+    first, second = halves(scene)
+    half, other = (add_raw_half(occ, one) for one in (first, mirror_image(second)))
+    occ.rotate(other, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
+    body, _ = occ.fuse(half, other)
+    check_body(occ, body, sum(map(raw_half_volume_mm3, (first, second))), "raw part")
+    return list(body)
+
+
+def add_raw_half(occ: Any, scene: Scene) -> DimTags:
+    """Return the raw half throw as one checked body."""
+    half = raw_half(scene, forging_of(scene))
+    web = _fused(occ, [_prism(occ, part) for part in half.web])
+    web = cut(
+        occ, web, [pair for tool in half.cuts for solid in tool.solids() for pair in add_solid(occ, solid)]
+    )
+    body = _fused(occ, [web, *(_raw_body(occ, one) for one in half.journals)])
+    check_body(occ, body, raw_half_volume_mm3(scene), "raw half throw")
+    return body
+
+
+def _raw_body(occ: Any, body: RawBody) -> DimTags:
+    if isinstance(body, DraftedPrism):
+        return _prism(occ, body)
+    return [pair for solid in body.solids() for pair in add_solid(occ, solid)]
+
+
+def _fused(occ: Any, bodies: list[DimTags]) -> DimTags:
+    first, *more = bodies
+    return list(occ.fuse(first, [pair for body in more for pair in body])[0]) if more else first
+
+
+def _prism(occ: Any, prism: DraftedPrism) -> DimTags:
+    """Return the prism with its ends straight where they have draft, cut by what its faces leave."""
+    own = [pair for solid in prism.own.solids() for pair in add_solid(occ, solid)]
+    fillers = []
+    for corners in prism.outline.fillers:
+        own = cut(occ, own, [_slab(occ, prism, corners[0][0], corners[-1][0])])
+        fillers += _filler(occ, corners, prism.z_mm)
+    own = _fused(occ, [own, fillers]) if fillers else own
+    profile = _extruded(occ, [(x, z) for x, z in prism.profile_mm()], prism.y_range_mm)
+    return list(occ.intersect(own, profile)[0])
+
+
+def _slab(occ: Any, prism: DraftedPrism, low: float, high: float) -> tuple[int, int]:
+    (bottom, top), wide = prism.z_mm, prism.widest_mm + _BEYOND_MM
+    size = 2 * wide, high - low, top - bottom + 2 * _BEYOND_MM
+    return 3, occ.addBox(-wide, low, bottom - _BEYOND_MM, *size)
+
+
+def _filler(occ: Any, corners: tuple[tuple[float, float], ...], z_mm: tuple[float, float]) -> DimTags:
+    """Return the prism between both lines of a filler."""
+    low, high = z_mm
+    right = [(half, y, low) for y, half in corners]
+    left = [(-half, y, low) for y, half in corners[::-1] if half > 0]
+    return add_solid(occ, Extrusion(_loop([*right, *left]), (0.0, 0.0, high - low)))
+
+
+def _extruded(occ: Any, corners: list[tuple[float, float]], y_mm: tuple[float, float]) -> DimTags:
+    low, high = y_mm[0] - _BEYOND_MM, y_mm[1] + _BEYOND_MM
+    points = [(x, low, z) for x, z in corners]
+    return add_solid(occ, Extrusion(_loop(points), (0.0, high - low, 0.0)))
+
+
+def _loop(points: list[Point]) -> tuple[LineSegment, ...]:
+    return tuple(LineSegment(a, b) for a, b in pairwise([*points, points[0]]))

@@ -1,0 +1,171 @@
+"""Sheet of the raw part: views with the finished part in it, allowances, draft, flash line, masses."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.bodies.prisms import web_region
+from cranktopo.bodies.raw_part import forging_of, machined_out, raw_mass_kg
+from cranktopo.bodies.solid.files import half_surfaces
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.report.drafting import (
+    centre_line,
+    circle,
+    dimension,
+    finish,
+    ghost,
+    hatched,
+    leader,
+)
+from cranktopo.tasks.drawing.sheet import Page
+from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y
+from cranktopo.throw.raw_part.half import raw_half
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+_GAP_MM = 8.0
+_COLUMN = 44
+"""Characters of a line of the table."""
+
+
+@dataclass(frozen=True)
+class _RawView:
+    """A raw half throw and the finished one in it."""
+
+    sheet: Sheet
+    raw: Manifold
+
+    @property
+    def scene(self) -> Scene:
+        return self.sheet.scene
+
+    @property
+    def rooms(self) -> tuple[Room, Room, Room]:
+        """The rooms of the finished part, for the raw one."""
+        (x0, y0, _, x1, y1, _), front, long, across = self.raw.bounding_box(), *self.sheet.rooms
+        web = self._web.bounding_box()
+        return (
+            replace(front, x_mm=(x0, x1), y_mm=(y0, y1)),
+            replace(long, y_mm=(y0, y1)),
+            replace(across, x_mm=(web[0], web[3]), y_mm=(web[2], web[5])),
+        )
+
+    @property
+    def _web(self) -> Manifold:
+        """Return the raw web with so much of the journals that is as thick as the raw web rises."""
+        half = raw_half(self.scene, forging_of(self.scene))
+        low, high = min(part.z_mm[0] for part in half.web), max(part.z_mm[1] for part in half.web)
+        return self.raw.trim_by_plane((0.0, 0.0, 1.0), low).trim_by_plane((0.0, 0.0, -1.0), -high)
+
+    def front(self, axes: Any, scale: float) -> None:
+        """Draw the view along the crank axis, and the plane that the die parts in."""
+        hatched(axes, _polygons(self.raw.project()), "")
+        ghost(axes, _polygons(self.sheet.solid.project()))
+        (x0, y0, _, x1, y1, _), gap = self.raw.bounding_box(), _GAP_MM / scale
+        centre_line(axes, (0.0, y0 - 0.7 * gap), (0.0, y1 + 0.7 * gap))
+        for (journal, y), style in zip(self.scene.throw.journals, ("--", "-"), strict=True):
+            circle(axes, journal.radius_mm + forging_of(self.scene).allowance_mm, y, style, 1.0)
+        middle = (self.scene.throw.radius_mm + y1) / 2
+        leader(axes, (0.0, middle), (x1 + 0.5 * gap, y1), "die parts here: flash line", "left")
+        dimension(
+            axes, (x0, (y0 + y1) / 2), (x1, (y0 + y1) / 2), (0, y0 - gap - (y0 + y1) / 2), f"{x1 - x0:.1f}"
+        )
+        dimension(axes, (0.0, y0), (0.0, y1), (x0 - gap, 0), f"{y1 - y0:.1f}")
+        finish(axes, "Front, from the crankpin side")
+
+    def lengthwise(self, axes: Any, scale: float) -> None:
+        """Draw the section in the plane that the die parts in."""
+        hatched(axes, section_x(self.raw))
+        ghost(axes, section_x(self.sheet.solid))
+        throw, end, gap = self.scene.throw, self.scene.pitch_mm / 2, _GAP_MM / scale
+        more = forging_of(self.scene).allowance_mm
+        low = self.raw.bounding_box()[1]
+        _, bottom, start, _, _, stop = self._web.bounding_box()
+        dimension(axes, (start, bottom), (stop, bottom), (0, low - gap - bottom), f"{stop - start:.1f}")
+        for (journal, y), z, side in zip(throw.journals, (0.0, end), (-1, 1), strict=True):
+            ends = [(z, y + way * (journal.radius_mm + more)) for way in (-1, 1)]
+            dimension(axes, ends[0], ends[1], (side * gap, 0), f"⌀{journal.outer_diameter_mm + 2 * more:g}")
+        finish(axes, "Section x = 0, where the die parts")
+
+    def across(self, axes: Any, scale: float) -> None:
+        """Draw the section across the throw half-way between the axes."""
+        y, gap, forging = self.scene.throw.radius_mm / 2, _GAP_MM / scale, forging_of(self.scene)
+        raw = section_y(self._web, y)
+        hatched(axes, raw)
+        ghost(axes, section_y(web_region(self.sheet.solid, self.scene), y))
+        points, (start, end) = np.concatenate(raw), self.scene.web_z_mm
+        wide, more = float(points[:, 0].max()), forging.allowance_mm
+        faces = start - more, end + more
+        dimension(axes, (-wide, faces[0]), (-wide, faces[1]), (-gap, 0), f"{faces[1] - faces[0]:g}")
+        tip = (0.85 * wide, faces[1] + 0.15 * wide * forging.fall)
+        leader(axes, tip, (1.1 * wide, faces[1] + 1.5 * gap), f"draft {forging.draft_deg:g}°", "left")
+        axes.invert_yaxis()
+        finish(axes, f"Section y = {y:.2f}")
+
+
+def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[Page]:
+    """Return a page of the raw part for each sheet of the finished throw."""
+    meshes = half_surfaces(scene, part="raw")
+    solids = [solid_of(mesh, "raw part") for mesh in meshes[: len(sheets)]]
+    if len(solids) > 1:
+        solids[1] = solids[1].mirror((1.0, 0.0, 0.0))
+    raw_kg, finished_kg = raw_mass_kg(scene), throw_balance(scene).mass_kg
+    return [
+        Page(
+            rooms=view.rooms,
+            views=(view.front, view.lengthwise, view.across),
+            lines=[*_lines(view.scene), *_removed(scene)],
+            title=f"{scene.name}: raw part, {sheet.half or 'half of it'}{' half' * bool(sheet.half)} shown",
+            material=scene.material.name,
+            mass=f"raw {raw_kg:.3f} kg, finished {finished_kg:.3f} kg, {finished_kg / raw_kg:.0%} of it",
+            notes=_notes(scene),
+            ghost="finished part",
+        )
+        for sheet, view in zip(sheets, map(_RawView, sheets, solids), strict=True)
+    ]
+
+
+def _lines(scene: Scene) -> list[str]:
+    forging, throw, web = forging_of(scene), scene.throw, scene.web
+    more = 2 * forging.allowance_mm
+    return [
+        "RAW PART",
+        f"   allowance {forging.allowance_mm:g} on journals, fillets, faces",
+        f"   draft {forging.draft_deg:g}° toward the parting plane x = 0",
+        f"   flash {forging.flash_mm:g}, trimmed to the flash line",
+        "",
+        f"MAIN JOURNAL ⌀{throw.main_journal.outer_diameter_mm + more:g}",
+        f"CRANKPIN     ⌀{throw.crankpin.outer_diameter_mm + more:g}",
+        f"WEB          {web.thickness_mm + more:g} thick at its widest place",
+        "",
+    ]
+
+
+def _removed(scene: Scene) -> list[str]:
+    keys = machined_out(scene)
+    if not keys:
+        return []
+    wrapped = (textwrap.wrap(key, _COLUMN, initial_indent="   ", subsequent_indent="      ") for key in keys)
+    return ["MACHINED OUT OF THE FULL", *(line for lines in wrapped for line in lines)]
+
+
+def _notes(scene: Scene) -> list[str]:
+    land = forging_of(scene).flash_mm
+    return [
+        "Die parts in x = 0, which holds both axes.",
+        f"Land of the flash {land:g} mm high." if land else "Flash trimmed flush.",
+        "Edges and corners without radius are rounded as the die needs.",
+    ]
+
+
+def _polygons(section: Any) -> list[Array]:
+    return [np.asarray(polygon) for polygon in section.to_polygons()]
