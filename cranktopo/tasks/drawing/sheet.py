@@ -241,10 +241,10 @@ def scale_text(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-def export_drawing(scene: Scene, path: Path, sheets: Sequence[Sheet], more: Sequence[Page] = ()) -> None:
-    """Write the sheets of a scene's throw, and more pages below them (.pdf, .svg or .png)."""
+def export_drawing(scene: Scene, path: Path, sheets: Sequence[Sheet] = (), more: Sequence[Page] = ()) -> None:
+    """Write the sheets of a scene's throw, by default all, and more pages below them (.pdf, .svg or .png)."""
     with replacing(path) as temporary:
-        write_drawing(sheets, throw_balance(scene), [temporary], more=more)
+        write_drawing(sheets or throw_sheets(scene), throw_balance(scene), [temporary], more=more)
 
 
 def throw_sheets(scene: Scene, half: SurfaceMesh | None = None) -> list[Sheet]:
