@@ -8,6 +8,9 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder
+from cranktopo.tasks.rod.result import LighterRod
+from cranktopo.tasks.rod.stage import check_rod_strength
+from cranktopo.tasks.rod.text import rod_text
 
 TEXT = (designs_folder() / "mikron-iiic-rod.toml").read_text(encoding="utf-8")
 
@@ -127,6 +130,29 @@ def test_a_lighter_rod_is_found_and_written(capsys, tmp_path):
     code, text, _ = run(capsys, "rod", str(file))
     assert code == 0
     assert f"{found['result_kg']:.4f} kg" in text
+
+
+@pytest.mark.parametrize(
+    ("fatigue", "words"), [((1.94, 1.70), "but at less by elements"), ((1.94, 1.94), ""), (None, "")]
+)
+def test_a_lighter_rod_says_where_elements_find_less_safety(fatigue, words):
+    rod = check_rod_strength("mikron-iiic-rod")
+    searched = LighterRod(
+        start_kg=0.54,
+        result_kg=0.52,
+        smallest_yield_safety=(2.95, 2.95),
+        smallest_fatigue_safety=(2.33, 2.36),
+        elements_yield_safety=fatigue and (2.47, 2.53),
+        elements_fatigue_safety=fatigue,
+        speed_rpm=2800.0,
+        crankpin_pull_N=(5620.0, 5528.0),
+        rotating_unbalance_kg_mm=(17.6, 16.8),
+        dimensions=(),
+    )
+    first = rod_text(rod.model_copy(update={"lighter": searched})).splitlines()[0]
+    assert first.startswith("A lighter rod at no less safety")
+    assert first.endswith(words)
+    assert ("elements" in first) == bool(words)
 
 
 @pytest.mark.slow
