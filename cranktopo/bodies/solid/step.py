@@ -172,17 +172,25 @@ def _across_slivers(points_mm: Array, faces: NDArray[np.int64]) -> Iterator[NDAr
 
 
 def _rims(edges: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """Yield the vertices of each hole in their order, from edges (n, 2) that have one face alone."""
+    """Yield the vertices of each hole in their order, from edges (n, 2) that have one face alone.
+
+    Holes may touch in vertices: a way along edges that comes back to one of its vertices has gone around one.
+    """
     beside = defaultdict[int, list[int]](list)
     for one, other in edges.tolist():
         beside[one].append(other)
         beside[other].append(one)
-    while beside:
-        at, rim = next(iter(beside)), list[int]()
-        while at in beside:
-            rim.append(at)
-            at = next((end for end in beside.pop(at) if end in beside), rim[0])
-        yield np.array(rim)
+    for start in list(beside):
+        way = [start]
+        while beside[way[-1]]:
+            at = beside[way[-1]].pop()
+            beside[at].remove(way[-1])
+            if at in way:
+                first = way.index(at)
+                yield np.array(way[first:])
+                del way[first + 1 :]
+            else:
+                way.append(at)
 
 
 def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:
