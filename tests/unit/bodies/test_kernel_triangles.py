@@ -53,5 +53,18 @@ def test_holes_that_touch_in_vertices_are_closed() -> None:
     assert found.volume_mm3 == pytest.approx(EXACT_MM3, rel=1e-12)
 
 
+def test_a_gap_between_two_chains_of_edges_is_closed() -> None:
+    """Where the halves of a throw meet in an outlet, a random engine had one of 60 edges."""
+    holed, arc = prism(fan(range(SIDES))), range(1, 20)
+    inner = holed.vertices_mm[[corner + SIDES for corner in arc]] * [0.999, 0.999, 1.0]
+    top = [SIDES, *range(2 * SIDES, 2 * SIDES + len(arc)), *range(SIDES + 20, 2 * SIDES)]
+    faces = np.vstack([holed.faces[: -(SIDES - 2)], fan(top)])
+    holed = SurfaceMesh(np.vstack([holed.vertices_mm, inner]), faces)
+    assert manifold_fault(holed)
+    found = _sound(holed)
+    assert manifold_fault(found) == ""
+    assert found.volume_mm3 == pytest.approx(EXACT_MM3, rel=1e-12)
+
+
 def test_a_face_that_is_missing_stays_so() -> None:
     assert manifold_fault(_sound(prism(fan(range(SIDES))[SIDES - 2 :])))
