@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 
 _R = TypeVar("_R")
-_NARROW = 0.1
-"""Area of a hole over the square of its longest edge that a sliver stays below."""
+_NARROW, _RIBBON = 0.1, 0.01
+"""Area of a hole over the square of its longest edge, or of half its rim, that a sliver stays below."""
 _TEXT = r"'(?:[^']|'')*'"
 _HEADER = re.compile(r"(?s)\AISO-10303-21;\s*HEADER;.*?(FILE_SCHEMA\s*\(.*?\);)\s*ENDSEC;")
 _SYSTEM = re.compile(rf"FILE_NAME\s*\((?:[^;']|{_TEXT})*?({_TEXT})\s*,\s*{_TEXT}\s*,\s*{_TEXT}\s*\);")
@@ -179,26 +179,57 @@ def _across_slivers(points_mm: Array, faces: NDArray[np.int64]) -> Iterator[NDAr
     edges = np.sort(np.concatenate([faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]), axis=1)
     found, count = np.unique(edges, axis=0, return_counts=True)
     for rim in _rims(found[count == 1]):
-        across = np.column_stack([np.full(len(rim) - 2, rim[0]), rim[1:-1], rim[2:]])
-        a, b, c = (points_mm[across[:, corner]] for corner in range(3))
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
-        longest = np.linalg.norm(points_mm[rim] - points_mm[np.roll(rim, 1)], axis=1).max()
-        if area < _NARROW * longest**2:
-            yield across
+        at = points_mm[rim]
+        area, across = _least_area(at)
+        lengths = np.linalg.norm(at - np.roll(at, 1, axis=0), axis=1)
+        if area < max(_NARROW * lengths.max() ** 2, _RIBBON * (lengths.sum() / 2) ** 2):
+            yield rim[across]
+
+
+def _least_area(points_mm: Array) -> tuple[float, NDArray[np.int64]]:
+    """Return the triangles with the least area across a closed rim, (n - 2, 3), and that area, mm2.
+
+    Dynamic programming over the part of the rim between two points (Klincsek, 1980).
+    """
+    count = len(points_mm)
+    least, split = np.zeros((count, count)), np.zeros((count, count), np.int64)
+    for gap in range(2, count):
+        for first in range(count - gap):
+            last, between = first + gap, np.arange(first + 1, first + gap)
+            sides = np.cross(points_mm[between] - points_mm[first], points_mm[last] - points_mm[first])
+            areas = least[first, between] + least[between, last] + np.linalg.norm(sides, axis=1) / 2
+            split[first, last] = between[areas.argmin()]
+            least[first, last] = areas.min()
+    found, open_parts = [], [(0, count - 1)]
+    while open_parts:
+        first, last = open_parts.pop()
+        if last - first > 1:
+            middle = int(split[first, last])
+            found.append((first, middle, last))
+            open_parts += [(first, middle), (middle, last)]
+    return float(least[0, -1]), np.array(found)
 
 
 def _rims(edges: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """Yield the vertices of each hole in their order, from edges (n, 2) that have one face alone."""
+    """Yield the vertices of each hole in their order, from edges (n, 2) that have one face alone.
+
+    Holes may touch in vertices: a way along edges that comes back to one of its vertices has gone around one.
+    """
     beside = defaultdict[int, list[int]](list)
     for one, other in edges.tolist():
         beside[one].append(other)
         beside[other].append(one)
-    while beside:
-        at, rim = next(iter(beside)), list[int]()
-        while at in beside:
-            rim.append(at)
-            at = next((end for end in beside.pop(at) if end in beside), rim[0])
-        yield np.array(rim)
+    for start in list(beside):
+        way = [start]
+        while beside[way[-1]]:
+            at = beside[way[-1]].pop()
+            beside[at].remove(way[-1])
+            if at in way:
+                first = way.index(at)
+                yield np.array(way[first:])
+                del way[first + 1 :]
+            else:
+                way.append(at)
 
 
 def by_kernel(name: str, function: Callable[..., _R], path: Path, *arguments: object) -> _R:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -11,28 +14,57 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, manifold_fault
 SIDES, RADIUS_MM, HEIGHT_MM = 60, 5.0, 3.0
 
 
-def prism(left_out: int) -> SurfaceMesh:
-    """A prism without the fan of its upper face across its first sides: that of a chord and its arc."""
+def fan(corners: Sequence[int]) -> np.ndarray:
+    """Triangles of a convex polygon."""
+    first, *others = corners
+    return np.array([[first, a, b] for a, b in pairwise(others)])
+
+
+def prism(upper: np.ndarray) -> SurfaceMesh:
+    """A prism with these triangles on top, of the corners from 0 on."""
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
     ring = RADIUS_MM * np.column_stack([np.cos(angle), np.sin(angle)])
     points = np.vstack([np.column_stack([ring, np.full(SIDES, z)]) for z in (0.0, HEIGHT_MM)])
     at, after = np.arange(SIDES), np.roll(np.arange(SIDES), -1)
     walls = [np.column_stack([at, after, after + SIDES]), np.column_stack([at, after + SIDES, at + SIDES])]
-    fan = np.column_stack([np.zeros(SIDES - 2, int), np.arange(1, SIDES - 1), np.arange(2, SIDES)])
-    return SurfaceMesh(points, np.vstack([*walls, fan[:, ::-1], fan[left_out:] + SIDES]))
+    return SurfaceMesh(points, np.vstack([*walls, fan(range(SIDES))[:, ::-1], upper + SIDES]))
+
+
+EXACT_MM3 = SIDES / 2 * RADIUS_MM**2 * np.sin(2 * np.pi / SIDES) * HEIGHT_MM
 
 
 @pytest.mark.parametrize("left_out", [1, 2, 3, 6])
 def test_a_hole_between_a_chord_and_its_arc_is_closed(left_out: int) -> None:
     """Beside the rounded outlet of a random engine five edges were left: a hole that no command took."""
-    whole, holed = prism(0), prism(left_out)
+    whole, holed = prism(fan(range(SIDES))), prism(fan(range(SIDES))[left_out:])
     assert manifold_fault(holed)
     found = _sound(holed)
     assert manifold_fault(found) == ""
-    exact = SIDES / 2 * RADIUS_MM**2 * np.sin(2 * np.pi / SIDES) * HEIGHT_MM
-    assert whole.volume_mm3 == pytest.approx(exact, rel=1e-12)
-    assert found.volume_mm3 == pytest.approx(exact, rel=1e-12)
+    assert whole.volume_mm3 == pytest.approx(EXACT_MM3, rel=1e-12)
+    assert found.volume_mm3 == pytest.approx(EXACT_MM3, rel=1e-12)
+
+
+def test_holes_that_touch_in_vertices_are_closed() -> None:
+    """Beside the outlets of two random engines: three arcs one after the other, each left out."""
+    holed = prism(fan([0, 5, 10, *range(15, SIDES)]))
+    assert manifold_fault(holed)
+    found = _sound(holed)
+    assert manifold_fault(found) == ""
+    assert found.volume_mm3 == pytest.approx(EXACT_MM3, rel=1e-12)
+
+
+def test_a_gap_between_two_chains_of_edges_is_closed() -> None:
+    """Where the halves of a throw meet in an outlet, a random engine had one of 60 edges."""
+    holed, arc = prism(fan(range(SIDES))), range(1, 20)
+    inner = holed.vertices_mm[[corner + SIDES for corner in arc]] * [0.999, 0.999, 1.0]
+    top = [SIDES, *range(2 * SIDES, 2 * SIDES + len(arc)), *range(SIDES + 20, 2 * SIDES)]
+    faces = np.vstack([holed.faces[: -(SIDES - 2)], fan(top)])
+    holed = SurfaceMesh(np.vstack([holed.vertices_mm, inner]), faces)
+    assert manifold_fault(holed)
+    found = _sound(holed)
+    assert manifold_fault(found) == ""
+    assert found.volume_mm3 == pytest.approx(EXACT_MM3, rel=1e-12)
 
 
 def test_a_face_that_is_missing_stays_so() -> None:
-    assert manifold_fault(_sound(prism(SIDES - 2)))
+    assert manifold_fault(_sound(prism(fan(range(SIDES))[SIDES - 2 :])))
