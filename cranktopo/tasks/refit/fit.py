@@ -32,6 +32,7 @@ from cranktopo.tasks.refit.select import (
     searches,
     select,
 )
+from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 if TYPE_CHECKING:
@@ -156,7 +157,8 @@ def fit_problem(
 ) -> FitProblem:
     """Return what a fit to a body has to match, on cells of at most the given edge."""
     cells = voxel_fill(body, scene, cell_mm)
-    return FitProblem(cells, _free_of_bores(scene, cells), scene, limits, pace or Pace("fit", 1))
+    free = _free_of_bores(scene, cells)[:, :, None] * _free_of_drillings(scene, cells)
+    return FitProblem(cells, free, scene, limits, pace or Pace("fit", 1))
 
 
 def _final_fits(problem: FitProblem, chosen: Candidate) -> list[Candidate]:
@@ -190,3 +192,14 @@ def _free_of_bores(scene: Scene, cells: VoxelFill) -> Array:
     for journal, centre in scene.throw.journals:
         free *= x**2 + (y - centre) ** 2 > journal.bore_radius_mm**2
     return np.asarray(free.reshape(len(cells.x_mm), 5, len(cells.y_mm), 5).mean(axis=(1, 3)))
+
+
+def _free_of_drillings(scene: Scene, cells: VoxelFill) -> Array:
+    """Share of each cell that no oil drilling takes, mean of both sides of x = 0, (nx, ny, nz)."""
+    free, edge = np.ones((2, *cells.filled.shape)), float(cells.cell_mm.mean())
+    y, z = cells.y_mm[:, None], cells.z_mm
+    for bore in drill_bores(scene):
+        for side, sign in zip(free, (1.0, -1.0), strict=True):
+            away = bore.off_axis_mm(sign * cells.x_mm[:, None, None], y, z)
+            side *= np.clip((away - bore.radius_mm) / edge + 0.5, 0.0, 1.0)
+    return np.asarray(free.mean(axis=0))

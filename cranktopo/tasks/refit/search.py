@@ -120,7 +120,7 @@ _REACH = 15.0
 
 @dataclass(frozen=True)
 class FitProblem:
-    """Fill to match and rules to keep; `free` is the share of each cell, (nx, ny), that no bore takes.
+    """Fill to match and rules to keep; `free` is the share of each cell that no bore or drilling takes.
 
     `pace` hears of every search.
     """
@@ -139,7 +139,7 @@ class Fit:
         cells = problem.target
         axes = cells.x_mm, cells.y_mm, cells.z_mm
         self.web = ParametricWeb(layout, problem.scene, problem.limits, axes)
-        self._target, self._free = cells.filled, problem.free[:, :, None]
+        self._target, self._free = cells.filled, problem.free
 
     def misfit(self, values: Array, width_mm: float) -> tuple[float, Array]:
         """Return the squared difference of the fills over the filled volume, and its gradient."""
@@ -150,7 +150,7 @@ class Fit:
         return float((off**2).sum() / self._target.sum()), self.web.vjp(values, which, weight)
 
     def fill(self, values: Array, width_mm: float) -> Array:
-        """Return the fill of the cells (nx, ny, nz), bores cut out, by half the width of the step."""
+        """Return the fill of the cells, bores and drillings cut out, by half the width of the step."""
         return smooth_step(self.web.inside_mm(values)[0], width_mm)[0] * self._free
 
     def overlap(self, values: Array, width_mm: float) -> float:

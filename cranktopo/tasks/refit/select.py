@@ -102,7 +102,7 @@ def _open_sideways(problem: FitProblem, region: Mask) -> bool:
     """Tell whether the void reaches the outside of the body in its own plane, other than through a bore."""
     from scipy import ndimage
 
-    void = ~problem.target.solid & (problem.free > 0.5)[:, :, None]
+    void = ~problem.target.solid & (problem.free > 0.5)
     labels, _ = ndimage.label(void)
     outside = set(np.unique(labels[-1])) | set(np.unique(labels[:, 0])) | set(np.unique(labels[:, -1]))
     return bool((set(np.unique(labels[region])) & outside) - {0})
@@ -122,7 +122,7 @@ _MOST_POCKETS = 4
 
 @dataclass(frozen=True)
 class Candidate:
-    """A web of the family on the way; the overlap of the fills leaves bores out."""
+    """A web of the family on the way; the overlap of the fills leaves bores and drillings out."""
 
     layout: Layout
     values: Array
@@ -255,7 +255,7 @@ def _least(problem: FitProblem) -> float:
 
 
 def model_fill(problem: FitProblem, candidate: Candidate) -> Array:
-    """Return the fill of the cells by a candidate, bores cut out, (nx, ny, nz) in [0, 1]."""
+    """Return the fill of the cells by a candidate, bores and drillings cut out, (nx, ny, nz) in [0, 1]."""
     sharp = _SHARP * float(problem.target.cell_mm[0])
     return Fit(problem, candidate.layout).fill(candidate.values, sharp)
 

@@ -262,6 +262,28 @@ def test_a_window_and_a_hollow_are_named_with_place_and_volume(mikron: Scene) ->
     assert not kinds["hollow"].pair
 
 
+DRILLING = {
+    "diameter_mm": 8.0,
+    "from": {"on": "main_journal", "angle_deg": 175.0, "place_mm": 3.0},
+    "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 3.0},
+}
+
+
+def test_a_drilling_of_the_design_is_no_window_of_the_body(mikron: Scene) -> None:
+    """The known web with a drilling lacks nothing of its own body; a window beside it is still told."""
+    data = known_scene(mikron, PLAIN).model_dump(mode="json", exclude_none=True)
+    data["throw"]["drilling"] = [DRILLING]
+    data["throw"]["main_journal"]["bore_diameter_mm"] = data["throw"]["crankpin"]["bore_diameter_mm"] = 0.0
+    scene = scene_from_dict(data, "drilled")
+    body, known = body_of(scene), Candidate(PLAIN, values_of(PLAIN), 0.0, "known")
+    problem = fit_problem(body, scene, COARSE, 2.0)
+    assert residual_regions(problem, model_fill(problem, known)) == []
+    window = Manifold.cube((8.0, 14.0, 40.0)).translate((20.0, 17.0, 15.0))
+    holed = fit_problem(body - window - window.mirror((1.0, 0.0, 0.0)), scene, COARSE, 2.0)
+    (found,) = residual_regions(holed, model_fill(holed, known))
+    assert (found.kind, found.pair) == ("window", True)
+
+
 def test_distance_of_a_ball_from_itself_shifted() -> None:
     """Moved by 1 mm: distances up to 1 mm, mean of |cos| = 1/2."""
     ball = Manifold.sphere(10.0, 160)
