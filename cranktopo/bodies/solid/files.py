@@ -19,7 +19,7 @@ from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
 from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
-from cranktopo.bodies.solid.step import StepLabel, kernel_surface, label_step
+from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
 from cranktopo.bodies.solid.throw import (
     VOLUME_TOLERANCE,
     DimTags,
@@ -162,7 +162,7 @@ def surface_of(scene: Scene, part: SolidPart, facet_mm: float | None = None) -> 
         gmsh.model.occ.synchronize()
         _triangulate(gmsh, body, part, facet_mm or _usual_facet_mm(scene))
         vertices, faces = triangles(gmsh)
-    return SurfaceMesh(vertices, faces)
+    return closed_surface(SurfaceMesh(vertices, faces))
 
 
 def kernel_surface_of(scene: Scene, part: SolidPart) -> SurfaceMesh:

@@ -151,10 +151,10 @@ def kernel_surface(gmsh: Any) -> SurfaceMesh:
     gmsh.model.mesh.importStl()
     points, faces = triangles(gmsh)
     gmsh.model.mesh.clear()
-    return _sound(welded(SurfaceMesh(points, faces), _WELD_MM))
+    return closed_surface(welded(SurfaceMesh(points, faces), _WELD_MM))
 
 
-def _sound(mesh: SurfaceMesh) -> SurfaceMesh:
+def closed_surface(mesh: SurfaceMesh) -> SurfaceMesh:
     """Return the mesh with small and narrow holes closed, and all faces turned as their neighbours.
 
     Where a face runs out in a sliver, at the rounded outlet of a drilling say, the kernel leaves its last
