@@ -31,6 +31,7 @@ from cranktopo.tasks.shaft_safety.result import (
     WorstPlace,
 )
 from cranktopo.tasks.shaft_safety.text import safety_text
+from tests.page_text import typed_page
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 STEEL_KG_PER_MM3 = 7.85e-6
@@ -278,7 +279,7 @@ def test_safety_of_every_web(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert found["load_states"] == 3 * 720
     for web in found["webs"]:
         assert web["safety"] == min(web["over_speeds"]) == web[web["part"]]
-    text = page.read_text(encoding="utf-8")
+    text = typed_page(page)
     assert found["mesh_shortfall"] in html.unescape(text), "elements of half a fillet are too coarse"
     for part in (
         "Safety of every web",

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 _POINTS = 400
 _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
-_LEAST_OFF_MM = 3.0
-"""Least paper from an edge to the dimension of a feature along it."""
+_OUTLET_MM = 3.0
+"""Paper from a journal to the dimension of an outlet along it."""
 _PLACE_MM = 15.0
 """Paper for running dimensions of places."""
 _TEXT_MM = 46.0
@@ -253,8 +253,10 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             away = 0.55 * gap if way == side else 0.9 * gap  # clear of the mark of a detail
             at = across + side * 0.4 * journal.length_mm / 2, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
-    for feature in (*sheet.features, *sheet.drilled):
-        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line, 1 / scale)
+    for feature in sheet.features:
+        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
+    for drilled in sheet.drilled:
+        _outlets(axes, drilled.lengthwise, 1 / scale)
     finish(axes, "Section x = 0")
 
 
@@ -334,21 +336,20 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=1.0, ls=style)
 
 
-def _dimensions(
-    axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float, mm: float
-) -> None:
-    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body.
-
-    Numbers of short ones stand off their line, away from the body; `mm` is one of paper.
-    """
+def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
+    """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
-        length, shift = float(np.hypot(*np.subtract(one.end, one.start))), one.shift
+        shift = one.shift
         if shift[0] < 0:
             shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
         elif shift[0] > 0:
             shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
-        else:
-            shift = (0.0, float(np.copysign(max(abs(shift[1]), _LEAST_OFF_MM * mm), shift[1])))
-        off = 0.0 if fits(length, one.text, mm) else DROP_MM * mm
-        lift = float(np.sign(shift[0])) * off, float(np.sign(shift[1])) * off
-        dimension(axes, one.start, one.end, shift, one.text, lift, mm)
+        dimension(axes, one.start, one.end, shift, one.text)
+
+
+def _outlets(axes: Any, found: tuple[DimensionLine, ...], mm: float) -> None:
+    """Dimension the outlets of a drilling along its journals; numbers of short lines stand away from them."""
+    for one in found:
+        out = float(np.sign(one.shift[1])) * mm
+        drop = 0.0 if fits(abs(one.end[0] - one.start[0]), one.text, mm) else DROP_MM * out
+        dimension(axes, one.start, one.end, (0.0, _OUTLET_MM * out), one.text, (0.0, drop), mm)
