@@ -6,13 +6,14 @@ web's outline changes the load as well, which the slopes leave out and the evalu
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.tasks.film.stage import films_at
 from cranktopo.tasks.refit.family import Layout, scene_at
 
@@ -28,23 +29,30 @@ def limits_films(scene: Scene) -> bool:
 
 def film_values(scene: Scene) -> dict[str, float]:
     """Return the least film, um, and the largest pressure, MPa, where a limit is of them; else nothing."""
-    return dict(zip(_NAMES, _films(scene), strict=True)) if limits_films(scene) else {}
+    return dict(zip(_NAMES, _films([scene])[0].tolist(), strict=True)) if limits_films(scene) else {}
 
 
 def film_slopes(scene: Scene, layout: Layout, values: Array) -> tuple[dict[str, float], dict[str, Array]]:
-    """Return film and pressure at a parameter vector, and their derivatives by all parameters."""
+    """Return film and pressure at a parameter vector, and their derivatives by all parameters.
 
-    def found(at: Array) -> Array:
-        return _films(scene_at(scene, layout, at))
-
+    All films of the central differences are solved at once, in the time of two.
+    """
     free = [place for place, name in enumerate(layout.names) if name in layout.dimensions]
-    slopes = central_difference(found, values, _STEP_MM, free)
-    return dict(zip(_NAMES, found(values), strict=True)), dict(zip(_NAMES, slopes, strict=True))
+    steps = _STEP_MM * np.eye(len(values))[free]
+    tried = [values, *(values + steps), *(values - steps)]
+    own, *moved = _films([scene_at(scene, layout, at) for at in tried])
+    slopes = np.zeros((len(_NAMES), len(values)))
+    if free:
+        more, less = np.split(np.array(moved), 2)
+        slopes[:, free] = (more - less).T / (2 * _STEP_MM)
+    return dict(zip(_NAMES, own.tolist(), strict=True)), dict(zip(_NAMES, slopes, strict=True))
 
 
 _NAMES = ("oil_film", "bearing_pressure")
 
 
-def _films(scene: Scene) -> Array:
-    (every,) = films_at([scene])
-    return np.array([min(one.film_um for one in every), max(one.pressure_MPa for one in every)])
+def _films(scenes: Sequence[Scene]) -> list[Array]:
+    return [
+        np.array([min(one.film_um for one in every), max(one.pressure_MPa for one in every)])
+        for every in films_at(scenes)
+    ]
