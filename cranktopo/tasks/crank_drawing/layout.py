@@ -31,7 +31,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Block:
+class ViewBlock:
     """Views that stay together, each with its lower left corner in the block, mm of paper."""
 
     views: tuple[tuple[View, tuple[float, float]], ...]
@@ -54,10 +54,10 @@ class SheetLayout:
 
 
 def rows(
-    blocks: Sequence[Block], width: float, height: float
+    blocks: Sequence[ViewBlock], width: float, height: float
 ) -> list[tuple[View, tuple[float, float]]] | None:
     """Return the views of blocks set in rows from the upper left corner; None where they do not fit."""
-    lines: list[list[Block]] = [[]]
+    lines: list[list[ViewBlock]] = [[]]
     for block in blocks:
         if lines[-1] and sum(one.size_mm[0] for one in (*lines[-1], block)) > width:
             lines.append([])
@@ -80,7 +80,7 @@ def rows(
 
 
 def layout(
-    blocks: Callable[[float, float], Sequence[Block]],
+    blocks: Callable[[float, float], Sequence[ViewBlock]],
     crankpin_mm: float,
     column_fits: Callable[[float], bool],
 ) -> SheetLayout:
@@ -100,7 +100,7 @@ def layout(
 
 
 def _largest(
-    sheet: str, blocks: Callable[[float, float], Sequence[Block]], area: tuple[float, float]
+    sheet: str, blocks: Callable[[float, float], Sequence[ViewBlock]], area: tuple[float, float]
 ) -> SheetLayout | None:
     """The largest scale of the crank that fits, with the largest of the webs beside it."""
     for scale in SCALES:

@@ -42,9 +42,9 @@ from cranktopo.tasks.crank_drawing.layout import (
     COLUMN_MM,
     SHEETS_MM,
     TITLE_MM,
-    Block,
     SheetLayout,
     View,
+    ViewBlock,
     layout,
 )
 from cranktopo.tasks.drawing.sheet import scale_text, table_lines, throw_sheets
@@ -152,15 +152,17 @@ def _blocks(
 ) -> Any:
     long, end = lengthwise(shape), end_edges(shape)
 
-    def blocks(scale: float, web_scale: float) -> list[Block]:
+    def blocks(scale: float, web_scale: float) -> list[ViewBlock]:
         crank = View(
             lengthwise_room(shape, scale), lambda axes, s: draw_lengthwise(axes, shape, long, s), scale
         )
         seen = View(end_room(shape), lambda axes, s: draw_end(axes, shape, end, s), scale)
-        found = [Block(((crank, (0.0, 0.0)),)), Block(((seen, (0.0, 0.0)),))]
+        found = [ViewBlock(((crank, (0.0, 0.0)),)), ViewBlock(((seen, (0.0, 0.0)),))]
         for (name, sheet), own in zip(sheets, marked, strict=True):
             found.append(_web_block(name, sheet, own, web_scale))
-            found += [Block(((View(one.room, partial(_detail, one), one.scale), (0.0, 0.0)),)) for one in own]
+            found += [
+                ViewBlock(((View(one.room, partial(_detail, one), one.scale), (0.0, 0.0)),)) for one in own
+            ]
         return found
 
     return blocks
@@ -170,7 +172,7 @@ def _detail(detail: Detail, axes: Any, scale: float) -> None:
     draw_detail(axes, detail, scale)
 
 
-def _web_block(name: str, sheet: Sheet, own: Sequence[Detail], scale: float) -> Block:
+def _web_block(name: str, sheet: Sheet, own: Sequence[Detail], scale: float) -> ViewBlock:
     """Front view, section through both axes beside it, section across below."""
     front, _, across = (room.size_mm(scale) for room in sheet.rooms)
     up = across[1] + TITLE_MM
@@ -189,7 +191,7 @@ def _web_block(name: str, sheet: Sheet, own: Sequence[Detail], scale: float) -> 
     views = (named, section, lambda axes, s: cross_section(axes, sheet, s))
     places = ((0.0, up), (front[0], up), ((front[0] - across[0]) / 2 if front[0] > across[0] else 0.0, 0.0))
     drawn = (View(room, draw, scale) for room, draw in zip(sheet.rooms, views, strict=True))
-    return Block(tuple(zip(drawn, places, strict=True)))
+    return ViewBlock(tuple(zip(drawn, places, strict=True)))
 
 
 def _points(lines: Sequence[str], notes: Sequence[str], height: float) -> float:

@@ -25,7 +25,7 @@ from cranktopo.report.drafting import (
     hatched,
     leader,
 )
-from cranktopo.tasks.drawing.sheet import Page
+from cranktopo.tasks.drawing.sheet import SheetPage
 from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y
 from cranktopo.throw.raw_part.half import raw_half
 
@@ -112,7 +112,7 @@ class _RawView:
         finish(axes, f"Section y = {y:.2f}")
 
 
-def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[Page]:
+def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:
     """Return a page of the raw part for each sheet of the finished throw."""
     meshes = half_surfaces(scene, part="raw")
     solids = [solid_of(mesh, "raw part") for mesh in meshes[: len(sheets)]]
@@ -120,7 +120,7 @@ def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[Page]:
         solids[1] = solids[1].mirror((1.0, 0.0, 0.0))
     raw_kg, finished_kg = raw_mass_kg(scene), throw_balance(scene).mass_kg
     return [
-        Page(
+        SheetPage(
             rooms=view.rooms,
             views=(view.front, view.lengthwise, view.across),
             lines=[*_lines(view.scene), *_removed(scene)],

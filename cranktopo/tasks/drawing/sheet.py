@@ -49,7 +49,7 @@ _TURNED = "Half a turn about the throw from where sheet 1 is drawn."
 
 
 @dataclass(frozen=True)
-class Page:
+class SheetPage:
     """What stands on one A3: three views with their rooms, a table, title block and notes.
 
     Attributes:
@@ -72,7 +72,7 @@ def write_drawing(
     balance: ThrowBalance,
     paths: Sequence[Path],
     started: datetime | None = None,
-    more: Sequence[Page] = (),
+    more: Sequence[SheetPage] = (),
 ) -> None:
     """Draw a half throw, or both, into files in the format of their ending, dated `started` or today."""
     import matplotlib as mpl
@@ -89,7 +89,7 @@ def drawing_figure(
     sheets: Sequence[Sheet],
     balance: ThrowBalance,
     written: datetime | None = None,
-    more: Sequence[Page] = (),
+    more: Sequence[SheetPage] = (),
 ) -> Figure:
     """Return the drawing as a figure, one A3 above the other, more pages last, dated `written` or today."""
     from matplotlib.figure import Figure
@@ -102,10 +102,10 @@ def drawing_figure(
     return figure
 
 
-def _page(sheet: Sheet, balance: ThrowBalance) -> Page:
+def _page(sheet: Sheet, balance: ThrowBalance) -> SheetPage:
     scene, symmetric = sheet.scene, ["Web symmetric in x."] * (not web_asymmetry(sheet.scene))
     web_kg = balance.second_web_kg if sheet.half == "second" else balance.web_kg
-    return Page(
+    return SheetPage(
         rooms=sheet.rooms,
         views=tuple(
             partial(_on_sheet, view, sheet) for view in (front_view, lengthwise_section, cross_section)
@@ -128,7 +128,7 @@ def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any
     view(axes, sheet, scale)
 
 
-def _draw(figure: SubFigure, page: Page, written: datetime) -> None:
+def _draw(figure: SubFigure, page: SheetPage, written: datetime) -> None:
     scale = _scale(page.rooms)
     front, long, across = sizes = [room.size_mm(scale) for room in page.rooms]
     # the views stand in the middle of their room
@@ -209,7 +209,7 @@ def _outline_lines(scene: Scene) -> list[str]:
     ]
 
 
-def _title_block(paper: Any, page: Page, scale: float, written: datetime) -> None:
+def _title_block(paper: Any, page: SheetPage, scale: float, written: datetime) -> None:
     """Draw the fields of ISO 7200 in the lower right corner, the notes above them."""
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
     rows = (
@@ -241,7 +241,9 @@ def scale_text(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-def export_drawing(scene: Scene, path: Path, sheets: Sequence[Sheet] = (), more: Sequence[Page] = ()) -> None:
+def export_drawing(
+    scene: Scene, path: Path, sheets: Sequence[Sheet] = (), more: Sequence[SheetPage] = ()
+) -> None:
     """Write the sheets of a scene's throw, by default all, and more pages below them (.pdf, .svg or .png)."""
     with replacing(path) as temporary:
         write_drawing(sheets or throw_sheets(scene), throw_balance(scene), [temporary], more=more)

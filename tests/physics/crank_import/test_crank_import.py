@@ -221,6 +221,7 @@ def test_the_ends_of_a_crank_come_back(tmp_path: Path) -> None:
     assert not [line for line in result.unread if line.startswith("step of")]
 
 
+@pytest.mark.slow
 def test_cones_and_keyways_come_back(tmp_path: Path) -> None:
     """Both at the output: a seat with a keyway off the throw, a cone with a bore, a nose behind it."""
     key = {"kind": "keyway", "diameter_mm": 38.0, "length_mm": 20.0, "width_mm": 9.0, "depth_mm": 5.0}

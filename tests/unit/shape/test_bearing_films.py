@@ -36,6 +36,7 @@ def test_values_are_those_of_the_film_command() -> None:
     assert film_values(limited(load_scene("mikron-iiic"), "torsion >= 90 %")) == {}
 
 
+@pytest.mark.slow
 def test_slopes_are_those_by_the_width_that_a_dimension_takes() -> None:
     """The slope by the thickness is that by the bearing's width, given, times what the thickness takes."""
     free, layout, values = free_throw()
