@@ -14,7 +14,7 @@ _STEP, _MISSED = 1 / 24, 1 / 4
 
 
 class Watchdog:
-    """What a command said last, and when its silence has lasted too long.
+    """The last line of a command, and the line that is due when its silence has lasted too long.
 
     Attributes:
         longest_s: seconds that may pass between two lines.

@@ -48,7 +48,7 @@ class JournalsView(Hashable, Protocol):
 
 
 class ForgingView(Protocol):
-    """What forged features need to know of the raw part."""
+    """The raw part as forged features see it."""
 
     @property
     def allowance_mm(self) -> float:

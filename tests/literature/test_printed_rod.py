@@ -123,7 +123,7 @@ PRINTED_ELEMENTS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED_ELEMENTS)
 def test_stresses_by_elements_of_rods_that_meet_the_analytic_numbers(name):
-    """Where rigid pins touch, the neck has the printed stress within 13 %, from below in all three rods.
+    """With rigid pins the neck has the printed stress within 13 %, from below in all three rods.
 
     The fatigue safety is Goodman's, as printed. By the cosine over half the bore the small end bends about
     the narrow neck, and its bore alone has more than all that is printed: it is not the source's load.

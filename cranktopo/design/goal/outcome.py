@@ -160,9 +160,8 @@ def limit_outcome(
     name = limit.quantity
     now, before = reached.get(name), original.get(name)
     required = limit.required(before)
-    share_of = (
-        before if limit.percent or limit.unit != "%" else None
-    )  # a percentage of its own has no second one
+    own_percentage = limit.unit == "%" and not limit.percent  # which has no second one of the original
+    share_of = None if own_percentage else before
     judged: dict[str, Any] = {"holds": None, "active": False}
     if required is not None and now is not None:
         kept = Constraint(name, limit.sense, required, before or 0.0, minimum_scale(name, original))

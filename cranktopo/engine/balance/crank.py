@@ -17,6 +17,13 @@ from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_bala
 from cranktopo.throw.moments import Moments
 
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
+ROUNDING = 1e-12
+"""Share of the sum of all magnitudes below which a sum of directed parts is rounding."""
+
+
+def unless_rounding(value: complex, scale: float) -> complex:
+    """Return a sum of directed parts; 0 where it is rounding of their magnitudes, in sum `scale`."""
+    return value if abs(value) > ROUNDING * scale else 0j
 
 
 @dataclass(frozen=True)
@@ -46,8 +53,8 @@ def end_mass(scene: Scene, side: Side) -> EndMass:
     return EndMass(
         moments.volume,
         moments.polar,
-        _unless_rounding(first, most),
-        _unless_rounding(product - pieces[0].z_mm[0] * first if pieces else 0j, most * np.ptp(places)),
+        unless_rounding(first, most),
+        unless_rounding(product - places[0] * first, most * np.ptp(places)),
     )
 
 
@@ -105,12 +112,7 @@ def drawn_crank_mass(scene: Scene) -> CrankMass:
     )
 
 
-def _unless_rounding(value: complex, scale: float) -> complex:
-    """Return a sum of parts of this size, 0 where only rounding is left of it."""
-    return value if abs(value) > 1e-12 * scale else 0j
-
-
 def _polar(size: str, direction: str, value: complex, scale: float) -> dict[str, float]:
     """Magnitude and direction by their names."""
-    value = _unless_rounding(value, scale)
+    value = unless_rounding(value, scale)
     return {size: abs(value), direction: float(round(np.degrees(np.angle(value)) % 360.0, 9) % 360.0)}

@@ -18,15 +18,13 @@ from cranktopo.base.units import MM_PER_M, angular_speed_rad_s
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
-from cranktopo.engine.balance.crank import EndMass, end_mass
+from cranktopo.engine.balance.crank import ROUNDING, EndMass, end_mass, unless_rounding
 from cranktopo.engine.balance.layout import EngineLayout, engine_layout, unit_vectors
 from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
 from cranktopo.engine.kinematics import acceleration_harmonics
 
 ORDERS = (1, 2, 4, 6)
 """Orders of the oscillating masses; odd ones above 1 do not exist, those above 6 are below lam^7."""
-_NOTHING = 1e-12
-"""Share of the sum of all magnitudes below which a sum of directed parts is rounding."""
 
 
 @dataclass(frozen=True)
@@ -289,7 +287,7 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
     arms = np.maximum(z[:, None] - z[None, :], 0.0)
     moment = (reaction * (z - first) - arms @ force) / MM_PER_M
     scale = float(np.abs(force).sum()) * layout.length_mm / MM_PER_M
-    size = np.where(np.abs(moment) > _NOTHING * scale, np.abs(moment), 0.0)
+    size = np.where(np.abs(moment) > ROUNDING * scale, np.abs(moment), 0.0)
     worst = int(np.flatnonzero(size >= size.max() * (1 - 1e-9))[0])
     return InnerMoment(float(size[worst]), float(z[worst]), _polar(moment[worst] if size[worst] else 0j)[1])
 
@@ -309,8 +307,7 @@ def _free_force(order: int, forward: Complex, backward: Complex, z_mm: Array) ->
 
 def _sum(parts: Complex) -> complex:
     """Return the sum, 0 where only rounding is left of it."""
-    total = complex(parts.sum())
-    return total if abs(total) > _NOTHING * float(np.abs(parts).sum()) else 0j
+    return unless_rounding(complex(parts.sum()), float(np.abs(parts).sum()))
 
 
 def _polar(value: complex) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.goal.constraint import minimum_scale, scale_of
 from cranktopo.design.goal.limit import Goal, Limit
-from cranktopo.design.goal.quantities import QUANTITIES, quantity_named
+from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Optimise, Scene
 from cranktopo.engine.load_case import LoadCase
@@ -112,7 +112,7 @@ def _of_goal(goal: Goal, known: Mapping[str, Response], original: Mapping[str, f
         tuple(
             _requirement(limit, _known(known, limit.quantity, "goal.limits"), original)
             for limit in goal.limits
-            if "density" in QUANTITIES[limit.quantity].optimisers
+            if "density" in quantity_named(limit.quantity).optimisers
         ),
     )
 

@@ -50,7 +50,7 @@ _TURNED = "Half a turn about the throw from where sheet 1 is drawn."
 
 @dataclass(frozen=True)
 class SheetPage:
-    """What stands on one A3: three views with their rooms, a table, title block and notes.
+    """Content of one A3: three views with their rooms, a table, title block and notes.
 
     Attributes:
         views: front, section through both axes, section across the throw; each takes axes and scale.

@@ -9,7 +9,7 @@ from cranktopo.base.files import as_path
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore, open_run
-from cranktopo.runs.kind import LOOP, SHAPE, kind_of, require_kind, shown_results
+from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
 
 
 def report_run(run: RunStore | str | Path, path: Path | str | None = None, stresses: bool = False) -> Path:
@@ -51,5 +51,4 @@ def _page(run: RunStore, stresses: bool) -> Page:
     from cranktopo.tasks.optimise.page import run_page
     from cranktopo.tasks.optimise.run_record import read_record
 
-    require_kind(run, "optimise")
     return run_page(read_record(run, stresses))

@@ -1,4 +1,4 @@
-"""Where rigid pins touch the bores of the rod: frictionless, without clearance, pressure even over the width.
+"""Pressure of rigid pins that touch the bores of the rod: frictionless, no clearance, even over the width.
 
 Such pins touch in proportion to their force, so that one pressure of 1 N serves every state. It has the least
 complementary energy of all that push: a quadratic programme without negative pressures (Kalker, 1977).

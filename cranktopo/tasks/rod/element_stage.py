@@ -10,7 +10,7 @@ from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.rod.elements import rod_elements
 from cranktopo.tasks.rod.pictures import write_rod_files
 from cranktopo.tasks.rod.result import RodStrength
-from cranktopo.tasks.rod.stage import check_rod_strength, loaded_rod
+from cranktopo.tasks.rod.stage import loaded_rod, strength_of
 
 
 def check_rod_elements(
@@ -33,8 +33,8 @@ def check_rod_elements(
     scene, out = as_scene(design), as_path(out)
     if out is not None:
         check_folder(out)
-    found = check_rod_strength(scene, method)
     loaded = loaded_rod(scene, method)
+    found = strength_of(scene, loaded)
     elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm, contact=contact)
     told = found.model_copy(update={"elements": elements})
     if out is not None:

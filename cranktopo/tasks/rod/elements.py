@@ -112,7 +112,7 @@ def _place(
     coarse: tuple[WorstPoint, WorstPoint] | None,
     yield_MPa: float,
 ) -> RodPlace:
-    """What is told of a place; the other mesh's points of largest stress and of least safety beside it."""
+    """Result of a place; the other mesh's points of largest stress and of least safety beside it."""
     change, safety_change = None, None
     if coarse is not None:
         change = 100 * abs(coarse[0].largest_MPa / stress.largest_MPa - 1)

@@ -69,14 +69,18 @@ def check_rod_strength(design: DesignLike, method: str = "lsa") -> RodStrength:
         CranktopoError: no rod, no engine, no gas pressure, or a strength of the material is missing.
     """
     scene = as_scene(design)
-    loaded = loaded_rod(scene, method)
+    return strength_of(scene, loaded_rod(scene, method))
+
+
+def strength_of(scene: Scene, loaded: LoadedRod) -> RodStrength:
+    """Return the strength of a scene's rod by its cycles."""
     rod, length, mass = loaded.rod, loaded.length_mm, loaded.mass
     push, push_deg, pull, pull_deg = _pin_extremes(loaded)
     return RodStrength(
         design=scene.name,
         shank=rod.shank,
         speeds_rpm=tuple(motion.speed_rpm for motion in loaded.motions),
-        method=method,
+        method=loaded.method,
         masses=_masses(mass),
         push_N=push,
         push_deg=push_deg,

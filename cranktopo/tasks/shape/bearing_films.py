@@ -17,6 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.tasks.film.stage import films_at
 from cranktopo.tasks.refit.family import Layout, scene_at
 
+_NAMES = ("oil_film", "bearing_pressure")
 _STEP_MM = 0.02
 """Of central differences; degrees where the dimension is an angle."""
 
@@ -46,9 +47,6 @@ def film_slopes(scene: Scene, layout: Layout, values: Array) -> tuple[dict[str, 
         more, less = np.split(np.array(moved), 2)
         slopes[:, free] = (more - less).T / (2 * _STEP_MM)
     return dict(zip(_NAMES, own.tolist(), strict=True)), dict(zip(_NAMES, slopes, strict=True))
-
-
-_NAMES = ("oil_film", "bearing_pressure")
 
 
 def _films(scenes: Sequence[Scene]) -> list[Array]:

@@ -24,7 +24,7 @@ from cranktopo.design.assumed import (
 )
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.outcome import GoalWords, goal_outcome
+from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.goal.wanted import require_goal
 from cranktopo.design.halves import usual_scale
@@ -257,12 +257,13 @@ def _assembled(
 ) -> ShapeResult:
     """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
     goal, result, original = optimum.goal, optimum.result, optimum.original
+    outcome = goal_outcome(goal, result.web.values, original.values)
     table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
     return ShapeResult(
         design=scene.name,
-        goal=goal_outcome(goal, result.web.values, original.values),
-        status="converged" if result.violation <= TOLERANCE else "limits not met",
-        stop_reason=_reason(optimum),
+        goal=outcome,
+        status="limits not met" if any(limit.holds is False for limit in outcome.limits) else "converged",
+        stop_reason=_reason(optimum, outcome),
         original=original.evaluation,
         result=result.web.evaluation,
         values=ShapeValues(original=original.values, result=result.web.values),
@@ -324,12 +325,11 @@ def _sensitivities(scene: Scene, optimum: ShapeOptimum) -> SensitivityTable:
     return sensitivity_table(found, scene.shape.tolerance_mm)
 
 
-def _reason(optimum: ShapeOptimum) -> str:
+def _reason(optimum: ShapeOptimum, outcome: GoalOutcome) -> str:
     result, count = optimum.result, len(optimum.rounds)
     if result.held:
         return f"every limit holds by the evaluation, web {optimum.best + 1} of {count} evaluated"
-    told = goal_outcome(optimum.goal, result.web.values, optimum.original.values).limits
-    worst = max(told, key=lambda limit: limit.violation or 0.0)
+    worst = max(outcome.limits, key=lambda limit: limit.violation or 0.0)
     label, percent = QUANTITIES[worst.quantity].label, 100 * (worst.violation or 0.0)
-    within = f", within the {100 * TOLERANCE:g} % that count as kept" if percent <= 100 * TOLERANCE else ""
+    within = f", within the {100 * TOLERANCE:g} % that count as kept" if worst.holds else ""
     return f"{label} misses its limit by {percent:.2f} % by the evaluation{within}, best of {count} webs"

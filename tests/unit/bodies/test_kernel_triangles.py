@@ -57,7 +57,7 @@ def test_holes_that_touch_in_vertices_are_closed() -> None:
 
 
 def test_a_gap_between_two_chains_of_edges_is_closed() -> None:
-    """Where the halves of a throw meet in an outlet, a random engine had one of 60 edges."""
+    """A random engine had one of 60 edges where the halves of its throw meet in an outlet."""
     holed, arc = prism(fan(range(SIDES))), range(1, 20)
     inner = holed.vertices_mm[[corner + SIDES for corner in arc]] * [0.999, 0.999, 1.0]
     top = [SIDES, *range(2 * SIDES, 2 * SIDES + len(arc)), *range(SIDES + 20, 2 * SIDES)]

@@ -1,0 +1,75 @@
+"""Values of a comparison: stars, differences below their error, pitch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from cranktopo.design.goal.wanted import with_goal
+from cranktopo.design.loading import load_scene
+from cranktopo.design.named import with_values
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.compare.page import _changes
+from cranktopo.tasks.compare.result import Entry, compare
+from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
+from cranktopo.tasks.fatigue.text import FatigueComparison
+from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE
+from cranktopo.tasks.fea.targets import Target, resolve_target
+from tests.cli.test_comparison_report import NAMES, NO_FATIGUE, evaluated, invented
+
+
+def test_the_next_best_takes_the_star_too() -> None:
+    """The best of three is 0.1 % above the next, whose bound is larger by 0.2 %."""
+    entries = [
+        Entry(evaluated(name, torsion, error))
+        for name, torsion, error in (("a", 90e3, 0.1), ("b", 100e3, 0.3), ("c", 100.1e3, 0.1))
+    ]
+    comparison = compare(entries, "a")
+    assert comparison.best(TORSION) is None
+    assert [comparison.differ(2, row, TORSION) for row in (0, 1)] == [True, False]
+    assert compare([entries[0], entries[2]], "a").best(TORSION) == 1
+
+
+def test_a_headline_tells_no_change_below_its_error() -> None:
+    """0.1 % between two webs whose difference is known to 0.15 %, and 0.1 % that is known to 0.045 %."""
+    for error, told in ((1.0, False), (0.3, True)):
+        near = [Entry(evaluated(name, torsion, error)) for name, torsion in (("a", 100e3), ("b", 99.9e3))]
+        assert (TORSION in _changes(compare(near, "a"), 1)) == told
+
+
+@pytest.mark.parametrize(("other", "best"), [(1.319, None), (1.281, None), (1.34, 1), (1.26, 0)])
+def test_safeties_within_two_percent_are_level(other: float, best: int | None) -> None:
+    """The worst node moves as much from mesh to mesh."""
+    targets = [resolve_target(name) for name in NAMES]
+    entries = [
+        Entry(invented(target), None, safety) for target, safety in zip(targets, (1.3, other), strict=True)
+    ]
+    fatigue = FatigueComparison((1.3, other), (), NO_FATIGUE)
+    assert compare(entries, NAMES[0], fatigue).best(SAFETY) == best
+
+
+def test_stars_by_what_is_wanted() -> None:
+    """The unbalance nearest to that of a balanced throw, not the algebraic least."""
+    base, lighter, over = (
+        replace(invented(resolve_target(NAMES[0])), target=name, unbalance_kg_mm=unbalance)
+        for name, unbalance in (("base", 35.0), ("lighter", 2.0), ("over", -40.0))
+    )
+    found = compare([Entry(base), Entry(lighter), Entry(over)], "base")
+    assert found.best(UNBALANCE) == 1
+    assert replace(found, balanced_kg_mm=-30.0).best(UNBALANCE) == 2
+    scene = load_scene("mikron-iiic-plain")
+    balance = throw_balance(scene)
+    assert balanced_kg_mm(scene) == balance.throw_unbalance_kg_mm - balance.rotating_unbalance_kg_mm
+    assert balanced_kg_mm(scene) < 0, "the rods of an engine are on the pin"
+    assert balanced_kg_mm(with_goal(scene, minimise="unbalance")) == 0.0
+
+
+def test_a_longer_throw_is_said_and_how_to_keep_the_pitch() -> None:
+    base = load_scene("mikron-iiic-plain")
+    thicker = with_values(base, {"web.thickness_mm": 29.0})
+    (line,) = pitch_lines([Target("base", base), Target("thick", thicker)], 0)
+    assert line.startswith("thick: pitch 134 mm, base has 114 mm: the engine is longer.")
+    assert line.endswith("throw.main_journal.length_mm or throw.crankpin.length_mm by -20 mm.")
+    kept = with_values(thicker, {"throw.main_journal.length_mm": 20.0})
+    assert pitch_lines([Target("base", base), Target("kept", kept)], 0) == []
