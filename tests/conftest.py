@@ -24,6 +24,15 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile quickly in the quick suite: most programs run once there, and take longer to optimise.
+
+    Slow tests run what users run, as do quick ones with JAX_DISABLE_MOST_OPTIMIZATIONS=0.
+    """
+    if config.getoption("markexpr") == "not slow":
+        os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put a file first that makes the default run; those that need it come after `cli`."""
 

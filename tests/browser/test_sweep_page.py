@@ -335,7 +335,12 @@ def test_numbers_have_the_digits_of_their_error(opened: Any, record: SweepResult
 
 
 @pytest.mark.parametrize(
-    "window", [{}, {"color_scheme": "dark"}, {"viewport": {"width": 360, "height": 740}}]
+    "window",
+    [
+        {},
+        pytest.param({"color_scheme": "dark"}, marks=pytest.mark.slow),
+        {"viewport": {"width": 360, "height": 740}},
+    ],
 )
 def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, Any]) -> None:
     page = opened(**window)

@@ -70,7 +70,13 @@ def test_quiet_and_verbose_exclude_each_other(name: str, capsys: pytest.CaptureF
 
 @pytest.mark.parametrize(
     "words",
-    [["film", "car-diesel"], ["loads"], ["plan"], ["export", "mikron-iiic"], ["drawing", "mikron-iiic"]],
+    [
+        ["film", "car-diesel"],
+        ["loads"],
+        ["plan"],
+        pytest.param(["export", "mikron-iiic"], marks=pytest.mark.slow),
+        ["drawing", "mikron-iiic"],
+    ],
 )
 def test_a_quick_command_that_is_quiet_tells_its_answer_alone(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -34,11 +34,11 @@ def shell(line: str, folder: Path, **settings: str) -> subprocess.CompletedProce
     ("line", "code", "message"),
     [
         ("cranktopo designs list >&-", 0, ""),
-        ("cranktopo designs list 2>&-", 0, ""),
+        pytest.param("cranktopo designs list 2>&-", 0, "", marks=pytest.mark.slow),
         ("cranktopo plan nothing <&- >&- 2>&-", 3, ""),
-        ("cranktopo plan nothing --json >&-", 3, "no such file"),
+        pytest.param("cranktopo plan nothing --json >&-", 3, "no such file", marks=pytest.mark.slow),
         ("cranktopo designs list > /dev/full", 3, "error: output: cannot be used: No space left on device."),
-        ("cranktopo plan nothing 2> /dev/full", 3, ""),
+        pytest.param("cranktopo plan nothing 2> /dev/full", 3, "", marks=pytest.mark.slow),
         ("cranktopo plan nothing --json > /dev/full", 3, "no such file"),
         ("set -o pipefail; cranktopo designs list | true", 0, ""),
     ],
@@ -61,9 +61,9 @@ def test_a_closed_stdout_does_not_hand_its_number_to_a_file(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     "locale",
     [
-        {"LC_ALL": "C"},
+        pytest.param({"LC_ALL": "C"}, marks=pytest.mark.slow),
         {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
-        {"PYTHONIOENCODING": "latin-1"},
+        pytest.param({"PYTHONIOENCODING": "latin-1"}, marks=pytest.mark.slow),
     ],
     ids=str,
 )

@@ -27,7 +27,6 @@ from cranktopo.numerics.grid.operator import (
 from cranktopo.numerics.grid.smoothing import JacobiScaling, Smoother, SmootherState
 from cranktopo.numerics.kernels import registry as processor
 from cranktopo.numerics.precision import Precision
-from tests.compiled import QUICKLY
 from tests.studies.parts import lopsided
 
 ROUNDING = {"float32": 2e-6, "float64": 4e-15}
@@ -90,12 +89,12 @@ def _smoothed(smoother: Smoother, count: int) -> SmootherState:
 
     precision = smoother.scaling.sizes.dtype
     fields = (jnp.asarray(field, precision) for field in (residual, change))
-    return jax.jit(smooth, compiler_options=QUICKLY)(*fields)
+    return jax.jit(smooth)(*fields)
 
 
 def _fresh(function: Callable[..., Any], *inputs: Any) -> Any:
     """Result of a function traced anew, after what it depends on was replaced."""
-    return jax.jit(lambda *a: function(*a), compiler_options=QUICKLY)(*inputs)
+    return jax.jit(lambda *a: function(*a))(*inputs)
 
 
 def _close(found: jax.Array, expected: jax.Array, precision: Precision) -> None:

@@ -42,7 +42,7 @@ WEBS = {
     "round-floors": milled_web,
     "solid-journals": solid_web,
 }
-SLOW = ("round-floors", "solid-journals")
+SLOW = ("drafted-pockets", "round-floors", "solid-journals")
 
 ELASTIC = 2e5, 0.3
 

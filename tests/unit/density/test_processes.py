@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import jax
@@ -18,7 +17,6 @@ from cranktopo.numerics.filters.processes import ForgingConstraint
 from cranktopo.tasks.density.build import build_chain
 from cranktopo.tasks.density.manufacturing import parting_of
 from cranktopo.tasks.density.material import MaterialInterpolation, physical_density, smooth_density
-from tests.compiled import QUICKLY
 from tests.physics.density.throw_cases import forged
 
 CELL_MM = 6.0
@@ -48,7 +46,7 @@ def noise(density_chain: MaterialInterpolation, seed: int = 0) -> jax.Array:
 
 
 def solid_of(density_chain: MaterialInterpolation, seed: int, level: float = 0.5) -> Cells:
-    made = jax.jit(physical_density, compiler_options=QUICKLY)
+    made = jax.jit(physical_density)
     return np.asarray(made(density_chain, noise(density_chain, seed), 8.0)) > level
 
 
@@ -80,7 +78,7 @@ def test_gradients(made: MaterialInterpolation) -> None:
     x = 0.2 + 0.6 * jnp.asarray(rng.random(made.design_fraction.shape))
     weights, direction = (jnp.asarray(rng.standard_normal(x.shape)) for _ in range(2))
 
-    @partial(jax.jit, compiler_options=QUICKLY)
+    @jax.jit
     @jax.value_and_grad
     def both(x: jax.Array) -> jax.Array:
         return jnp.sum(weights * physical_density(made, x, 4.0))
@@ -136,7 +134,7 @@ def test_a_prism_becomes_a_wedge(float64: None) -> None:
 
 def test_no_die_sinks_a_pocket_behind_a_journal(float64: None, mikron: Scene) -> None:
     domain, density_chain = chain_of(mikron, process="forged", parting="web_faces")
-    smoothed = jax.jit(smooth_density, compiler_options=QUICKLY)
+    smoothed = jax.jit(smooth_density)
     density = np.asarray(smoothed(density_chain, jnp.zeros(density_chain.design_fraction.shape)))
     x, y = ((nodes[1:] + nodes[:-1]) / 2 for nodes in (domain.grid.x_mm, domain.grid.y_mm))
     free = np.asarray(density_chain.design_fraction) > 0
@@ -221,6 +219,6 @@ def test_the_mill_of_the_quarter_is_that_of_the_half(float64: None, mikron: Scen
     n, _ = parting_of(build_domain(mikron, CELL_MM, extent="half"))
     mirrored = jnp.zeros(half.design_fraction.shape).at[: 2 * n].set(jnp.concatenate([x[:n][::-1], x[:n]]))
     inside = np.asarray(quarter.design_fraction)[:n] > 0
-    smoothed = jax.jit(smooth_density, compiler_options=QUICKLY)
+    smoothed = jax.jit(smooth_density)
     both, one = (np.asarray(smoothed(*of)) for of in ((half, mirrored), (quarter, x)))
     np.testing.assert_allclose(both[n : 2 * n][inside], one[:n][inside], rtol=1e-9, atol=1e-9)

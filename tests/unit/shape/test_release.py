@@ -56,9 +56,13 @@ def test_the_process_decides_and_the_pocket_is_named(
     ("asked", "straight"),
     [
         ({"process": "forged", "draft_deg": 5.0}, ("web.bevel[0]",)),
-        ({"process": "cast", "parting": "web_faces", "draft_deg": 5.0}, ("web.outline",)),
+        pytest.param(
+            {"process": "cast", "parting": "web_faces", "draft_deg": 5.0},
+            ("web.outline",),
+            marks=pytest.mark.slow,
+        ),
         ({"process": "forged", "draft_deg": 0.0}, ()),
-        ({"process": "milled", "draft_deg": 5.0}, ()),
+        pytest.param({"process": "milled", "draft_deg": 5.0}, (), marks=pytest.mark.slow),
     ],
 )
 def test_what_a_die_releases_without_draft_is_named(
