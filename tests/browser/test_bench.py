@@ -70,6 +70,39 @@ def test_a_limit_is_dragged_and_the_section_is_seen(bench: Any) -> None:
 
 
 @pytest.mark.slow
+def test_colours_of_a_settled_web(bench: Any) -> None:
+    """Each of them is another picture with its meaning below; a drag goes back to the parts."""
+    seen = bench("mikron-iiic-plain")
+    page = seen.page
+    shown(page)
+    page.locator("#colours").select_option("stress")
+    assert page.locator("#legend").inner_text().startswith("The colours come when")
+    settled(page)
+    told = {
+        "safety": "the last is the least safety",
+        "stress": "MPa",
+        "torsion": "stiffness in torsion",
+        "bending": "stiffness in bending",
+    }
+    pictures = []
+    for name, meaning in told.items():
+        page.locator("#colours").select_option(name)
+        page.wait_for_function(
+            "(text) => document.querySelector('#legend').textContent.includes(text)", arg=meaning
+        )
+        page.wait_for_timeout(500)
+        pictures.append(seen.picture())
+    _, stress, torsion, bending = pictures  # the stress of this web goes with the strength that is used
+    for one, other in ((stress, torsion), (torsion, bending)):
+        assert (np.abs(one - other).max(axis=2) > 30).mean() > 0.01
+    set_slider(page, "web.width_mm", 56, release=False)
+    page.wait_for_function(
+        "() => document.querySelector('#legend').textContent.startsWith('The colours come')"
+    )
+    assert seen.complaints == []
+
+
+@pytest.mark.slow
 def test_what_is_not_of_the_design_in_hand_is_hidden_and_warnings_come_first(bench: Any) -> None:
     """The place of the least safety went on to stand beside safeties that wait for the next web."""
     seen = bench("mikron-iiic-plain")

@@ -31,6 +31,14 @@ def von_mises(stress: Array) -> Array:
     return np.sqrt(np.maximum(squared, 0.0))
 
 
+def strain_energy_density(stress: Array, youngs_MPa: float, poisson: float) -> Array:
+    """Return the elastic energy per volume, MPa, of an isotropic body; last axis holds the six components."""
+    trace_squared = stress[..., :3].sum(axis=-1) ** 2
+    squares = (stress[..., :3] ** 2).sum(axis=-1) + 2 * (stress[..., 3:] ** 2).sum(axis=-1)
+    energy: Array = ((1 + poisson) * squares - poisson * trace_squared) / (2 * youngs_MPa)
+    return energy
+
+
 def principal_stresses(stress: Array) -> Array:
     """Return principal stresses, falling, in the last axis; that of the argument holds the six components."""
     tensor = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)

@@ -133,8 +133,9 @@ class Answers:
             for part in ("stiffness", "shaft", "safety"):
                 if part in self._settled.get(text, {}).get("parts", ()):
                     continue
-                stiffnesses = self._settled.get(text, {}).get("throw_stiffnesses_Nm_per_rad", ())
-                known = (stiffnesses,) if part == "safety" else ()
+                so_far = self._settled.get(text, {})
+                stiffness = so_far.get("throw_stiffnesses_Nm_per_rad", ()), so_far.get("gauges", {})
+                known = stiffness if part == "safety" else ()
                 try:
                     found = await self._workers["settled"].ask(
                         f"settled.settled_{part}", data_of(text), *known

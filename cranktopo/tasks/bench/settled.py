@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.shown_solid import shown_half
 from cranktopo.design.halves import difference
@@ -19,6 +16,7 @@ from cranktopo.engine.plan.planning import has_vibration, planned_scene
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
+from cranktopo.tasks.bench.colours import web_colours
 from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.remarks import yield_warning
@@ -64,11 +62,16 @@ def settled_shaft(data: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def settled_safety(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()) -> dict[str, Any]:
+def settled_safety(
+    data: dict[str, Any],
+    throws_Nm_per_rad: Sequence[float] = (),
+    stiffness: Mapping[str, float] | None = None,
+) -> dict[str, Any]:
     """Return the least fatigue safety as `cranktopo fatigue` tells it, its place, and colours; or why not.
 
     Args:
         throws_Nm_per_rad: stiffness of each throw by elements, for the torque of the vibrating shaft.
+        stiffness: gauges of `settled_stiffness`, for the colours of what removal costs.
     """
     began, target = time.perf_counter(), _target(data)
     try:
@@ -88,9 +91,17 @@ def settled_safety(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()
         "place": critical.place,
         "point_mm": [round(float(x), 3) for x in critical.point_mm],
         "warnings": list(filter(None, [yield_warning(field, scene.material.yield_MPa)])),
-        "picture": None if difference(scene) else packed(_coloured(scene, field)),
+        **({} if difference(scene) else _picture(scene, field, stiffness or {})),
         "seconds": time.perf_counter() - began,
     }
+
+
+def _picture(scene: Scene, field: FatigueField, stiffness: Mapping[str, float]) -> dict[str, Any]:
+    colours = web_colours(field, stiffness)
+    body = ShownBody(scene.name, mesh_of(shown_half(scene)), scene.web_z_mm, scene.pitch_mm / 2, colours)
+    scales = tuple(StressScale(one.name, one.label, one.top) for one in colours.cases)
+    shown = [{"name": one.name, "legend": one.label} for one in colours.cases]
+    return {"picture": packed(Scene3D((body,), stress_scales=scales)), "colours": shown}
 
 
 def _with_stiffness(target: Target, throws_Nm_per_rad: Sequence[float]) -> Target:
@@ -105,43 +116,3 @@ def _with_stiffness(target: Target, throws_Nm_per_rad: Sequence[float]) -> Targe
 def _target(data: dict[str, Any]) -> Target:
     scene = scene_from_dict(data, "design", whole=True)
     return Target(scene.name, planned_scene(scene, kept_features(scene)))
-
-
-@dataclass(frozen=True)
-class _Case:
-    name: str
-    label: str
-
-
-@dataclass(frozen=True)
-class _Used:
-    """Share of the strength that is used, 1 over the safety, at points of a half throw."""
-
-    field: FatigueField
-    element_size_mm: float
-    cases: Sequence[_Case] = (_Case("safety", "share of the strength"),)
-
-    def at(self, points_mm: Array) -> Array:
-        """Return the share at the nearest surface node, (1, points)."""
-        from scipy.spatial import cKDTree
-
-        found, images = self.field, self.field.model.images
-        mirrored = any(image.flip_x for image in images)
-        used, way = np.zeros(len(points_mm)), points_mm.copy()
-        if mirrored:
-            way[:, 0] = np.abs(way[:, 0])
-        nearest = cKDTree(found.model.surface.points_mm.T).query(way)[1]
-        for flipped in {image.flip_x for image in images}:
-            safety = np.min(
-                [s for s, i in zip(found.safety, images, strict=True) if i.flip_x == flipped], axis=0
-            )
-            side = (points_mm[:, 0] < 0) == flipped if mirrored else slice(None)
-            used[side] = 1 / safety[nearest][side]
-        return used[None]
-
-
-def _coloured(scene: Scene, field: FatigueField) -> Scene3D:
-    colours = _Used(field, 1.0)
-    body = ShownBody(scene.name, mesh_of(shown_half(scene)), scene.web_z_mm, scene.pitch_mm / 2, colours)
-    top = 1 / float(field.critical.safety)
-    return Scene3D((body,), stress_scales=(StressScale("safety", "share of the strength", top),))

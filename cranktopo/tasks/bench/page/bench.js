@@ -122,8 +122,9 @@ function hearSettled(message) {
     Object.assign(state, { coarse: {}, tooFar: false });
     state.fresh = true;
     state.settledPicture = message.picture || null;
+    state.colours = message.colours || [];
     if (!state.broken.length) status(message.parts.includes("safety") ? "Settled" : message.parts.includes("shaft") ? "Stiffness settled; safety follows" : "Stiffness settled; shaft and safety follow");
-    if ($("safety").checked) showPicture();
+    if ($("colours").value) showPicture();
   }
   showGauges();
 }
@@ -164,7 +165,7 @@ $("hint").querySelector("button").addEventListener("click", () => {
 $("find").addEventListener("input", filterForms);
 $("tree").addEventListener("focusin", (event) => ($("help").textContent = event.target.closest(".row")?.querySelector(".help")?.textContent ?? ""));
 $("ghost").addEventListener("change", () => (showGhost(), showFront()));
-for (const id of ["safety", "crank", "section"]) $(id).addEventListener("change", () => showPicture());
+for (const id of ["colours", "crank", "section"]) $(id).addEventListener("change", () => showPicture());
 new ResizeObserver(() => state.front && ((state.frontDrawn = false), delete $("front").dataset.held, showFront())).observe($("front"));
 beginForm();
 outForms();

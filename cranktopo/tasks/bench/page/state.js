@@ -24,7 +24,7 @@ export const SAFETIES = (name) => name.includes("safety");
 export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
 
 // What is known of one design alone: forgotten with every step, or with the design.
-export const ofStep = () => ({ fresh: false, settledPicture: null, dragging: false, place: null, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
+export const ofStep = () => ({ fresh: false, settledPicture: null, colours: [], dragging: false, place: null, missing: null, coarse: {}, tooFar: false, settledParts: [], settledWarnings: [] });
 export const ofDesign = () => ({ ...ofStep(), live: {}, rings: {}, marks: {}, stiffness: "", originalStiffness: "", warnings: [], notes: [], settled: {}, errors: {}, original: {}, bound: {}, made: [], picture: null, ghostPicture: null, broken: [], refit: true });
 
 export const state = { reference: null, project: null, jobs: [], turns: [0], front: null, ghostFront: null, keepPitch: false, ...ofDesign() };

@@ -5,15 +5,17 @@ import { state } from "./state.js";
 let viewer = null;
 
 export function showPicture(number) {
-  const coloured = $("safety").checked && state.settledPicture && !state.dragging;
-  const text = coloured ? state.settledPicture : state.picture;
+  const wanted = $("colours").value, settled = state.settledPicture && !state.dragging;
+  const colour = settled && wanted ? state.colours.findIndex((one) => one.name === wanted) : -1;
+  const text = colour < 0 ? state.picture : state.settledPicture;
   if (!text) return;
-  $("legend").textContent = coloured ? `Colour: share of the fatigue strength that is used; yellow is the least safety, ${plain(state.settled.fatigue_safety, 3)}.`
-    : $("safety").checked ? "The colours of the safety come when it has settled." : "Blue: web. Grey: journals, and the original where it stands out.";
+  $("legend").textContent = colour >= 0 ? `Dark to yellow: ${state.colours[colour].legend}.`
+    : !wanted ? "Blue: web. Grey: journals, and the original where it stands out."
+      : settled ? "No colours of this: the design has no such load." : "The colours come when the safety has settled.";
   if (!viewer) return startViewer(text);
   viewer.show(text).then((drawn) => {
     if (!drawn) return;
-    viewer.colour(coloured ? 0 : -1);
+    viewer.colour(colour);
     if (state.refit && !number) {
       viewer.refit();
       state.refit = false;
