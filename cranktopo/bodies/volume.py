@@ -17,9 +17,9 @@ from cranktopo.throw.web import web_bodies
 
 
 @lru_cache(maxsize=16)
-def web_moments(scene: Scene) -> Moments:
-    """Return the moments of one whole web, bores and features taken out."""
-    return body_moments(web_bodies(scene))
+def web_moments(scene: Scene, before_z_mm: float | None = None) -> Moments:
+    """Return the moments of one whole web, bores and features taken out; weighted as `body_moments`."""
+    return body_moments(web_bodies(scene), before_z_mm)
 
 
 _NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
@@ -53,9 +53,8 @@ def counterweight_mass(scene: Scene, before_z_mm: float | None = None) -> Moment
     if weight is None:
         return _NOTHING
     bare = scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": None})})
-    bodies = web_bodies(bare)
-    added = body_moments([*bodies, *weight.parts(scene), *weight.holes(scene)], before_z_mm)
-    added = (added - body_moments(bodies, before_z_mm)).times(
+    bodies = [*web_bodies(bare), *weight.parts(scene), *weight.holes(scene)]
+    added = (body_moments(bodies, before_z_mm) - web_moments(bare, before_z_mm)).times(
         density_kg_per_mm3(weight.density_kg_m3 or scene.material.density_kg_m3)
     )
     return added + _plug_mass(scene, before_z_mm)
