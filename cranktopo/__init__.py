@@ -91,7 +91,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.rod.result import LighterRod, RodElements, RodStrength
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.run_list.stage import RunEntry, clean_runs, summarise_runs
-    from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
+    from cranktopo.tasks.shaft.result import ShaftEvaluation
+    from cranktopo.tasks.shaft.stage import evaluate_shaft
     from cranktopo.tasks.shaft_safety.result import ShaftAssessment
     from cranktopo.tasks.shaft_safety.stage import assess_shaft
     from cranktopo.tasks.shape.result import ShapeResult
@@ -120,7 +121,7 @@ _HOMES = {
     "Extraction": "tasks.extraction.result",
     "Evaluations": "tasks.fea.stage",
     "EvaluationResult": "tasks.fea.result",
-    "ShaftEvaluation": "tasks.shaft.stage",
+    "ShaftEvaluation": "tasks.shaft.result",
     "ShaftAssessment": "tasks.shaft_safety.result",
     "VibrationStudy": "engine.vibration.study",
     "ShaftModes": "tasks.modes.result",

@@ -17,7 +17,8 @@ from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.study import study_vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
-from cranktopo.tasks.shaft.stage import ShaftEvaluation, evaluate_shaft
+from cranktopo.tasks.shaft.result import ShaftEvaluation
+from cranktopo.tasks.shaft.stage import evaluate_shaft
 from cranktopo.tasks.vibration.text import DISKS, vibration_text
 from tests.page_text import typed_page
 

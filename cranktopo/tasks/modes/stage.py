@@ -35,14 +35,10 @@ from cranktopo.tasks.modes.reduced_throw import ReducedThrow, reduced_throw, sec
 from cranktopo.tasks.modes.result import CriticalCrossing, ShaftMode, ShaftModes
 from cranktopo.tasks.modes.shaft_model import ShaftModel, shaft_model
 from cranktopo.tasks.shaft.assembly import Bearings
+from cranktopo.tasks.shaft.condensed_throw import once_each
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, throw_body
-from cranktopo.tasks.shaft.stage import (
-    ShaftEvaluation,
-    evaluate_shaft,
-    once_each,
-    shaft_tables,
-    throw_targets,
-)
+from cranktopo.tasks.shaft.result import ShaftEvaluation
+from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, throw_targets
 
 STEPS = 2
 """Steps of the reduction: the second one tells what the first leaves out."""

@@ -1,8 +1,13 @@
-"""Moments in the webs and forces on the main bearings of a whole shaft, as `shaft --json` has them."""
+"""A whole crankshaft as `shaft --json` has it: stiffness, frequencies, moments in webs, bearing forces."""
 
 from __future__ import annotations
 
+from pydantic import Field
+
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.design.assumed import Assumption
+from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftStiffness
 
 
 class WebMoment(Result):
@@ -63,3 +68,66 @@ class ContinuousShaft(Result):
     def worst_bearing(self) -> ShaftBearing:
         """The main bearing with the largest force."""
         return max(self.main_bearings, key=lambda bearing: bearing.largest_N)
+
+
+class TorsionError(Result):
+    """Bound of the discretisation error of the stiffnesses, percent."""
+
+    torsion: float
+
+
+class OpenTorsionDisk(Result):
+    """Arguments of openTorsion's `Disk`, SI units."""
+
+    node: int
+    I: float  # noqa: E741 - the name that openTorsion has for it
+
+
+class OpenTorsionShaft(Result):
+    """Arguments of openTorsion's `Shaft`, SI units."""
+
+    nl: int
+    nr: int
+    k: float
+    I: float  # noqa: E741 - the name that openTorsion has for it
+
+
+class OpenTorsion(Result):
+    """The shaft as openTorsion takes it."""
+
+    disks: tuple[OpenTorsionDisk, ...]
+    shafts: tuple[OpenTorsionShaft, ...]
+
+
+class ShaftEvaluation(Result):
+    """A whole crankshaft: the object that `shaft --json` prints."""
+
+    schema_version: int = SCHEMA_VERSION
+    design: str
+    throw_angles_deg: tuple[float, ...]
+    bearings: Bearings
+    mass_kg: float
+    stiffness: ShaftStiffness = Field(validation_alias="torsion", serialization_alias="torsion")
+    error_estimate_percent: TorsionError
+    natural_frequencies_Hz: tuple[float, ...]
+    opentorsion: OpenTorsion
+    on_bearings: tuple[ContinuousShaft, ...] = ()
+    """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
+    misfire: tuple[int, ...] | None = UNLESS_NONE
+    """Cylinders that do not fire in them, where there are any."""
+    assumed: tuple[Assumption, ...]
+    """Keys that the design does not give and the shaft depends on."""
+    throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)
+    """Inertia of each throw alone about the crank axis, kg mm2."""
+
+    throw_by_bearings_Nm_per_rad: dict[str, float] = Field(exclude=True)
+    """Torsional stiffness of a throw (the mean of unlike ones) by its bearings, and that of load cases."""
+    weighed: str = Field(exclude=True)
+    """What the mass is of."""
+    silent: str = Field(default="", exclude=True)
+    """Sentence on the cylinders that do not fire."""
+
+    @property
+    def error_percent(self) -> float:
+        """Bound of the stiffnesses' discretisation error, percent."""
+        return self.error_estimate_percent.torsion

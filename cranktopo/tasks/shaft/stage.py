@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
-import numpy as np
-from pydantic import Field
-
-from cranktopo.base.arrays import Array
-from cranktopo.base.frames import Span, about_z_deg
 from cranktopo.base.notes import note
-from cranktopo.base.result import UNLESS_NONE, Result
-from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow
-from cranktopo.design.assumed import LOADS, SHAFT, Assumption, filter_by_table
-from cranktopo.design.crank_throws import carried, throw_scenes
+from cranktopo.design.assumed import LOADS, SHAFT, filter_by_table
+from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.misfire import misfire, misfire_words
 from cranktopo.design.schema import Scene
@@ -31,95 +22,28 @@ from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.engine.vibration.shaft_chain import bare_chain
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
-from cranktopo.tasks.fea.condense import Superelement
-from cranktopo.tasks.fea.discretisation_error import discretisation_errors
-from cranktopo.tasks.fea.error_bound import TORSION_VOLUME_FACTOR, bound_percent, change_bound_percent
+from cranktopo.tasks.fea.error_bound import change_bound_percent
 from cranktopo.tasks.fea.evaluation import (
     RATIO,
-    SCHEMA_VERSION,
     mesh_target,
     meshed_throw_kg,
     throw_inertia_kg_mm2,
 )
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
-from cranktopo.tasks.shaft.assembly import (
-    Bearings,
-    ShaftStiffness,
-    shaft_matrix,
-    shaft_stiffness,
-    throw_blocks,
-    throw_matrix,
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftStiffness
+from cranktopo.tasks.shaft.condensed_throw import (
+    CondensedThrow,
+    condensed_throws,
+    of_body,
+    once_each,
+    stiffness_and_error,
+    stiffness_of,
 )
 from cranktopo.tasks.shaft.continuous import continuous_shafts
-from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, ThrowBody, loaded_throw, throw_body
-from cranktopo.tasks.shaft.result import ContinuousShaft
-
-
-class TorsionError(Result):
-    """Bound of the discretisation error of the stiffnesses, percent."""
-
-    torsion: float
-
-
-class OpenTorsionDisk(Result):
-    """Arguments of openTorsion's `Disk`, SI units."""
-
-    node: int
-    I: float  # noqa: E741 - the name that openTorsion has for it
-
-
-class OpenTorsionShaft(Result):
-    """Arguments of openTorsion's `Shaft`, SI units."""
-
-    nl: int
-    nr: int
-    k: float
-    I: float  # noqa: E741 - the name that openTorsion has for it
-
-
-class OpenTorsion(Result):
-    """The shaft as openTorsion takes it."""
-
-    disks: tuple[OpenTorsionDisk, ...]
-    shafts: tuple[OpenTorsionShaft, ...]
-
+from cranktopo.tasks.shaft.loaded_throw import ThrowBody, loaded_throw
+from cranktopo.tasks.shaft.result import ContinuousShaft, OpenTorsion, ShaftEvaluation, TorsionError
 
 _WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
-
-
-class ShaftEvaluation(Result):
-    """A whole crankshaft: the object that `shaft --json` prints."""
-
-    schema_version: int = SCHEMA_VERSION
-    design: str
-    throw_angles_deg: tuple[float, ...]
-    bearings: Bearings
-    mass_kg: float
-    stiffness: ShaftStiffness = Field(validation_alias="torsion", serialization_alias="torsion")
-    error_estimate_percent: TorsionError
-    natural_frequencies_Hz: tuple[float, ...]
-    opentorsion: OpenTorsion
-    on_bearings: tuple[ContinuousShaft, ...] = ()
-    """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
-    misfire: tuple[int, ...] | None = UNLESS_NONE
-    """Cylinders that do not fire in them, where there are any."""
-    assumed: tuple[Assumption, ...]
-    """Keys that the design does not give and the shaft depends on."""
-    throw_inertias_kg_mm2: tuple[float, ...] = Field(exclude=True)
-    """Inertia of each throw alone about the crank axis, kg mm2."""
-
-    throw_by_bearings_Nm_per_rad: dict[str, float] = Field(exclude=True)
-    """Torsional stiffness of a throw (the mean of unlike ones) by its bearings, and that of load cases."""
-    weighed: str = Field(exclude=True)
-    """What the mass is of."""
-    silent: str = Field(default="", exclude=True)
-    """Sentence on the cylinders that do not fire."""
-
-    @property
-    def error_percent(self) -> float:
-        """Bound of the stiffnesses' discretisation error, percent."""
-        return self.error_estimate_percent.torsion
 
 
 def evaluate_shaft(
@@ -144,60 +68,93 @@ def evaluate_shaft(
     """
     resolved = resolve_target(target, whole=True, crank=True)
     scene = resolved.scene
-    angles = scene.shaft_angles_deg
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
-    throws = throw_targets(resolved)
     loaded = speeds_rpm is not None and stands_on_bearings(scene, bearings)
-    if bodies is None:
-        meshed = {throw.name: mesh_target(throw, size) for throw in throws}
-        condensed = _condensed_throws(throws, meshed, loaded=loaded)
-    else:
-        meshed = {name: body.meshed for name, body in bodies.items()}
-        condensed = once_each(throws, lambda throw: _of_body(bodies[throw.name], throw.scene))
-    stiffness, error = _on_meshes(condensed, scene, bearings, spring)
-    matrices = [throw.matrix for throw in condensed]
-    others = {
-        f"{name} bearings": _mean(_stiffness(matrices, scene, name).throws_Nm_per_rad)
-        for name in _WITHOUT_SPRINGS
-    }
-    if resolved.triangles:
-        coarser = {resolved.name: mesh_target(resolved, size * RATIO)}
-        coarse, _ = _on_meshes(_condensed_throws(throws, coarser), scene, bearings, spring)
-        error = max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
-    inertias = tuple(throw_inertia_kg_mm2(meshed[throw.name], throw.scene) for throw in throws)
-    disks = bare_chain(scene, inertias, stiffness.throws_Nm_per_rad)
-    assumed = filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded))
+    shaft = _condensed_shaft(resolved, size, bodies, loaded=loaded)
+    stiffness, error = _stiffness_and_error(shaft, resolved, bearings, spring, size)
+    disks = bare_chain(scene, shaft.inertias_kg_mm2, stiffness.throws_Nm_per_rad)
+    stiff_scene = of_stiffness(scene, stiffness.throws_Nm_per_rad)
     return ShaftEvaluation(
         design=resolved.name,
-        throw_angles_deg=angles,
+        throw_angles_deg=scene.shaft_angles_deg,
         bearings=bearings,
-        mass_kg=_mass_kg(scene, throws, meshed),
+        mass_kg=_mass_kg(scene, shaft),
         weighed="mass of the throws" if scene.crank is None else "mass of the crank",
         stiffness=stiffness,
         error_estimate_percent=TorsionError(torsion=error),
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
-        on_bearings=_at_speeds(
-            condensed,
-            throws,
-            of_stiffness(scene, stiffness.throws_Nm_per_rad),
-            bearings,
-            speeds_rpm or (),
-        )
-        if loaded
-        else (),
+        on_bearings=_at_speeds(shaft, stiff_scene, bearings, speeds_rpm or ()) if loaded else (),
         misfire=(misfire(scene) or None) if loaded else None,
         silent=misfire_words(scene) if loaded else "",
-        assumed=assumed,
-        throw_inertias_kg_mm2=inertias,
-        throw_by_bearings_Nm_per_rad={
-            **others,
-            f"{bearings} bearings": _mean(stiffness.throws_Nm_per_rad),
-            f"load cases, {_origin(scene)}": throw_stiffness_Nm_per_rad(scene),
-        },
+        assumed=filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded)),
+        throw_inertias_kg_mm2=shaft.inertias_kg_mm2,
+        throw_by_bearings_Nm_per_rad=_throw_by_bearings(shaft, scene, bearings, stiffness),
     )
+
+
+@dataclass(frozen=True)
+class _Shaft:
+    """Throws along a shaft, the mesh of each by its name, and each over the motions of its sections."""
+
+    throws: tuple[Target, ...]
+    meshed: Mapping[str, MeshedThrow]
+    condensed: Sequence[CondensedThrow]
+
+    @property
+    def inertias_kg_mm2(self) -> tuple[float, ...]:
+        """Inertia of each throw alone about the crank axis, kg mm2."""
+        return tuple(throw_inertia_kg_mm2(self.meshed[throw.name], throw.scene) for throw in self.throws)
+
+
+def _condensed_shaft(
+    target: Target,
+    size_mm: float,
+    bodies: Mapping[str, ThrowBody] | None,
+    *,
+    loaded: bool,
+) -> _Shaft:
+    throws = throw_targets(target)
+    if bodies is not None:
+        known = once_each(throws, lambda throw: of_body(bodies[throw.name], throw.scene))
+        return _Shaft(throws, {name: body.meshed for name, body in bodies.items()}, known)
+    meshed = {throw.name: mesh_target(throw, size_mm) for throw in throws}
+    return _Shaft(throws, meshed, condensed_throws(throws, meshed, loaded=loaded))
+
+
+def _stiffness_and_error(
+    shaft: _Shaft, target: Target, bearings: Bearings, spring_N_per_mm: float, size_mm: float
+) -> tuple[ShaftStiffness, float]:
+    """Return the stiffnesses and the bound of their error, %; of triangles also by a coarser mesh."""
+    on = target.scene, bearings, spring_N_per_mm
+    stiffness, error = stiffness_and_error(shaft.condensed, *on)
+    if not target.triangles:
+        return stiffness, error
+    coarser = {target.name: mesh_target(target, size_mm * RATIO)}
+    coarse, _ = stiffness_and_error(condensed_throws(shaft.throws, coarser), *on)
+    return stiffness, max(error, change_bound_percent(coarse.by_name(), stiffness.by_name()))
+
+
+def _throw_by_bearings(
+    shaft: _Shaft, scene: Scene, bearings: Bearings, stiffness: ShaftStiffness
+) -> dict[str, float]:
+    """Return the mean stiffness of a throw by its bearings, and that of load cases, N m/rad."""
+    matrices = [throw.matrix for throw in shaft.condensed]
+    others = {
+        f"{name} bearings": _mean(stiffness_of(matrices, scene, name).throws_Nm_per_rad)
+        for name in _WITHOUT_SPRINGS
+    }
+    return {
+        **others,
+        f"{bearings} bearings": _mean(stiffness.throws_Nm_per_rad),
+        f"load cases, {_origin(scene)}": throw_stiffness_Nm_per_rad(scene),
+    }
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)
 
 
 def _origin(scene: Scene) -> str:
@@ -205,12 +162,10 @@ def _origin(scene: Scene) -> str:
     return "given" if scene.shaft is not None and scene.shaft.gives_stiffness else "closed form"
 
 
-def _mass_kg(scene: Scene, throws: Sequence[Target], meshed: Mapping[str, MeshedThrow]) -> float:
+def _mass_kg(scene: Scene, shaft: _Shaft) -> float:
     """Return the mass of all throws and of the ends of the crank."""
-    count = Counter(throw.name for throw in throws)
-    first = {throw.name: throw for throw in reversed(throws)}
-    mass = sum(count[name] * meshed_throw_kg(meshed[name], first[name].scene) for name in count)
-    return mass + sum(end_mass(scene, side).mass_kg for side in SIDES)
+    throws = sum(meshed_throw_kg(shaft.meshed[throw.name], throw.scene) for throw in shaft.throws)
+    return throws + sum(end_mass(scene, side).mass_kg for side in SIDES)
 
 
 def with_throw_stiffness(target: Target) -> Target:
@@ -261,16 +216,12 @@ def stands_on_bearings(scene: Scene, bearings: Bearings) -> bool:
 
 
 def _at_speeds(
-    condensed: Sequence[_Condensed],
-    throws: Sequence[Target],
-    scene: Scene,
-    bearings: Bearings,
-    speeds_rpm: Sequence[float],
+    shaft: _Shaft, scene: Scene, bearings: Bearings, speeds_rpm: Sequence[float]
 ) -> tuple[ContinuousShaft, ...]:
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else None
     parts = [
         (loaded_throw(throw.loaded, target.scene), target.scene)
-        for throw, target in zip(condensed, throws, strict=True)
+        for throw, target in zip(shaft.condensed, shaft.throws, strict=True)
     ]
     return continuous_shafts(parts, speed_scenes(scene, speeds_rpm), spring, shaft_effects(scene))
 
@@ -291,97 +242,3 @@ def throw_targets(target: Target) -> tuple[Target, ...]:
     if target.file is not None or all(throw is throws[0] for throw in throws):
         return (target,) * len(throws)
     return tuple(replace(target, name=throw.name, scene=throw) for throw in throws)
-
-
-@dataclass(frozen=True)
-class _Condensed:
-    """A throw over the motions of its sections, (12, 12), and what the mesh misses of its energy.
-
-    Attributes:
-        loaded: its symmetries with the unit loads, where they were asked for.
-    """
-
-    matrix: Array
-    surplus: Array
-    straight: Array
-    volume_error: float
-    loaded: tuple[LoadedBlock, ...] = ()
-
-
-def _condensed_throws(
-    throws: Sequence[Target], meshed: Mapping[str, MeshedThrow], *, loaded: bool = False
-) -> list[_Condensed]:
-    """Condense the throws, equal ones once; `meshed` has the mesh of each by its name."""
-    return once_each(throws, lambda throw: _condensed(meshed[throw.name], throw.scene, loaded))
-
-
-_Found = TypeVar("_Found")
-
-
-def once_each(throws: Sequence[Target], found_of: Callable[[Target], _Found]) -> list[_Found]:
-    """Return what is found of every throw; of equal ones it is found once."""
-    found = {throw.name: found_of(throw) for throw in dict.fromkeys(throws)}
-    return [found[throw.name] for throw in throws]
-
-
-def _condensed(meshed: MeshedThrow, scene: Scene, loaded: bool) -> _Condensed:
-    if loaded:
-        return _of_body(throw_body(meshed, scene), scene)
-    model = assemble(meshed.mesh, scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson)
-    blocks = throw_blocks(model, scene, meshed.mesh.mirrored, whole=meshed.whole)
-    return _with_errors(meshed, model, blocks, scene)
-
-
-def _of_body(body: ThrowBody, scene: Scene) -> _Condensed:
-    blocks = [(part.span, part.block) for part in body.blocks]
-    return replace(_with_errors(body.meshed, body.model, blocks, scene), loaded=body.blocks)
-
-
-def _with_errors(
-    meshed: MeshedThrow, model: Elasticity, blocks: Sequence[tuple[Span, Superelement]], scene: Scene
-) -> _Condensed:
-    missed = discretisation_errors(model, meshed, [block for _, block in blocks], scene)
-    return _Condensed(
-        throw_matrix(blocks),
-        throw_matrix(blocks, [m.surplus for m in missed]),
-        throw_matrix(blocks, [m.straight for m in missed]),
-        missed[0].volume_error,
-    )
-
-
-def _on_meshes(
-    throws: Sequence[_Condensed], scene: Scene, bearings: Bearings, spring_N_per_mm: float
-) -> tuple[ShaftStiffness, float]:
-    """Stiffnesses of the shaft, and the bound of their relative error by what the meshes miss, %."""
-
-    def stiffness(matrices: Sequence[Array]) -> ShaftStiffness:
-        return _stiffness(matrices, scene, bearings, spring_N_per_mm)
-
-    found = stiffness([throw.matrix for throw in throws])
-    surplus, straight = (
-        _softer(found, stiffness([throw.matrix - missed for throw, missed in zip(throws, kind, strict=True)]))
-        for kind in ([throw.surplus for throw in throws], [throw.straight for throw in throws])
-    )
-    left = max(throw.volume_error for throw in throws)
-    return found, max(
-        bound_percent(surplus[name], straight[name], left, TORSION_VOLUME_FACTOR) for name in surplus
-    )
-
-
-def _stiffness(
-    matrices: Sequence[Array], scene: Scene, bearings: Bearings, spring_N_per_mm: float = 0.0
-) -> ShaftStiffness:
-    """Return the stiffness of a shaft of throws of these matrices."""
-    turned_deg = tuple(map(about_z_deg, scene.shaft_angles_deg))
-    shaft = shaft_matrix(np.array(matrices), turned_deg)
-    return shaft_stiffness(shaft, bearings, spring_N_per_mm, carried(scene))
-
-
-def _mean(values: Sequence[float]) -> float:
-    return sum(values) / len(values)
-
-
-def _softer(found: ShaftStiffness, without: ShaftStiffness) -> dict[str, float]:
-    """Share of each twist that energy which a mesh misses would add."""
-    softer = without.by_name()
-    return {name: value / softer[name] - 1 for name, value in found.by_name().items()}

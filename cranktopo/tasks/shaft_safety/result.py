@@ -5,7 +5,7 @@ from __future__ import annotations
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality
-from cranktopo.tasks.shaft.stage import ShaftEvaluation
+from cranktopo.tasks.shaft.result import ShaftEvaluation
 
 
 class WebSafety(Result):

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
-from cranktopo.tasks.shaft.result import ContinuousShaft
-from cranktopo.tasks.shaft.stage import ShaftEvaluation
+from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 from cranktopo.tasks.shaft_safety.least import PARTS
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
 
