@@ -35,61 +35,20 @@ def command(
 
     Example: cranktopo plan opposed-piston
     """
-    from cranktopo.bodies.cells.outside import outside_envelope, outside_words
-    from cranktopo.design.assumed import (
-        ENVELOPE,
-        GOAL,
-        LOADS,
-        SUPPORTS,
-        THROW,
-        VIBRATION,
-        assumed_text,
-        assumptions,
-    )
-    from cranktopo.design.checks.engine import shaft_warnings
-    from cranktopo.design.goal.limit import goal_text
-    from cranktopo.design.goal.outcome import stated_goal
-    from cranktopo.design.goal.wanted import wanted
+    from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
-    from cranktopo.design.strength import strength_remarks
     from cranktopo.engine.one_throw import one_throw
-    from cranktopo.engine.plan.cost import effort
-    from cranktopo.engine.plan.planning import plan
-    from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
+    from cranktopo.tasks.plan.stage import design_plan, plan_warnings
     from cranktopo.tasks.plan.text import plan_text
 
     taken = one_throw(load_scene(design, whole=True), throw)
     scene = with_goal_options(taken, minimise, maximise, limits)
-    goal = wanted(scene)
-    effects = plan(scene, goal=goal)
-    todo = effort(scene)
-    outside = outside_envelope(scene)
-    assumed = assumptions(scene, (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL))
+    found = design_plan(scene)
     if as_json:
-        found = DesignPlan(
-            design=scene.name,
-            goal=None if goal is None else stated_goal(goal),
-            effects=effects.effects,
-            evaluations=PlannedEvaluations(number=todo.evaluations, seconds=todo.evaluation_seconds),
-            outside_envelope=outside,
-            assumed=assumed,
-        )
         click.echo(json.dumps(found.as_json(), indent=2))
-    else:
-        click.echo(f"{scene.name}, threshold {100 * scene.effects.threshold:g} %")
-        if goal is not None:
-            click.echo(goal_text(goal, "density"))
-        if todo.evaluations:
-            click.echo(
-                f"limits by the evaluation: about {todo.evaluations} evaluations of original and surfaces, "
-                f"+{todo.evaluation_seconds:.0f} s"
-            )
-        if outside_words(outside):
-            click.echo(outside_words(outside))
-        click.echo(f"\n{plan_text(effects)}")
-        if assumed:
-            note(assumed_text(assumed))
-        for remark in strength_remarks(scene):
-            note(f"warning: material: {remark}")
-        for line in shaft_warnings(scene) if scene.shaft else ():
-            note(f"warning: {line}")
+        return
+    click.echo(plan_text(found, scene))
+    if found.assumed:
+        note(assumed_text(found.assumed))
+    for warning in plan_warnings(scene):
+        note(f"warning: {warning}")

@@ -1,0 +1,33 @@
+"""The physics plan of a design, with its goal and what it leaves out; nothing is solved."""
+
+from __future__ import annotations
+
+from cranktopo.bodies.cells.outside import outside_envelope
+from cranktopo.design.assumed import ENVELOPE, GOAL, LOADS, SUPPORTS, THROW, VIBRATION, assumptions
+from cranktopo.design.checks.engine import shaft_warnings
+from cranktopo.design.goal.outcome import stated_goal
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+from cranktopo.design.strength import strength_remarks
+from cranktopo.engine.plan.cost import effort
+from cranktopo.engine.plan.planning import plan
+from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
+
+
+def design_plan(scene: Scene) -> DesignPlan:
+    """Return the effects of a design by closed forms, with what each would cost."""
+    goal, todo = wanted(scene), effort(scene)
+    return DesignPlan(
+        design=scene.name,
+        goal=None if goal is None else stated_goal(goal),
+        effects=plan(scene, goal=goal).effects,
+        evaluations=PlannedEvaluations(number=todo.evaluations, seconds=todo.evaluation_seconds),
+        outside_envelope=outside_envelope(scene),
+        assumed=assumptions(scene, (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, GOAL)),
+    )
+
+
+def plan_warnings(scene: Scene) -> list[str]:
+    """Return what a user should know of material and shaft before anything is solved."""
+    material = [f"material: {remark}" for remark in strength_remarks(scene)]
+    return [*material, *(shaft_warnings(scene) if scene.shaft else ())]
