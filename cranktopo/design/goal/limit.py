@@ -106,10 +106,13 @@ def goal_text(goal: Goal, optimiser: Optimiser) -> str:
     most = "least" if goal.sense == "minimise" else "largest"
     kept = [limit for limit in goal.limits if optimiser in QUANTITIES[limit.quantity].optimisers]
     bearings = [one for one in goal.limits if one not in kept and QUANTITIES[one.quantity].of_bearings]
-    left = [limit for limit in goal.limits if limit not in (*kept, *bearings)]
+    stresses = [one for one in goal.limits if one not in kept and one.quantity == "stress"]
+    left = [limit for limit in goal.limits if limit not in (*kept, *bearings, *stresses)]
     lines = [f"goal: {most} {QUANTITIES[goal.quantity].label}; {_listed(kept) or 'no limits'}"]
     if bearings:
         lines.append(f"not judged, `cranktopo shape` changes what the bearings have: {_listed(bearings)}")
+    if stresses:
+        lines.append(f"of `cranktopo shape` alone, `optimise` refuses it: {_listed(stresses)}")
     if left:
         lines.append(f"not known to the {optimiser} optimisation, left to the evaluation: {_listed(left)}")
     return "\n".join(lines)

@@ -20,6 +20,7 @@ from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
+from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.remarks import yield_warning
 from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_field
@@ -81,6 +82,7 @@ def settled_safety(data: dict[str, Any], throws_Nm_per_rad: Sequence[float] = ()
         "fatigue_safety": float(critical.safety),
         "pin_fillet_safety": field.fillet_safety["pin"],
         "journal_fillet_safety": field.fillet_safety["journal"],
+        "stress": largest_of_field_MPa(field),
     }
     return {
         "gauges": gauges,

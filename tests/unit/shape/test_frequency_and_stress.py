@@ -12,7 +12,7 @@ import pytest
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import redirected
 from cranktopo.base.progress import Work
-from cranktopo.design.goal.limit import Goal, Limit
+from cranktopo.design.goal.limit import Goal, Limit, goal_text
 from cranktopo.design.goal.wanted import check_goal, check_known, wanted, with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
@@ -81,6 +81,8 @@ def test_the_density_optimisation_refuses_a_stress_and_names_shape() -> None:
     with pytest.raises(CranktopoError) as error:
         check_known(goal_of(limited("stress <= 250 MPa")), "density")
     told = str(error.value)
+    line = goal_text(goal_of(limited("stress <= 250 MPa")), "density").splitlines()[1]
+    assert line == "of `cranktopo shape` alone, `optimise` refuses it: stress <= 250 MPa"
     assert "goal.limits.stress" in told
     assert "<= 250 MPa" in told
     assert "no fillets" in told
@@ -151,10 +153,7 @@ def test_the_evaluation_tells_what_vibration_does() -> None:
     """On rigid bearings, where a throw between its neighbours is stiffer than one that stands alone."""
     propeller = {"propeller": {"inertia_kg_m2": 0.6, "damping_Nms_per_rad": 3.0}}
     scene = limited(LIMITS[0], "torsion none", shaft=propeller)
-    monkeypatch.setattr(
-        module, "fatigue_field", lambda *_: SimpleNamespace(critical=SimpleNamespace(safety=1.2))
-    )
-    web = evaluated_web(scene, {"fatigue_safety"}, COARSE_MM, "web", Work())
+    web = evaluated_web(scene, (), COARSE_MM, "web", Work())
     told = shaft_vibration(Target(scene.name, scene), element_size_mm=COARSE_MM).modes[0].frequency_Hz
     assert web.values["natural_frequency"] == pytest.approx(told, rel=1e-9)
     alone = first_frequency(scene, web.values["torsion"], web.values["inertia"]).frequency_Hz
