@@ -42,6 +42,12 @@ class DampedMode:
     damping_ratio: float
     shape: Complex
 
+    @property
+    def eigenvalue(self) -> complex:
+        """Its eigenvalue, rad/s; the imaginary part is positive."""
+        swinging = math.sqrt(1 - self.damping_ratio**2)
+        return 2 * math.pi * self.frequency_Hz * complex(-self.damping_ratio, swinging)
+
 
 @dataclass(frozen=True)
 class DiskChain:
@@ -97,6 +103,24 @@ class DiskChain:
         least = np.maximum(_CREEPING, _SWINGING * np.abs(values))
         swinging = [i for i in np.argsort(np.abs(values), kind="stable") if values[i].imag > least[i]]
         return tuple(_damped_mode(highest * values[i], vectors[:count, i]) for i in swinging)
+
+    def frequency_slopes(self, mode: DampedMode) -> tuple[Array, Complex]:
+        """Return the derivatives of a damped mode's frequency.
+
+        With K, C and J of the springs, the damping and the disks, and the shape s as left and right vector:
+        d lambda = -s' (lambda^2 dJ + dK) s / s' (2 lambda J + C) s.
+
+        Returns:
+            By the inertia of every disk, Hz / (kg m2), and by the complex stiffness of every spring,
+            Hz / (N m/rad), of which a change is worth the real part of its product with that.
+        """
+        shape, value, count = mode.shape, mode.eigenvalue, len(self.inertia_kg_m2)
+        twist = np.diff(shape)
+        relative = _filled(self.relative_damping_Nms_per_rad, count - 1)
+        damping = relative @ twist**2 + _filled(self.absolute_damping_Nms_per_rad, count) @ shape**2
+        weight = 2 * value * (np.array(self.inertia_kg_m2) @ shape**2) + damping
+        of_value = -value.conjugate() / abs(value) / (2 * math.pi) / weight
+        return np.asarray((of_value * value**2 * shape**2).real), np.asarray(of_value * twist**2)
 
     def _scaled_stiffness(self) -> Array:
         scale = 1.0 / np.sqrt(self.inertia_kg_m2)

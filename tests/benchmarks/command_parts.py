@@ -41,7 +41,7 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "moved mesh, gradients": (
         (f"{_SHAPE}.moved_mesh:MovedMesh", ("__init__", "velocities")),
         (f"{_SHAPE}.mesh_model:MeshModel", ("responses",)),
-        (f"{_SHAPE}.mesh_fatigue:FilletFatigue", ("_smooth", "_through_field")),
+        (f"{_SHAPE}.mesh_stress:MeshStress", ("_through_field",)),
     ),
     "cells": ((f"{_SHAPE}.search", ("minimise",)), (f"{_SHAPE}.stage", ("web_model",))),
     "bound": ((f"{_SHAPE}.run", ("bound_for_goal",)),),

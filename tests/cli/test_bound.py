@@ -45,7 +45,11 @@ def test_limits_that_no_web_keeps_are_refuted(capsys: Any) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        (["--maximise", "fatigue_safety", *COARSE], ExitCode.INVALID_INPUT, "not for stress"),
+        (
+            ["--maximise", "fatigue_safety", *COARSE],
+            ExitCode.INVALID_INPUT,
+            "stress is not part of the proof",
+        ),
         (["--resolution-mm", "12"], ExitCode.INVALID_INPUT, "too coarse"),
     ],
 )

@@ -79,16 +79,22 @@ class Goal:
     limits: tuple[Limit, ...] = ()
 
     @property
-    def load_cases(self) -> frozenset[str]:
-        """Names of the load cases that the goal and its limits are read off."""
-        names = (self.quantity, *(limit.quantity for limit in self.limits))
-        return frozenset(QUANTITIES[name].load_case for name in names) - {""}
+    def quantities(self) -> frozenset[QuantityName]:
+        """Quantities of the goal and of its limits."""
+        return frozenset((self.quantity, *(limit.quantity for limit in self.limits)))
 
     @property
-    def only_safety(self) -> bool:
-        """True if less is better and the fatigue safety alone keeps it from nothing at all."""
-        held = self.load_cases or not self.limits_of("fatigue_safety")
-        return QUANTITIES[self.quantity].better == "low" and not held
+    def load_cases(self) -> frozenset[str]:
+        """Names of the load cases that the goal and its limits are read off."""
+        return frozenset(QUANTITIES[name].load_case for name in self.quantities) - {""}
+
+    @property
+    def held_by_elements_alone(self) -> bool:
+        """True if less is better and only limits that cells cannot tell keep it from nothing at all."""
+        limited = [QUANTITIES[limit.quantity] for limit in self.limits]
+        on_cells = [quantity for quantity in limited if "density" in quantity.optimisers]
+        held = any(quantity.load_case for quantity in on_cells)
+        return QUANTITIES[self.quantity].better == "low" and not held and len(on_cells) < len(limited)
 
     def limits_of(self, quantity: QuantityName) -> tuple[Limit, ...]:
         """Return the limits of one quantity: none, one, or a range."""
@@ -100,10 +106,13 @@ def goal_text(goal: Goal, optimiser: Optimiser) -> str:
     most = "least" if goal.sense == "minimise" else "largest"
     kept = [limit for limit in goal.limits if optimiser in QUANTITIES[limit.quantity].optimisers]
     bearings = [one for one in goal.limits if one not in kept and QUANTITIES[one.quantity].of_bearings]
-    left = [limit for limit in goal.limits if limit not in (*kept, *bearings)]
+    stresses = [one for one in goal.limits if one not in kept and one.quantity == "stress"]
+    left = [limit for limit in goal.limits if limit not in (*kept, *bearings, *stresses)]
     lines = [f"goal: {most} {QUANTITIES[goal.quantity].label}; {_listed(kept) or 'no limits'}"]
     if bearings:
         lines.append(f"not judged, `cranktopo shape` changes what the bearings have: {_listed(bearings)}")
+    if stresses:
+        lines.append(f"of `cranktopo shape` alone, `optimise` refuses it: {_listed(stresses)}")
     if left:
         lines.append(f"not known to the {optimiser} optimisation, left to the evaluation: {_listed(left)}")
     return "\n".join(lines)
@@ -233,7 +242,13 @@ def _example(quantity: GoalQuantity, number: str = "100") -> str:
 
 _Minimised = Literal["mass", "inertia", "unbalance"]
 _Maximised = Literal[
-    "torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "balance_factor"
+    "torsion",
+    "bending",
+    "torsion_per_mass",
+    "bending_per_mass",
+    "natural_frequency",
+    "fatigue_safety",
+    "balance_factor",
 ]
 _LimitText = Annotated[
     str | tuple[str, ...], WithJsonSchema({"type": "string", "kind": "text, or a list of two texts"})
@@ -287,8 +302,13 @@ class LimitsTable(SceneTable):
     """Displacement of the crankpin under the engine's largest radial force."""
     twist: _LimitText | None = Field(default=None, examples=["<= 0.3 deg"])
     """Twist between the mid-journal planes under the engine's largest torque."""
+    natural_frequency: _LimitText | None = Field(default=None, examples=[">= 300 Hz"])
+    """First natural frequency of the shaft in torsion, as `vibration` tells it; of `shape`."""
     fatigue_safety: _LimitText | None = Field(default=None, examples=[">= 100 %"])
     """Least safety against fatigue; the density optimisation leaves it to the evaluation."""
+    stress: _LimitText | None = Field(default=None, examples=["<= 250 MPa"])
+    """Largest von Mises stress of fillets, outlets and faces over the load states of the fatigue safety, by
+    linear elasticity; of `shape`."""
     oil_film: _LimitText | None = Field(default=None, examples=[">= 1.5 um"])
     """Least oil film of main bearings and big ends over the cycle, of throws that stand alone; of `shape`."""
     bearing_pressure: _LimitText | None = Field(default=None, examples=["<= 200 MPa"])

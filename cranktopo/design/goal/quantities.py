@@ -24,7 +24,9 @@ QuantityName = Literal[
     "bending_per_mass",
     "pin_displacement",
     "twist",
+    "natural_frequency",
     "fatigue_safety",
+    "stress",
     "oil_film",
     "bearing_pressure",
 ]
@@ -48,7 +50,9 @@ class GoalQuantity:
         signed: whether it may be 0 or negative.
         load_case: empty where geometry alone gives it.
         engine_load: whether it depends on the size of the engine's load.
+        of_stress: whether it is read off the stresses at fillets and on faces, which cells do not have.
         of_bearings: whether it is of the oil films in the bearings.
+        unproven: why no bound is proven with it; empty where one is.
     """
 
     name: QuantityName
@@ -60,7 +64,9 @@ class GoalQuantity:
     signed: bool = False
     load_case: Literal["", "bending", "torsion"] = ""
     engine_load: bool = False
+    of_stress: bool = False
     of_bearings: bool = False
+    unproven: str = ""
     optimisers: frozenset[Optimiser] = frozenset({"density", "shape"})
 
     @property
@@ -71,6 +77,7 @@ class GoalQuantity:
 
 _TORSION_UNITS = {"N m/rad": 1.0, "kN m/rad": 1e3, "MN m/rad": 1e6, "N m/deg": _DEG_PER_RAD}
 _BENDING_UNITS = {"N/mm": 1.0, "kN/mm": 1e3, "N/um": 1e3, "N/m": 1e-3, "MN/m": 1e3}
+_STRESS, _FILM = "stress is not part of the proof", "bearings are not part of the proof"
 
 QUANTITIES: dict[QuantityName, GoalQuantity] = {
     quantity.name: quantity
@@ -98,6 +105,7 @@ QUANTITIES: dict[QuantityName, GoalQuantity] = {
             "high",
             either_limit=True,
             signed=True,
+            unproven="the masses of the rods are not part of the proof: limit the unbalance",
         ),
         GoalQuantity("torsion", "torsional stiffness", _TORSION_UNITS, "high", load_case="torsion"),
         GoalQuantity("bending", "bending stiffness", _BENDING_UNITS, "high", load_case="bending"),
@@ -134,11 +142,34 @@ QUANTITIES: dict[QuantityName, GoalQuantity] = {
             engine_load=True,
         ),
         GoalQuantity(
+            "natural_frequency",
+            "first natural frequency of the shaft in torsion",
+            {"Hz": 1.0, "kHz": 1e3, "1/min": 1 / 60},
+            "high",
+            either_limit=True,
+            load_case="torsion",
+            unproven="what turns with the throws is not part of the proof",
+            optimisers=frozenset({"shape"}),
+        ),
+        GoalQuantity(
             "fatigue_safety",
             "fatigue safety",
             {"": 1.0},
             "high",
             engine_load=True,
+            of_stress=True,
+            unproven=_STRESS,
+            optimisers=frozenset({"shape"}),
+        ),
+        GoalQuantity(
+            "stress",
+            "largest von Mises stress of fillets, outlets and faces",
+            {"MPa": 1.0, "N/mm2": 1.0, "GPa": 1e3},
+            "low",
+            as_goal=False,
+            engine_load=True,
+            of_stress=True,
+            unproven=_STRESS,
             optimisers=frozenset({"shape"}),
         ),
         GoalQuantity(
@@ -149,6 +180,7 @@ QUANTITIES: dict[QuantityName, GoalQuantity] = {
             as_goal=False,
             engine_load=True,
             of_bearings=True,
+            unproven=_FILM,
             optimisers=frozenset({"shape"}),
         ),
         GoalQuantity(
@@ -159,6 +191,7 @@ QUANTITIES: dict[QuantityName, GoalQuantity] = {
             as_goal=False,
             engine_load=True,
             of_bearings=True,
+            unproven=_FILM,
             optimisers=frozenset({"shape"}),
         ),
     )
@@ -173,6 +206,9 @@ _MEANT: dict[str, QuantityName] = {
     "imbalance": "unbalance",
     "film": "oil_film",
     "film_pressure": "bearing_pressure",
+    "frequency": "natural_frequency",
+    "von_mises": "stress",
+    "torsional_frequency": "natural_frequency",
 }
 """Other names of quantities that no likeness of letters finds."""
 

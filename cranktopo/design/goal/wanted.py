@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from cranktopo.base.errors import CranktopoError, ExitCode, invalid, quoted
 from cranktopo.design.balance_factor import rods_kg_mm
+from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.goal.limit import Goal, GoalTable, Limit, LimitsTable, read_limits
 from cranktopo.design.goal.quantities import QUANTITIES, Optimiser, QuantityName, nearest_quantity
 from cranktopo.design.messages import explain, listed
@@ -96,6 +97,12 @@ def require_goal(scene: Scene, task: str, example: str) -> Goal:
     return goal
 
 
+def asks_for(scene: Scene, *quantities: QuantityName) -> bool:
+    """Tell whether the goal of a scene, or one of its limits, is of one of some quantities."""
+    goal = wanted(scene)
+    return goal is not None and not goal.quantities.isdisjoint(quantities)
+
+
 def judged_by_evaluation(scene: Scene) -> bool:
     """Tell whether a density optimisation has limits that are to hold by the evaluation of its surface."""
     goal = wanted(scene)
@@ -124,19 +131,27 @@ def _default(scene: Scene, goal: QuantityName) -> tuple[Limit, ...]:
 
 def _no_safety(scene: Scene) -> str:
     """Return why the scene has no safety against fatigue; empty where it has one."""
-    throw = scene.throw
-    if scene.engine is None:
-        return "needs an [engine]: unit loads give no stress level"
-    engine = scene.engine
-    if engine.gas is None and None in (engine.max_gas_force_N, engine.max_torque_Nm):
-        return "needs [engine.gas], or engine.max_gas_force_N and max_torque_Nm"
+    if unknown := _no_stress_level(scene):
+        return unknown
     if scene.effects.fatigue == "off":
         return "effects.fatigue is 'off'"
     if scene.material.fatigue_bending_MPa is None:
         return "needs material.fatigue_bending_MPa"
-    if throw.main_journal.fillet_mm == 0 or throw.crankpin.fillet_mm == 0:
-        return "needs fillets at both journals"
+    return _no_fillets(scene)
+
+
+def _no_stress_level(scene: Scene) -> str:
+    engine = scene.engine
+    if engine is None:
+        return "needs an [engine]: unit loads give no stress level"
+    if engine.gas is None and None in (engine.max_gas_force_N, engine.max_torque_Nm):
+        return "needs [engine.gas], or engine.max_gas_force_N and max_torque_Nm"
     return ""
+
+
+def _no_fillets(scene: Scene) -> str:
+    sharp = 0 in (scene.throw.main_journal.fillet_mm, scene.throw.crankpin.fillet_mm)
+    return "needs fillets at both journals" if sharp else ""
 
 
 def check_goal(scene: Scene) -> None:
@@ -162,14 +177,26 @@ def check_known(goal: Goal, optimiser: Optimiser) -> None:
             f"the {optimiser} optimisation cannot tell the {QUANTITIES[goal.quantity].label} of a design",
             "Choose another goal; the evaluation of its result tells it.",
         )
-    if optimiser == "density" and goal.only_safety:
+    if optimiser == "density" and goal.limits_of("stress"):
+        raise invalid(
+            "goal.limits.stress",
+            " and ".join(limit.condition for limit in goal.limits_of("stress")),
+            "the density optimisation has no fillets, whose stress this is",
+            "Use `cranktopo shape`, or leave this limit out.",
+        )
+    if optimiser == "density" and goal.held_by_elements_alone:
         raise invalid(
             f"goal.{goal.sense}",
             goal.quantity,
-            "the density optimisation leaves the fatigue safety to the evaluation of its surface, and no "
-            "limit asks for a stiffness",
+            f"the density optimisation leaves {_left_to_elements(goal)} to the evaluation of its surface, "
+            "and no limit asks for a stiffness",
             "Limit torsion or bending, or use `cranktopo shape`.",
         )
+
+
+def _left_to_elements(goal: Goal) -> str:
+    found = (QUANTITIES[limit.quantity] for limit in goal.limits)
+    return " and ".join(dict.fromkeys(f"the {one.label}" for one in found if "density" not in one.optimisers))
 
 
 def _goal_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
@@ -183,7 +210,7 @@ def _goal_problems(scene: Scene, goal: Goal) -> Iterator[tuple[str, str]]:
             "limits allow",
             "Leave this limit out, or choose another goal.",
         )
-    held = goal.load_cases or any(limit.quantity == "fatigue_safety" for limit in goal.limits)
+    held = goal.load_cases or any(QUANTITIES[limit.quantity].of_stress for limit in goal.limits)
     if quantity.better == "low" and not held:
         yield (
             f"{key}: no limit asks for a stiffness, and no web at all would be best",
@@ -212,11 +239,27 @@ def _cannot_tell(scene: Scene, name: QuantityName) -> str:
     """Tell why the scene does not give a quantity its size; empty where it does."""
     if name == "balance_factor" and not rods_kg_mm(scene)[1]:
         return "needs [engine.masses]: without them nothing oscillates"
+    if name == "natural_frequency":
+        return _no_frequency(scene)
     if QUANTITIES[name].of_bearings:
         return _no_film(scene)
     if not QUANTITIES[name].engine_load:
         return ""
+    if name == "stress":
+        return _no_stress_level(scene) or _no_fillets(scene)
     return _no_safety(scene) if name == "fatigue_safety" else _no_load(scene, QUANTITIES[name].load_case)
+
+
+def _no_frequency(scene: Scene) -> str:
+    shaft, crank = scene.shaft, scene.crank
+    if scene.engine is None:
+        return "needs an [engine]: it has the throws of the shaft"
+    if shaft is not None and shaft.gives_stiffness:
+        return "needs the stiffness that the web gives a throw: leave out that of [shaft], which is fixed"
+    joined = shaft is not None and any((shaft.pulley, shaft.damper, shaft.has_takeoff))
+    if throw_count(scene) == 1 and not joined and not (crank and crank.end):
+        return "needs more than one throw, or what turns with it in [shaft]: one disk alone does not swing"
+    return ""
 
 
 def _no_film(scene: Scene) -> str:

@@ -15,7 +15,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.base.units import NMM_PER_NM, plain_number
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.goal.limit import Goal
-from cranktopo.design.goal.quantities import QUANTITIES
+from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
 from cranktopo.design.halves import difference, halves, of_halves
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
@@ -41,12 +41,13 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
     """Return the estimate of a load case whose need a goal decides, not its size."""
     users = [f"{goal.sense} {goal.quantity}"] if QUANTITIES[goal.quantity].load_case == kind else []
     users += [str(limit) for limit in goal.limits if QUANTITIES[limit.quantity].load_case == kind]
-    if not goal.load_cases and kind in MAIN_KINDS:  # which stand for the safety where there are no fillets
-        users += _users_of_safety(goal)
+    if not goal.load_cases and kind in MAIN_KINDS:  # which stand for the stress where there are no fillets
+        users += _users_of_stress(goal)
     if not users:
         absent, changes = "neither goal nor limits need it", "nothing"
-        if kind == "centrifugal" and _wants_safety(goal):
-            absent, changes = f"{absent} on cells: the fatigue safety counts it", f"{changes} on cells"
+        if kind == "centrifugal" and _users_of_stress(goal):
+            told = "fatigue safety" if _wants_safety(goal) else "stress"
+            absent, changes = f"{absent} on cells: the {told} counts it", f"{changes} on cells"
         return replace(estimate, changes=changes, absent=absent, needed="")
     needed = f"the goal needs it: {', '.join(users)}"
     changes = f"{', '.join(users)} cannot be told"
@@ -55,26 +56,35 @@ def _as_wanted(estimate: Estimate, goal: Goal, kind: LoadKind) -> Estimate:
 
 def _wants_safety(goal: Goal | None) -> str:
     """Tell why the goal needs the fatigue safety; empty when it does not."""
-    users = [] if goal is None else _users_of_safety(goal)
+    users = [] if goal is None else _users_of(goal, "fatigue_safety")
     return f"the goal needs it: {', '.join(users)}" if users else ""
 
 
-def _users_of_safety(goal: Goal) -> list[str]:
-    limits = [str(limit) for limit in goal.limits_of("fatigue_safety")]
-    return [f"{goal.sense} {goal.quantity}"] if goal.quantity == "fatigue_safety" else limits
+def _users_of_stress(goal: Goal) -> list[str]:
+    return [user for name, of in QUANTITIES.items() if of.of_stress for user in _users_of(goal, name)]
+
+
+def _users_of(goal: Goal, name: QuantityName) -> list[str]:
+    limits = [str(limit) for limit in goal.limits_of(name)]
+    return [f"{goal.sense} {name}"] if goal.quantity == name else limits
 
 
 def _signed(percent: float) -> str:
     return f"{'+' * (percent >= 0)}{plain_number(percent, 2)} %"
 
 
+def _unproven(goal: Goal) -> str:
+    found = (QUANTITIES[limit.quantity].unproven for limit in goal.limits)
+    return "; ".join(dict.fromkeys(why for why in found if why))
+
+
 def bound(context: PlanningContext) -> Estimate:
     """Return what no web of the envelope can beat: wanted beside every result that it can be told of."""
     absent = "the scene has no [envelope]" if context.scene.envelope is None else ""
-    if context.goal is not None and context.goal.quantity in ("fatigue_safety", "balance_factor"):
+    if context.goal is not None and QUANTITIES[context.goal.quantity].unproven:
         absent = f"nothing is proven about {QUANTITIES[context.goal.quantity].label}"
-    elif context.goal is not None and context.goal.only_safety:
-        absent = "stress is not part of the proof, and no limit asks for a stiffness"
+    elif context.goal is not None and context.goal.held_by_elements_alone:
+        absent = f"{_unproven(context.goal)}, and no limit asks for a stiffness"
     return Estimate(
         None,
         "",

@@ -17,11 +17,13 @@ class EndChain:
     Attributes:
         stiffness_Nm_per_rad: from the middle of the outer main journal to the outer face of the last step.
         inner_kg_m2, tip_kg_m2: its inertia, split where a static twist would have it by the lever rule.
+        tip_by_before: derivative of the tip's part by the twist per torque before the end, kg m2 N m/rad.
     """
 
     stiffness_Nm_per_rad: float
     inner_kg_m2: float
     tip_kg_m2: float
+    tip_by_before: float
 
 
 def end_chain(scene: Scene, side: Side, before_rad_per_Nm: float) -> EndChain | None:
@@ -45,4 +47,4 @@ def end_chain(scene: Scene, side: Side, before_rad_per_Nm: float) -> EndChain | 
         inertia = density * piece.moments.polar / MM2_PER_M2
         total, tip = total + inertia, tip + inertia * (at + own / 2) / whole
         at += own
-    return EndChain(1 / sum(soft), total - tip, tip)
+    return EndChain(1 / sum(soft), total - tip, tip, (total - tip) / whole)

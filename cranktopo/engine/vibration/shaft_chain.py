@@ -110,6 +110,11 @@ def moving_inertia_kg_mm2(scene: Scene) -> float:
     return moving_kg * scene.throw.radius_mm**2
 
 
+def lossy_factor(scene: Scene) -> complex:
+    """Return the complex stiffness of a throw over its real one."""
+    return 1 + 1j * (scene.shaft or ShaftTable()).throw_loss_factor
+
+
 def varying_inertia_percent(scene: Scene, throw_inertia_kg_mm2: float) -> float:
     """Return the second harmonic of a throw's inertia over a turn, in percent of its mean.
 
@@ -158,7 +163,7 @@ def shaft_chain(
     """
     shaft, throws = scene.shaft or ShaftTable(), throw_scenes(scene)
     inertias = np.broadcast_to(np.array(throw_inertia_kg_mm2), (len(throws_Nm_per_rad),)).tolist()
-    moving, lossy = moving_inertia_kg_mm2(scene), 1 + 1j * shaft.throw_loss_factor
+    moving, lossy = moving_inertia_kg_mm2(scene), lossy_factor(scene)
     shares = [first_half_share(throw) for throw in throws]
     first_halves = [k / share * lossy for k, share in zip(throws_Nm_per_rad, shares, strict=True)]
     second_halves = [k / (1 - share) * lossy for k, share in zip(throws_Nm_per_rad, shares, strict=True)]

@@ -10,6 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, MPA_PER_GPA, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.numerics.tetrahedra.stress import strain_energy_density
+from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
 from cranktopo.tasks.fea.unit_fields import FieldKind
@@ -67,7 +68,7 @@ def web_colours(field: FatigueField, stiffness: Mapping[str, float]) -> WebColou
     """
     model, critical = field.model, field.critical
     used, stress = 1 / field.safety, np.abs(field.mean_MPa) + field.amplitude_MPa
-    top = float(np.where(model.judged, stress, 0.0).max())
+    top = largest_of_field_MPa(field)
     least = f"share of the fatigue strength that is used; the last is the least safety, {critical.safety:.3f}"
     told = [
         (Colour("safety", least, 1 / critical.safety), used),

@@ -18,6 +18,7 @@ from cranktopo.numerics.surfaces.mesh import mesh_of
 from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, StressScale, packed
 from cranktopo.tasks.bench.colours import web_colours
 from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
+from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.remarks import yield_warning
 from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_field
@@ -84,6 +85,7 @@ def settled_safety(
         "fatigue_safety": float(critical.safety),
         "pin_fillet_safety": field.fillet_safety["pin"],
         "journal_fillet_safety": field.fillet_safety["journal"],
+        "stress": largest_of_field_MPa(field),
     }
     return {
         "gauges": gauges,

@@ -66,11 +66,11 @@ def convex_problem(goal: Goal, original: Mapping[str, float]) -> ConvexProblem:
     Raises:
         CranktopoError: a goal about which nothing can be proven.
     """
-    if goal.quantity in ("fatigue_safety", "balance_factor"):
+    if why := QUANTITIES[goal.quantity].unproven:
         raise invalid(
             f"goal.{goal.sense}",
             goal.quantity,
-            "a bound is proven for mass, inertia, unbalance and stiffness, not for stress or balance factor",
+            f"a bound is proven for mass, inertia, unbalance and stiffness; {why}",
             "Name another goal; limits of other quantities are left out, which keeps the bound valid.",
         )
     if goal.quantity == "unbalance" and original["unbalance"] <= 0:
@@ -90,12 +90,8 @@ def convex_problem(goal: Goal, original: Mapping[str, float]) -> ConvexProblem:
 
 def _constraint(limit: Limit, original: Mapping[str, float]) -> Constraint | str:
     """Return the limit over the original's value, or why no convex statement holds it."""
-    if limit.quantity == "fatigue_safety":
-        return "stress is not part of the proof"
-    if QUANTITIES[limit.quantity].of_bearings:
-        return "bearings are not part of the proof"
-    if limit.quantity == "balance_factor":
-        return "the masses of the rods are not part of the proof: limit the unbalance"
+    if why := QUANTITIES[limit.quantity].unproven:
+        return why
     own = original[limit.quantity]
     if own == 0:
         return "the original's value is 0"

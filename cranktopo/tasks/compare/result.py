@@ -64,6 +64,7 @@ class Entry:
     Attributes:
         safety: smallest fatigue safety by the first method, if it was judged.
         further_safety: by every further method that judged it.
+        stress_MPa: largest von Mises stress, if a method of local stresses judged it.
         fillets: whether its mass and stiffness are with them; its safety always is.
     """
 
@@ -72,6 +73,7 @@ class Entry:
     safety: float | None = None
     further_safety: Mapping[str, float] = field(default_factory=dict)
     fillets: Fillets = "as designed"
+    stress_MPa: float | None = None
 
     @property
     def name(self) -> str:

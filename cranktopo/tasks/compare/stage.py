@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.base.units import plain_number
@@ -14,6 +14,7 @@ from cranktopo.bodies.cells.outside import outside_envelope, outside_words
 from cranktopo.bodies.solid.files import coarse_facet_mm
 from cranktopo.bodies.undercuts import half_throw_undercuts
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome
+from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.goal.wanted import wanted as wanted_goal
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import builtin_designs
@@ -41,6 +42,7 @@ from cranktopo.tasks.compare.result import Comparison, Entry, Fillets, check_sam
 from cranktopo.tasks.compare.text import fillet_lines
 from cranktopo.tasks.extraction.text import DesignUndercuts
 from cranktopo.tasks.fatigue.assessment import FatigueMethod
+from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import BENDING, MASS, TORSION, TORSION_PER_MASS, goal_values
 from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
@@ -50,6 +52,7 @@ from cranktopo.tasks.importing.imported_body import shown_halves
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.sweep.result import SweepResult
 from cranktopo.tasks.sweep.text import condition_words
+from cranktopo.tasks.vibration.stage import first_frequency_Hz
 
 
 def with_picks(targets: Sequence[TargetLike]) -> list[TargetLike]:
@@ -147,13 +150,16 @@ def compare_targets(
         filleted = resolve_targets(every, design, fillets=True, align=align, whole=True)
         fatigues, loaded = judge(filleted, methods, index, loads)
     found = evaluate_targets(targets, wanted)
+    judged = (one for by in fatigues for one in by.result.fatigue if isinstance(one, FieldFatigue))
+    stresses = {one.target: one.largest_stress_MPa for one in judged}
     entries = []
     for row, (evaluation, target) in enumerate(zip(found.evaluations, targets, strict=True)):
         printed = None if target.file else target.scene.published
         safeties = {one.result.method: one.safeties[row] for one in fatigues}
         first = safeties.pop(methods[0]) if methods else None
         further = {method: safety for method, safety in safeties.items() if safety is not None}
-        entries.append(Entry(evaluation, printed, first, further, _fillets(target, bool(bare))))
+        fillets, stress = _fillets(target, bool(bare)), stresses.get(target.name)
+        entries.append(Entry(evaluation, printed, first, further, fillets, stress))
     comparison = compare(entries, entries[index].name, fatigues[0] if fatigues else None, fatigues[1:])
     comparison = replace(
         comparison,
@@ -211,19 +217,36 @@ def _fillets(target: Target, left_out: bool) -> Fillets:
 def _evaluated_goals(
     targets: Sequence[Target], entries: Sequence[Entry], baseline: int
 ) -> dict[str, GoalOutcome]:
-    original = _values(targets[baseline], entries[baseline])
-    found = {}
-    for row, (target, entry) in enumerate(zip(targets, entries, strict=True)):
-        goal = wanted_goal(target.scene)
-        if goal is not None and row != baseline:
-            found[target.name] = goal_outcome(goal, _values(target, entry), original)
-    return found
+    others = [target for row, target in enumerate(targets) if row != baseline]
+    swings = any(asks_for(target.scene, "natural_frequency") for target in others)
+    values = [_values(*pair, swings=swings) for pair in zip(targets, entries, strict=True)]
+    goals = {row: wanted_goal(target.scene) for row, target in enumerate(targets) if row != baseline}
+    return {
+        targets[row].name: goal_outcome(goal, values[row], values[baseline])
+        for row, goal in goals.items()
+        if goal is not None
+    }
 
 
-def _values(target: Target, entry: Entry) -> dict[str, float]:
-    return goal_values(
-        target.scene, entry.evaluation.result.model_copy(update={"fatigue_safety": entry.safety})
-    )
+def _values(target: Target, entry: Entry, *, swings: bool) -> dict[str, float]:
+    """Return the quantities of a goal that are known of a target; where it `swings`, with its frequency."""
+    told = {
+        "fatigue_safety": entry.safety,
+        "stress_MPa": entry.stress_MPa,
+        "natural_frequency_Hz": _frequency_Hz(target) if swings else None,
+    }
+    return goal_values(target.scene, entry.evaluation.result.model_copy(update=told))
+
+
+def _frequency_Hz(target: Target) -> float | None:
+    """Return the first natural frequency of a target's shaft; None where the target does not tell it."""
+    try:
+        return first_frequency_Hz(target)
+    except CranktopoError as error:
+        if error.code == ExitCode.INTERRUPTED:
+            raise
+        note(f"{target.name}: no natural frequency: {error.message}")
+        return None
 
 
 def comparison_bound(found: ComparedTargets) -> AnyBound | None:

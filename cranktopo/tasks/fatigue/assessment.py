@@ -9,6 +9,7 @@ from typing import Any
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.histories import HistoryKind
+from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
 from cranktopo.tasks.fatigue.result import (
@@ -113,6 +114,7 @@ def _field_fatigue(
         safety=field.critical.safety,
         fillet_safety=field.fillet_safety,
         web_safety=field.web_safety or None,
+        largest_stress_MPa=largest_of_field_MPa(field),
         critical=field.critical,
         at_outlet=field.at_outlet,
         at_sharp_edges=field.at_sharp_edges,

@@ -45,6 +45,15 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
             code=ExitCode.USAGE,
         )
     check_method(target.scene, method)
+    check_loads(target, kind)
+
+
+def check_loads(target: Target, kind: HistoryKind) -> None:
+    """Check that the fillets and the loads give a stress.
+
+    Raises:
+        CranktopoError: missing loads, or sharp fillets.
+    """
     check_fillets(target)
     load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
 

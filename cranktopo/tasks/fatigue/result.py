@@ -193,6 +193,8 @@ class FieldFatigue(_TargetFatigue):
     """Least safety of the journals' and of the pin's fillets."""
     web_safety: dict[str, float] | None = UNLESS_NONE
     """Least safety of the first and of the second web, where they differ."""
+    largest_stress_MPa: float
+    """Largest von Mises stress of fillets, oil outlets, rounded edges and faces over the load states."""
     critical: CriticalPoint
     """The point of least safety of fillets, oil outlets, rounded edges and faces."""
     at_outlet: CriticalPoint | None = UNLESS_NONE

@@ -26,7 +26,9 @@ def goal_values(scene: Scene, found: EvaluationResult) -> dict[str, float]:
     mass, torsion, bending = found.mass_kg.throw, found.torsion_Nm_per_rad, found.bending_N_per_mm
     told = {
         "balance_factor": balance_factor_percent(scene, found.unbalance_kg_mm),
+        "natural_frequency": found.natural_frequency_Hz,
         "fatigue_safety": found.fatigue_safety,
+        "stress": found.stress_MPa,
     }
     return {
         "mass": mass,
@@ -94,6 +96,8 @@ BENDING_PER_MASS = Quantity("bending_per_mass", "bending stiffness per mass", "k
 INERTIA = Quantity("inertia", "inertia about the crank axis", "kg_mm2", 0, -1)
 UNBALANCE = Quantity("unbalance", "unbalance", "kg_mm", 2, -1)
 SAFETY = Quantity("safety", "fatigue safety", "", 3, 1, "safety")
+NATURAL_FREQUENCY = Quantity("natural_frequency", "first natural frequency in torsion", "Hz", 1, 1)
+STRESS = Quantity("stress", "largest von Mises stress", "MPa", 1, -1)
 OIL_FILM = Quantity("oil_film", "least oil film", "um", 2, 1)
 BEARING_PRESSURE = Quantity("bearing_pressure", "largest film pressure", "MPa", 1, -1)
 

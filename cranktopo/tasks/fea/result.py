@@ -79,8 +79,12 @@ class EvaluationResult(Result):
     seconds: EvaluationSeconds
     assumed: tuple[Assumption, ...]
     """What the design does not say and the stiffnesses depend on."""
+    natural_frequency_Hz: float | None = UNLESS_NONE
+    """First of the shaft in torsion, where it was asked for."""
     fatigue_safety: float | None = UNLESS_NONE
     """Minimum by local stress analysis, where it was asked for."""
+    stress_MPa: float | None = UNLESS_NONE
+    """Largest von Mises stress over the extreme load states, where it was asked for."""
 
     @property
     def torsion_Nm_per_rad(self) -> float:

@@ -93,7 +93,8 @@ def command(design: str | None, out: Path | None, resume: str | None, as_json: b
 
     Without a goal it is the stiffest web at a volume fraction. Quantities of a goal and its limits are mass,
     inertia, unbalance, balance_factor, torsion, bending, torsion_per_mass, bending_per_mass,
-    pin_displacement, twist and fatigue_safety; oil_film and bearing_pressure limit `cranktopo shape` alone.
+    pin_displacement, twist, natural_frequency and fatigue_safety, the last two left to the evaluation;
+    stress, oil_film and bearing_pressure limit `cranktopo shape` alone.
 
     Example: cranktopo optimise mikron-iiic --volume-fraction 0.3
     """

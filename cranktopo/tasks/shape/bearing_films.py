@@ -11,21 +11,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.design.goal.quantities import QUANTITIES
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.quantities import QuantityName
+from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.film.stage import films_at
 from cranktopo.tasks.refit.family import Layout, scene_at
 
-_NAMES = ("oil_film", "bearing_pressure")
+_NAMES: tuple[QuantityName, ...] = ("oil_film", "bearing_pressure")
 _STEP_MM = 0.02
 """Of central differences; degrees where the dimension is an angle."""
 
 
 def limits_films(scene: Scene) -> bool:
     """Tell whether a limit of the scene's goal is of the oil films."""
-    goal = wanted(scene)
-    return goal is not None and any(QUANTITIES[limit.quantity].of_bearings for limit in goal.limits)
+    return asks_for(scene, *_NAMES)
 
 
 def film_values(scene: Scene) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,10 +11,12 @@ from pathlib import Path
 from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
+from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
-from cranktopo.tasks.fatigue.needs import check_inputs
+from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
+from cranktopo.tasks.fatigue.needs import check_inputs, check_loads
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
 from cranktopo.tasks.fea.quantities import goal_values
@@ -22,7 +24,9 @@ from cranktopo.tasks.fea.result import EvaluationResult
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.stage import with_throw_stiffness
 from cranktopo.tasks.shape.bearing_films import film_values
+from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of
 from cranktopo.tasks.shape.start import kept_features
+from cranktopo.tasks.vibration.stage import first_frequency_Hz
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class EvaluatedWeb:
 
 def evaluated_web(
     scene: Scene,
-    fatigue: bool,
+    stressed: Collection[str],
     element_size_mm: float | None,
     name: str,
     work: Work,
@@ -49,7 +53,7 @@ def evaluated_web(
     """Evaluate a scene's web with its fillets.
 
     Args:
-        fatigue: find the fatigue safety as well, which takes longest.
+        stressed: quantities of the stresses to be found as well, which takes longest.
         name: under which the work keeps the evaluation.
 
     Raises:
@@ -58,14 +62,15 @@ def evaluated_web(
     target = _target(scene)
 
     def make() -> Json:
-        note(_told(target, fatigue))
-        if not fatigue:
-            with silent():
-                return evaluate(target, element_size_mm).result.as_json()
-        # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
+        note(_told(target, stressed))
         with silent():
-            safety, found = side_by_side(lambda: _safety(target), lambda: evaluate(target, element_size_mm))
-        return {**found.result.as_json(), **safety}
+            if not stressed:
+                return _evaluated(target, element_size_mm)
+            # One is meshed while the other is solved; the longer one is here, where Ctrl-C ends it at once.
+            safety, found = side_by_side(
+                lambda: _stressed(target, stressed), lambda: _evaluated(target, element_size_mm)
+            )
+        return {**found, **safety}
 
     began = time.perf_counter()
     evaluation = EvaluationResult.of_json(work.once(name, make), f"evaluation '{name}'")
@@ -73,13 +78,17 @@ def evaluated_web(
 
 
 def evaluated_original(
-    scene: Scene, fatigue: bool, element_size_mm: float | None, work: Work, file: Path | None = None
+    scene: Scene,
+    stressed: Collection[str],
+    element_size_mm: float | None,
+    work: Work,
+    file: Path | None = None,
 ) -> tuple[EvaluatedWeb, Callable[[], EvaluatedWeb]]:
-    """Evaluate a scene's own web, or the body of a file, and find its fatigue safety while others go on.
+    """Evaluate a scene's own web, or the body of a file, and find its stresses while others go on.
 
     Returns:
-        The web without its safety, and what waits for that and returns the web with it; that raises
-        CranktopoError where its mesh or its solve fails.
+        The web without `stressed` quantities, and what waits for those and returns the web with them; that
+        raises CranktopoError where its mesh or its solve fails.
 
     Raises:
         CranktopoError: impossible geometry, or a failed solve.
@@ -87,21 +96,21 @@ def evaluated_original(
     target, began = _target(scene, file), time.perf_counter()
 
     def make() -> Json:
-        note(_told(target, fatigue))
+        note(_told(target, stressed))
         with silent():
-            return evaluate(target, element_size_mm).result.as_json()
+            return _evaluated(target, element_size_mm)
 
     found = EvaluationResult.of_json(work.once("original", make), "evaluation 'original'")
     web, safety = EvaluatedWeb(scene, found, time.perf_counter() - began), "original-fatigue"
     with silent():
-        ahead = LazyFuture(lambda: _safety(target))
-        if fatigue and safety not in work.kept:
-            check_inputs(target, "lsa", "extremes")
+        ahead = LazyFuture(lambda: _stressed(target, stressed))
+        if stressed and safety not in work.kept:
+            _check(target, stressed)
             ahead.begin()
 
     def judged() -> EvaluatedWeb:
         waited = time.perf_counter()
-        whole = found.model_copy(update=work.once(safety, ahead.result)) if fatigue else found
+        whole = found.model_copy(update=work.once(safety, ahead.result)) if stressed else found
         return EvaluatedWeb(scene, whole, web.seconds + time.perf_counter() - waited)
 
     return web, judged
@@ -115,7 +124,9 @@ def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, f
     assert torsion is not None
     assert bending is not None
     shares = {"torsion": original["torsion"] / torsion, "bending": original["bending"] / bending}
-    return {**shares, **{f"{name}_per_mass": share for name, share in shares.items()}}
+    per_mass = {f"{name}_per_mass": share for name, share in shares.items()}
+    shaft = frequency_of(scene, {"torsion": torsion, "inertia": original["inertia"]})
+    return {**shares, **per_mass, **({NAME: original[NAME] / shaft.frequency_Hz} if shaft else {})}
 
 
 def _target(scene: Scene, file: Path | None = None) -> Target:
@@ -123,9 +134,32 @@ def _target(scene: Scene, file: Path | None = None) -> Target:
     return Target(scene.name, planned_scene(scene, kept), file)
 
 
-def _told(target: Target, fatigue: bool) -> str:
-    return f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh"
+def _told(target: Target, stressed: Collection[str]) -> str:
+    more = " and fatigue" if "fatigue_safety" in stressed else " and stress" if stressed else ""
+    return f"{target.name}: evaluation{more} on the default mesh"
 
 
-def _safety(target: Target) -> Json:
-    return {"fatigue_safety": float(fatigue_field(with_throw_stiffness(target), "lsa").critical.safety)}
+def _evaluated(target: Target, element_size_mm: float | None) -> Json:
+    """Return the evaluation of a target, with the first natural frequency of its shaft where that counts."""
+    found = evaluate(target, element_size_mm).result
+    if asks_for(target.scene, NAME):
+        frequency = first_frequency_Hz(target, element_size_mm)
+        found = found.model_copy(update={"natural_frequency_Hz": frequency})
+    return found.as_json()
+
+
+def _check(target: Target, stressed: Collection[str]) -> None:
+    if "fatigue_safety" in stressed:
+        check_inputs(target, "lsa", "extremes")
+    else:
+        check_loads(target, "extremes")
+
+
+def _stressed(target: Target, stressed: Collection[str]) -> Json:
+    """Return the quantities of the stresses as an evaluation has them; of both one mesh is solved."""
+    target = with_throw_stiffness(target)
+    if "fatigue_safety" not in stressed:
+        return {"stress_MPa": largest_stress_MPa(target)}
+    field = fatigue_field(target, "lsa")
+    more = {"stress_MPa": largest_of_field_MPa(field)} if "stress" in stressed else {}
+    return {"fatigue_safety": float(field.critical.safety), **more}

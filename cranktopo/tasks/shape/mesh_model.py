@@ -40,9 +40,10 @@ from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.bearing_films import film_slopes, limits_films
-from cranktopo.tasks.shape.mesh_fatigue import FilletFatigue
+from cranktopo.tasks.shape.mesh_stress import MeshStress
 from cranktopo.tasks.shape.moved_mesh import MovedMesh
 from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of, needed_for, slope_of
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 from cranktopo.throw.recess import require_no_recess
 
@@ -56,7 +57,8 @@ class MeshResponses(Quantities):
     """Quantities of a web on a body-fitted mesh and their gradients by its parameters.
 
     Torsion N m/rad, bending N/mm, mass kg, inertia kg mm2, unbalance kg mm, and both stiffnesses per mass;
-    fatigue_safety where it is wanted: smooth, and the minimum one for the first web asked for.
+    fatigue_safety and stress, MPa, where they are wanted: smooth, and the extreme one for the first web asked
+    for.
     """
 
     def scaled(self, shares: Mapping[str, float]) -> MeshResponses:
@@ -84,11 +86,13 @@ class MeshModel:
         values: Array,
         element_size_mm: float,
         fillet_fraction: float | None = None,
+        stressed: Collection[str] = ("fatigue_safety",),
     ) -> None:
         """Mesh the web with these values.
 
         Args:
-            fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
+            fillet_fraction: element size on a fillet over its radius; with it stresses are found.
+            stressed: quantities to be read off them.
         """
         require_equal_halves(scene)
         require_no_recess(scene)
@@ -100,13 +104,13 @@ class MeshModel:
         self._parts = 2 if meshed.mesh.mirrored else 1
         self._unmoved = self._model(self.moved.mesh)
         self._missing = _exact(meshed) - self._parts * moments(self._unmoved)[0]
-        self._fatigue = FilletFatigue(self.scene) if fillet_fraction is not None else None
-        self._smoothing = 0.0
+        self._stress = None if fillet_fraction is None else MeshStress(self.scene, stressed)
+        self._smoothing: dict[str, float] = {}
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
         """Return the wanted quantities of the web with these values, by default all, and their gradients.
 
-        Masses are always there, fatigue safety where the mesh was made for it.
+        Masses are always there, stresses where the mesh was made for them.
 
         Raises:
             CranktopoError: the mesh folds, or a failed solve.
@@ -122,6 +126,8 @@ class MeshModel:
             ratio = numbers[name] / numbers["mass"]
             numbers[f"{name}_per_mass"] = ratio
             gradients[f"{name}_per_mass"] = (gradients[name] - ratio * gradients["mass"]) / numbers["mass"]
+        if shaft := frequency_of(self.scene, numbers):
+            numbers[NAME], gradients[NAME] = shaft.frequency_Hz, slope_of(shaft, gradients)
         if quantities is None and limits_films(self.scene):
             films, slopes = film_slopes(self.scene, self._layout, values)
             numbers, gradients = numbers | films, gradients | slopes
@@ -131,21 +137,23 @@ class MeshModel:
         self, model: Elasticity, scene: Scene, mirrored: bool, quantities: Collection[str] | None
     ) -> _ByNodes:
         found: _ByNodes = {}
-        safety = self._fatigue if quantities is None or "fatigue_safety" in quantities else None
+        stress = self._stress
+        if stress is not None and quantities is not None and not {*stress.names} & {*quantities}:
+            stress = None
 
         def block(kind: str) -> Superelement | None:
-            asked = quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
-            return self._condensed(model, scene, kind, mirrored) if safety or asked else None
+            asked = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
+            return self._condensed(model, scene, kind, mirrored) if stress or asked else None
 
         twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
         if twist:
             found["torsion"] = _torsion_gradient(model, scene, twist)
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
-        if safety and twist and bend:
-            minimum, smooth, gradients = safety.safety(model, scene, bend, twist)
-            self._smoothing = self._smoothing or minimum / smooth
-            found["fatigue_safety"] = self._smoothing * smooth, self._smoothing * gradients
+        if stress and twist and bend:
+            for name, (extreme, smooth, gradients) in stress.responses(model, scene, bend, twist).items():
+                factor = self._smoothing.setdefault(name, extreme / smooth)
+                found[name] = factor * smooth, factor * gradients
         return found
 
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
@@ -153,7 +161,7 @@ class MeshModel:
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
         side: Lateral = "even" if mirrored else "none"
         spin = None
-        if self._fatigue is not None and self._fatigue.spins:
+        if self._stress is not None and self._stress.spins:
             density = density_tonne_per_mm3(self.scene.material.density_kg_m3)
             spin = centrifugal_force(model, density)[:, None]
         return condense(model, scene, "symmetric", side, spin, _RESIDUAL)
@@ -220,10 +228,11 @@ class MeshedWebs:
         element_size_mm: float,
         fillet_fraction: float | None = None,
         shares: Mapping[str, float] | None = None,
+        stressed: Collection[str] = ("fatigue_safety",),
     ) -> None:
-        """Take the size of the elements, and factors by quantity that bring their numbers to finer ones."""
+        """Take what `MeshModel` takes, and factors by quantity that bring its numbers to finer ones."""
         self.scene, self._limits, self._size = scene, limits, element_size_mm
-        self._fraction, self._shares = fillet_fraction, shares or {}
+        self._fraction, self._shares, self._stressed = fillet_fraction, shares or {}, stressed
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout, for its bounds and manufacturing constraints."""
@@ -237,5 +246,5 @@ class MeshedWebs:
         Raises:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
         """
-        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction, self._stressed)
         return model.responses(values, quantities).scaled(self._shares)

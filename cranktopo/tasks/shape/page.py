@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.report.goal_table import limits_table
 from cranktopo.report.page import (
@@ -130,9 +131,11 @@ def _dimensions(found: ShapeResult) -> Section:
 def _search(found: ShapeResult) -> Section:
     name = found.goal_on_cells.quantity.name
     same = name == found.goal.quantity.name
-    safe = any(limit.quantity == "fatigue_safety" for limit in found.goal.limits)
-    sought = f" Cells know no fatigue: there the most {name} stiffness within the same limits was sought."
-    kept = " Cells know no fatigue: there at least the same share of the stiffness stood for the safety."
+    safe = any(QUANTITIES[limit.quantity].of_stress for limit in found.goal.limits)
+    sought = f" Cells have no fillets: there the most {name} stiffness within the same limits was sought."
+    kept = (
+        " Cells have no fillets: there at least the same share of the stiffness stood for safety or stress."
+    )
     stand_in, plots = sought if not same else kept if safe else "", curves(found)
     ring = "; a ring marks the best" if plots else ""
     return Section(

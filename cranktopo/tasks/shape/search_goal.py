@@ -96,7 +96,7 @@ class SearchGoal:
 
 
 def quantity_on_cells(goal: Goal) -> QuantityName:
-    """Return the quantity that stands for the goal's where features are chosen: cells know no fatigue.
+    """Return the quantity that stands for the goal's where features are chosen: cells have no fillets.
 
     A fillet's stress follows the bending of the throw by the gas force, so the most bending stiffness within
     the same limits stands for the most safety; the finish then maximises the safety itself.
@@ -110,24 +110,31 @@ def goal_on_cells(
     """Return what stands for a goal where features are chosen.
 
     A least safety is there the same share of the original's bending stiffness, and of its torsional stiffness
-    where neither goal nor limits speak of that; the finish then keeps the safety itself.
+    where neither goal nor limits speak of that, and a largest stress the inverse share; the finish then keeps
+    safety and stress themselves.
 
     Args:
         original: quantities of the original web.
-        judged: tells them with its safety, which is waited for where a limit is no percentage of it.
+        judged: tells them with its stresses, which are waited for where a limit is no percentage of them.
     """
-    asked = goal.limits_of("fatigue_safety")
+    asked = tuple(limit for limit in goal.limits if QUANTITIES[limit.quantity].of_stress)
     names: tuple[QuantityName, ...] = ("bending",) if "torsion" in goal.load_cases else ("bending", "torsion")
     known = tuple(limit for limit in goal.limits if limit not in asked)
     found = Goal(goal.sense, quantity_on_cells(goal), known)
     percents = [
-        limit.value if limit.percent else 100 * limit.value / judged()["fatigue_safety"]
+        _stiffness_percent(limit, judged)
         for limit in asked
-        if limit.sense == ">="
+        if (limit.sense == ">=") == (QUANTITIES[limit.quantity].better == "high")
     ]
     for name in names if percents else ():
         found = _at_least(found, name, max(percents), original[name])
     return found
+
+
+def _stiffness_percent(limit: Limit, judged: Callable[[], Mapping[str, float]]) -> float:
+    """Return the stiffness, in percent of the original's, that stands for a limit of the stresses."""
+    percent = limit.value if limit.percent else 100 * limit.value / judged()[limit.quantity]
+    return percent if limit.sense == ">=" else 100 * 100 / percent
 
 
 def _at_least(goal: Goal, name: QuantityName, percent: float, original: float) -> Goal:

@@ -17,7 +17,17 @@ from cranktopo.tasks.shape.result import DimensionSensitivity, SensitivityTable
 from cranktopo.tasks.shape.rules import Rules
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
 
-_SHOWN = ("mass", "torsion", "bending", "inertia", "unbalance", "fatigue_safety", "oil_film")
+_SHOWN = (
+    "mass",
+    "torsion",
+    "bending",
+    "inertia",
+    "unbalance",
+    "natural_frequency",
+    "fatigue_safety",
+    "stress",
+    "oil_film",
+)
 _AT_BOUND = 0.02
 _NEAR_MM = 0.1
 """A rule holds a dimension that may move by less before it breaks; of throws of usual size."""

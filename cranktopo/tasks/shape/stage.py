@@ -19,6 +19,7 @@ from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.goal.limit import Goal, goal_text
+from cranktopo.design.goal.quantities import QUANTITIES, quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
@@ -38,6 +39,7 @@ from cranktopo.tasks.shape.result import FeatureTrial
 from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
 from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
+from cranktopo.tasks.shape.text import TOLD_FIRST
 from cranktopo.tasks.shape.web_model import WebModel, web_model
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
@@ -59,7 +61,7 @@ _BY_MASSES = frozenset({"inertia", "unbalance", "balance_factor"})
 """Quantities that grow with a power of a counterweight's radius, and that closed forms tell of any web."""
 _CLOSED_FORM_TRIES = 4
 _SCATTER = 5e-3
-"""The same of the fatigue safety: that of nearly equal webs scatters by half a percent from mesh to mesh."""
+"""The same of safety and stress: those of nearly equal webs scatter by half a percent from mesh to mesh."""
 
 
 @dataclass(frozen=True)
@@ -144,13 +146,13 @@ def optimise_shape(
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
     """
     settings, work = settings or ShapeSettings(), work or Work()
-    fatigue = "fatigue_safety" in (goal.quantity, *(limit.quantity for limit in goal.limits))
+    stressed = frozenset(name for name in goal.quantities if QUANTITIES[name].of_stress)
     own = None if scene.original is None else Path(scene.original.file)
-    before, judged = evaluated_original(scene, fatigue, settings.element_size_mm, work, own)
+    before, judged = evaluated_original(scene, stressed, settings.element_size_mm, work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases, chosen_for = cells.model.cases, goal_on_cells(goal, before.values, lambda: judged().values)
     if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
-        note(f"cells know no fatigue; features are chosen there by another {goal_text(chosen_for, 'shape')}")
+        note(f"cells have no fillets; features are chosen there by another {goal_text(chosen_for, 'shape')}")
     known = {name: before.values[name] for name in cells.original if name in before.values}
     goals = (
         search_goal_of(chosen_for, cells.original, before.values, cases),
@@ -188,7 +190,7 @@ class _LocalRefinement:
         self._cells, self._scene = cells, cells.scene
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
-        self._fatigue = "fatigue_safety" in goal.quantities
+        self._stressed = frozenset(name for name in goal.quantities if quantity_named(name).of_stress)
         self._coarse: dict[bytes, LazyFuture[MeshResponses]] = {}
 
     def anchored(self, web: ShapeRound) -> MeshResponses:
@@ -197,8 +199,8 @@ class _LocalRefinement:
 
     def _on_coarse_mesh(self, values: Array) -> LazyFuture[MeshResponses]:
         """Return the work on a coarse mesh of a web, the same for the same web."""
-        fraction = _FILLET_FRACTION if self._fatigue else None
-        webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+        fraction, mesh_mm = _FILLET_FRACTION if self._stressed else None, self._settings.mesh_mm
+        webs = MeshedWebs(self._scene, self._settings.limits, mesh_mm, fraction, stressed=self._stressed)
         work = LazyFuture(lambda: webs.responses(webs.web(self._layout), values))
         return self._coarse.setdefault(values.tobytes(), work)
 
@@ -239,7 +241,7 @@ class _LocalRefinement:
 
         def make() -> Json:
             reserve = (_SAFE if before.held else _SURE) + violation
-            goal = self._goal.reserved(reserve).reserved(_SCATTER, ("fatigue_safety",))
+            goal = self._goal.reserved(reserve).reserved(_SCATTER, self._stressed)
             cells, exact, at = self._cells.webs(), self.anchored(before), before.values
             asked, solved = goal, 1
             for _ in range(_CLOSED_FORM_TRIES):
@@ -285,7 +287,7 @@ class _LocalRefinement:
         name = f"evaluation-{number}"
         if name not in self._work.kept:
             self._on_coarse_mesh(values).begin()
-        web = evaluated_web(scene, self._fatigue, size, name, self._work)
+        web = evaluated_web(scene, self._stressed, size, name, self._work)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         note(_round_text(number, found, self._original, self._goal))
         return found
@@ -307,7 +309,7 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
 def _round_text(number: int, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
-        for name in ("mass", "torsion", "bending", "fatigue_safety", "oil_film")
+        for name in TOLD_FIRST
         if name in original.values
     )
     told = f"finish {number}" if number else "web of the cells"

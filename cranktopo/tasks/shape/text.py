@@ -12,7 +12,14 @@ from cranktopo.report.goal_table import broken_limits, limits_table, short_perce
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
 from cranktopo.tasks.extraction.text import release_text, release_verdict
-from cranktopo.tasks.fea.quantities import BEARING_PRESSURE, COMPARED, OIL_FILM, SAFETY
+from cranktopo.tasks.fea.quantities import (
+    BEARING_PRESSURE,
+    COMPARED,
+    NATURAL_FREQUENCY,
+    OIL_FILM,
+    SAFETY,
+    STRESS,
+)
 from cranktopo.tasks.shape.result import (
     DimensionSensitivity,
     FeatureTrial,
@@ -24,10 +31,14 @@ from cranktopo.tasks.shape.result import (
 _Parameters = Sequence[DimensionSensitivity]
 QUANTITIES_TOLD = {
     **{quantity.key: quantity for quantity in COMPARED},
+    "natural_frequency": NATURAL_FREQUENCY,
     "fatigue_safety": SAFETY,
+    "stress": STRESS,
     **{quantity.key: quantity for quantity in (OIL_FILM, BEARING_PRESSURE)},
 }
 """Quantities of a shape result by their keys in shape.json."""
+TOLD_FIRST = ("mass", "torsion", "bending", "natural_frequency", "fatigue_safety", "stress", "oil_film")
+"""Those that a web is told by on a line."""
 _KILO_UNITS = {
     "kNm_per_rad": "kN m/rad",
     "kN_per_mm": "kN/mm",
@@ -145,7 +156,7 @@ def rounds_table(found: ShapeResult) -> ResultTable:
 
 def named_first(found: ShapeResult) -> tuple[str, ...]:
     """Return the quantities that a result is told by, that of the goal first."""
-    names = (found.goal.quantity.name, "mass", "torsion", "bending", "fatigue_safety", "oil_film")
+    names = (found.goal.quantity.name, *TOLD_FIRST)
     return tuple(name for name in dict.fromkeys(names) if name in found.change_percent)
 
 

@@ -37,6 +37,7 @@ from cranktopo.tasks.refit.family import Layout, free_dimensions, scene_at
 from cranktopo.tasks.refit.model_fill import smooth_step
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.shape.search_goal import Quantities
+from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of, needed_for, slope_of
 from cranktopo.tasks.shape.start import free_bores
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
@@ -110,13 +111,16 @@ class WebModel:
         by_cell = dict(zip(self.known, by_fill, strict=True))
         pulled = {
             name: web.vjp(values, which, by_cell[name] * slope)
-            for name in sorted(set(quantities) & set(by_cell))
+            for name in sorted(needed_for(quantities) & set(by_cell))
         }
         by_left = (1 - CONTRAST) * moduli * by_moduli + solid * by_solid
         for name, rest in zip(self.known, by_left, strict=True):
             for bore, thinner in by_bores.items() if name in pulled else ():
                 pulled[name][web.layout.names.index(bore)] += (rest * thinner).sum()
         named = dict(zip(self.known, map(float, found), strict=True))
+        if shaft := frequency_of(self.scene, named):
+            named[NAME], by_cell[NAME] = shaft.frequency_Hz, slope_of(shaft, by_cell)
+            pulled |= {NAME: slope_of(shaft, pulled)} if NAME in quantities else {}
         return Responses(named, pulled, by_cell, fill, solved.displacements)
 
 
@@ -151,6 +155,8 @@ def web_model(scene: Scene, limits: ManufacturingLimits, resolution_mm: float) -
     own = build_domain(scene, resolution_mm, "web", domain.extent, domain.grid).passive_fraction
     solved = solved_design(model, own, own, _TOLERANCE_ORIGINAL)
     original = {name: float(response.value(solved)) for name, response in known.items()}
+    if shaft := frequency_of(scene, original):
+        original[NAME] = shaft.frequency_Hz
     return WebModel(scene, limits, domain, model, known, original)
 
 

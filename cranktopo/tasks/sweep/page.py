@@ -32,7 +32,9 @@ _SENSES = {
     "bending_N_per_mm": 1,
     "torsion_per_mass_Nm_per_rad_kg": 1,
     "bending_per_mass_N_per_mm_kg": 1,
+    "natural_frequency_Hz": 1,
     "fatigue_safety": 1,
+    "stress_MPa": -1,
 }
 """Quantities of which less (-1) or more (+1) is better, in the order in which the page offers them."""
 _TOLD_APART = ("id", "varied", "run", "reason", "sha256", "version", "target", "status", "design", "stage")

@@ -77,6 +77,10 @@ def run_stage(stage: Stage, scene: Scene, folder: Path, fineness: Fineness) -> J
     return _STAGES[stage](scene, folder, fineness)
 
 
+_WHERE_ASKED = ("natural_frequency_Hz", "stress_MPa")
+"""Quantities that an evaluation has where a goal asks for them."""
+
+
 def _columns_of(entry: EvaluationResult) -> Json:
     mass, second = entry.mass_kg.throw, entry.mass_kg.second_web
     torsion, bending = entry.torsion_Nm_per_rad, entry.bending_N_per_mm
@@ -92,6 +96,7 @@ def _columns_of(entry: EvaluationResult) -> Json:
         "bending_per_mass_N_per_mm_kg": bending / mass,
         "torsion_error_percent": entry.error_estimate_percent["torsion"],
         "bending_error_percent": entry.error_estimate_percent["bending"],
+        **{name: value for name in _WHERE_ASKED if (value := getattr(entry, name)) is not None},
     }
 
 

@@ -17,7 +17,8 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.misfire import all_firing, with_misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
+from cranktopo.engine.vibration.first_frequency import first_mode
+from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain, shaft_chain
 from cranktopo.engine.vibration.study import (
     VibrationStudy,
     check_vibration,
@@ -30,6 +31,7 @@ from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
+from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import evaluate_shaft, shaft_tables, stiffness_source
 from cranktopo.tasks.vibration.page import vibration_page
 
@@ -136,9 +138,22 @@ def _studied(
         return study_vibration(scene, estimated_chain(scene), inertia, source, run_up_s)
     note(f"{target.name}: condensing one throw")
     shaft = evaluate_shaft(target, bearings, size_mm)
-    stiffness, inertias = shaft.stiffness.throws_Nm_per_rad, shaft.throw_inertias_kg_mm2
-    chain = shaft_chain(scene, inertias, stiffness)
-    return study_vibration(scene, chain, _mean(inertias), stiffness_source(shaft), run_up_s)
+    inertia = _mean(shaft.throw_inertias_kg_mm2)
+    return study_vibration(scene, _chain(scene, shaft), inertia, stiffness_source(shaft), run_up_s)
+
+
+def first_frequency_Hz(target: Target, element_size_mm: float | None = None) -> float:
+    """Return the first natural frequency that `vibration` tells of a target, on rigid bearings.
+
+    Raises:
+        CranktopoError: no engine, a shaft in which nothing swings, or a failed solve.
+    """
+    shaft = evaluate_shaft(target, "rigid", element_size_mm)
+    return first_mode(target.scene, _chain(target.scene, shaft)).frequency_Hz
+
+
+def _chain(scene: Scene, shaft: ShaftEvaluation) -> ShaftChain:
+    return shaft_chain(scene, shaft.throw_inertias_kg_mm2, shaft.stiffness.throws_Nm_per_rad)
 
 
 def _key_of_stiffness(scene: Scene) -> str:

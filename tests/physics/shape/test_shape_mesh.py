@@ -9,20 +9,22 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MPA_PER_GPA
+from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.tasks.fatigue.fillets import fillet_nodes
+from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.result import Quality
 from cranktopo.tasks.fatigue.safety_field import safety_field
 from cranktopo.tasks.fatigue.stress_model import StressModel, images_of
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from cranktopo.tasks.refit.family import Layout
-from cranktopo.tasks.shape.mesh_fatigue import stress_adjoint
 from cranktopo.tasks.shape.mesh_model import MeshModel, MeshResponses
+from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 from tests.physics.shape.shape_cases import (
     COARSE_FILLET,
     COARSE_MM,
@@ -63,7 +65,8 @@ class Case:
 )
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
-    model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET)
+    scene = with_goal(scene, minimise="mass", limits=("natural_frequency >= 90 %", "stress <= 110 %"))
+    model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, ("fatigue_safety", "stress"))
     # Thin walls beside pockets scatter more.
     size_mm = COARSE_MM / 2 if request.param in ("drafted-pockets", "round-floors") else COARSE_MM
     return Case(scene, layout, model, values, model.responses(values), size_mm)
@@ -125,7 +128,7 @@ def test_gradients_beside_round_corners_in_the_sides() -> None:
         ), name
 
 
-def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -> None:
+def test_safety_and_stress_are_those_of_the_assessment_on_the_same_mesh(case: Case) -> None:
     scene, mesh = case.model.scene, case.model.moved.mesh
     elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
     model = assemble(mesh, *elastic)
@@ -144,6 +147,7 @@ def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -
         load_history(scene, "extremes", enabled),
     )
     assert case.found.values["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-9)
+    assert case.found.values["stress"] == pytest.approx(largest_of_field_MPa(assessed), rel=1e-9)
 
 
 def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:

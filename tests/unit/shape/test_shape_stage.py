@@ -49,8 +49,8 @@ class Told:
     goals: list[Any] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
 
-    def evaluated(self, scene: Scene, fatigue: bool, size: Any, name: str, *_: Any) -> Any:
-        assert fatigue
+    def evaluated(self, scene: Scene, stressed: Any, size: Any, name: str, *_: Any) -> Any:
+        assert stressed == {"fatigue_safety"}
         share: Mapping[str, float] = {} if name == "original" else self.percent[int(name[-1])]
         values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
         return SimpleNamespace(scene=scene, values=values, evaluation={})
@@ -93,7 +93,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
         cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
-        original = told.evaluated(scene, True, None, "original")
+        original = told.evaluated(scene, {"fatigue_safety"}, None, "original")
         monkeypatch.setattr(stage, "evaluated_original", lambda *_: (original, lambda: original))
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
         monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
@@ -123,7 +123,7 @@ def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_ce
     assert (found.stated.quantity, found.stated.sign) == ("fatigue_safety", -1.0)
     (cells,) = told.goals
     assert (cells.quantity, cells.sign, cells.limits) == ("bending", -1.0, found.stated.limits)
-    assert "cells know no fatigue" in told.lines[0]
+    assert "cells have no fillets" in told.lines[0]
     assert "largest bending stiffness" in told.lines[0]
     assert (found.best, len(found.rounds)) == (1, 3)
 

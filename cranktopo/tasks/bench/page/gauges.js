@@ -11,7 +11,7 @@ export function showGauges() {
   const rows = GAUGES.map((gauge) => {
     const [name, label] = gauge, [value, ring] = valueOf(name), original = state.original[name];
     if (value === undefined && original === undefined && !SOLVED.has(name)) return null;
-    if (value === undefined && original === undefined && state.missing && name.includes("safety")) return null;
+    if (value === undefined && original === undefined && state.missing && SAFETIES(name)) return null;
     const percent = value !== undefined && original && comparable(name) ? 100 * (value / original - 1) : null, better = gauge[4];
     const way = percent === null || !better || Math.abs(percent) < (SAFETIES(name) ? errorOf(name) : 0.05) ? 0 : Math.sign(percent) * better * Math.sign(original);
     const limit = limitOf(name), within = errorOf(name) / 100 + 1e-4, least = limit && limit.required * (1 - within * Math.sign(limit.required)), greatest = limit && limit.required * (1 + within * Math.sign(limit.required)), holds = limit && value !== undefined && (limit.sense === ">" ? value >= least : value <= greatest);

@@ -5,7 +5,7 @@ export const GAUGES = [
   ["mass", "Mass", "kg", 4, -1], ["torsion_per_mass", "Torsional stiffness per mass", "kN m/rad/kg", 4, 1, 1e3],
   ["bending_per_mass", "Bending stiffness per mass", "kN/mm/kg", 4, 1, 1e3],
   ["fatigue_safety", "Fatigue safety, least", "", 3, 1], ["pin_fillet_safety", "Safety, pin fillet", "", 3, 1],
-  ["journal_fillet_safety", "Safety, journal fillet", "", 3, 1],
+  ["journal_fillet_safety", "Safety, journal fillet", "", 3, 1], ["stress", "Largest von Mises stress", "MPa", 4, -1],
   ["torsion", "Torsional stiffness", "kN m/rad", 4, 1, 1e3], ["bending", "Bending stiffness", "kN/mm", 4, 1, 1e3],
   ["inertia", "Inertia about the crank axis", "kg mm2", 5, -1], ["unbalance", "Unbalance", "kg mm", 4, 0],
   ["balance_factor", "Balance factor of the oscillating mass", "%", 3, 0],
@@ -16,10 +16,10 @@ export const GAUGES = [
   ["pin_force", "Largest rod force", "kN", 4, 0, 1e3], ["mean_torque", "Mean torque of the engine", "N m", 4, 0],
   ["mean_pressure", "Indicated mean pressure", "bar", 3, 0], ["power", "Indicated power", "kW", 4, 0],
 ];
-export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety"]);
+export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bending_per_mass", "fatigue_safety", "pin_fillet_safety", "journal_fillet_safety", "stress"]);
 
 // That of nearly equal webs scatters from mesh to mesh, where the errors of stiffness are alike.
-export const SAFETIES = (name) => name.includes("safety");
+export const SAFETIES = (name) => name.includes("safety") || name === "stress";
 // Gauges that rest on the stiffness of a throw are settled as well.
 export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
 

@@ -1,0 +1,37 @@
+"""Largest von Mises stress of a throw over its load states, where its safety is judged; needs no strength."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.engine.histories import load_history
+from cranktopo.tasks.fatigue.needs import load_kinds
+from cranktopo.tasks.fatigue.safety_field import FatigueField, unit_loads
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
+from cranktopo.tasks.fea.targets import Target
+
+
+def largest_stress_MPa(target: Target) -> float:
+    """Return the largest stress over the extreme load states of a throw that stands alone.
+
+    Raises:
+        CranktopoError: missing loads, sharp fillets, or a failed solve.
+    """
+    enabled, kinds = load_kinds(target.scene, "extremes")
+    loads = unit_loads(load_history(target.scene, "extremes", enabled), kinds)
+    model = solve_stresses(target, kinds)
+    found = signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
+    return max(_largest(one.local.amplitude_MPa, one.local.mean_MPa, model.judged) for one in found)
+
+
+def largest_of_field_MPa(field: FatigueField) -> float:
+    """Return the same of a throw whose fatigue was judged, over the load states of that."""
+    return _largest(field.amplitude_MPa, field.mean_MPa, field.model.judged)
+
+
+def _largest(amplitude_MPa: Array, mean_MPa: Array, judged: NDArray[np.bool_]) -> float:
+    """Return the larger end, in magnitude, of the ranges of signed stresses at judged nodes (..., n)."""
+    return float((amplitude_MPa + np.abs(mean_MPa))[..., judged].max())
