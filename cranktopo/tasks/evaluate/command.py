@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from cranktopo.base.errors import ExitCode
-from cranktopo.base.notes import detail
+from cranktopo.base.notes import detail, note
 from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, throw_option, web_option
 from cranktopo.cli.verbosity import verbosity_options
 
@@ -54,7 +54,7 @@ def command(
     Example: cranktopo evaluate mikron-iiic --accuracy 1%
     """
     from cranktopo.tasks.fea.stage import MeshRequest, evaluate_targets
-    from cranktopo.tasks.fea.targets import resolve_targets
+    from cranktopo.tasks.fea.targets import resolve_targets, unlike_fillet_line
 
     wanted, texts = MeshRequest(element_size_mm, accuracy, budget), targets or (DEFAULT_DESIGN,)
     if web and not sensitivities:
@@ -67,6 +67,8 @@ def command(
     resolved = resolve_targets(
         [w.file for w in worth] or texts, design, align=align, whole=True, throw=None if worth else throw
     )
+    if line := unlike_fillet_line(resolved):
+        note(line)
     found = evaluate_targets(resolved, wanted)
     for evaluation in found.evaluations:
         fine = evaluation.fine

@@ -15,7 +15,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.report.typeset import typeset
 from cranktopo.report.viewer.scene3d import SCRIPT
 from cranktopo.tasks.sweep.result import COARSE, ERRORS, PointResult, SweepResult
-from cranktopo.tasks.sweep.text import condition_words, shown_name, shown_number
+from cranktopo.tasks.sweep.text import condition_words, fillet_words, shown_name, shown_number
 
 _FOLDER = Path(__file__).parent
 _TEMPLATES, _SCRIPT = _FOLDER / "template", _FOLDER / "sweep.js"
@@ -57,6 +57,7 @@ def sweep_html(data: SweepResult, webs: Mapping[str, str]) -> str:
         objectives=", ".join(ResultTable({}, ()).head(name)[0] for name in data.objectives),
         picks=[(name, _pick_words(data.points, rows[one])) for name, one in data.picks.items()],
         conditions=condition_words(data),
+        fillets=fillet_words(data),
         style=Markup(_joined(TEMPLATES / "report.css", _TEMPLATES / "sweep.css")),
         script=Markup(_joined(*[SCRIPT] * bool(original), _SCRIPT)),
         points=Markup(numbers),

@@ -62,10 +62,16 @@ def points_of(
 
 
 def original_of(plan: SweepPlan, settings: Mapping[str, Any] | None = None) -> SweepPoint:
-    """Return the first design as it is, evaluated as far as the points are: what they are compared with."""
+    """Return the first design as it is, evaluated as far as the points are: what they are compared with.
+
+    Beside surfaces of runs alone, which have no fillets, it is without them.
+    """
     stage: Stage = "fatigue" if {"fatigue", "shape"} & set(plan.stages) else "evaluate"
+    tables = plan.tables[0]
+    if set(plan.stages) == {"optimise"}:
+        tables = with_value(tables, "effects.fillets", "off")
     original = plan.model_copy(update={"stage": stage})
-    return _point(original, plan.designs[0], plan.tables[0], {}, settings or {}, plan.fineness)
+    return _point(original, plan.designs[0], tables, {}, settings or {}, plan.fineness)
 
 
 def _varied_values(plan: SweepPlan) -> Iterator[dict[str, Value]]:

@@ -161,8 +161,18 @@ def condition_words(data: SweepResult) -> str:
     return f"{' and '.join(keys)} {are}, not a choice: {told}"
 
 
+def fillet_words(data: SweepResult) -> str:
+    """Tell which webs have no fillets, as surfaces of runs have none; empty where all have theirs."""
+    bare = [row.stage == "optimise" for row in data.points]
+    if all(bare):
+        return "All webs, the original among them, are without fillets, as the surface of a run has none"
+    if any(bare):
+        return "Points of the stage optimise are without fillets, the original and the others have theirs"
+    return ""
+
+
 def _conditions(data: SweepResult) -> list[str]:
-    return [words] if (words := condition_words(data)) else []
+    return [words for words in (condition_words(data), fillet_words(data)) if words]
 
 
 def _accuracy(data: SweepResult) -> list[str]:

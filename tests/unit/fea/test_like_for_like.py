@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from cranktopo.design.loading import load_scene
+from cranktopo.engine.plan.simulated import without
 from cranktopo.tasks.compare.stage import _like_for_like
-from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.targets import Target, unlike_fillet_line
 
 
 def test_beside_the_surface_of_a_run_designs_have_no_fillets() -> None:
@@ -20,3 +22,18 @@ def test_beside_the_surface_of_a_run_designs_have_no_fillets() -> None:
 def test_designs_alone_keep_theirs() -> None:
     target = Target("design", load_scene("mikron-iiic"))
     assert _like_for_like([target, target]) == [target, target]
+
+
+def test_evaluate_tells_that_the_surface_of_a_run_has_no_fillets() -> None:
+    scene = load_scene("mikron-iiic-plain")
+    design, surface = Target("design", scene), Target("run4", scene, Path("web.stl"), Path("run4"))
+    body = Target("body.step", scene, Path("body.step"))
+    assert "run4: the surface of a run has no fillets, which make design stiffer" in unlike_fillet_line(
+        [design, surface]
+    )
+    for alike in (
+        [design, body],
+        [surface, body],
+        [replace(design, scene=without(scene, "fillets")), surface],
+    ):
+        assert unlike_fillet_line(alike) == ""

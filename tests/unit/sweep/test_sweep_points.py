@@ -66,6 +66,16 @@ def test_a_grid_takes_all_combinations_once_each() -> None:
     assert points_of(SweepPlan.of_json(plan.as_json(), "run")) == points
 
 
+@pytest.mark.parametrize(
+    ("stages", "fillets"), [(("optimise",), "off"), (("remodel",), "auto"), (("optimise", "remodel"), "auto")]
+)
+def test_the_original_has_fillets_where_the_points_have(stages: tuple[str, ...], fillets: str) -> None:
+    """Surfaces of runs have none: beside 2 % stiffer fillets they looked softer than they are."""
+    vary = [read_option("optimise.volume_fraction=0.3,0.4"), read_option(f"stage={','.join(stages)}")]
+    original = original_of(sweep_plan(["mikron-iiic-plain"], vary))
+    assert scene_from_dict(original.tables, "original").effects.fillets == fillets
+
+
 def test_the_hash_is_that_of_the_scene_and_the_settings() -> None:
     def first(width: str = "52", stage: str = "evaluate", element_size_mm: float | None = None) -> str:
         vary = [read_option(f"{WIDTH}={width}")]

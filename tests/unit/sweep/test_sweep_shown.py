@@ -62,6 +62,17 @@ def test_the_page_has_them_too() -> None:
     assert found[KEY][:2] == ("N/mm", 50_000.0)
 
 
+def test_webs_without_fillets_are_told() -> None:
+    one = sweep()
+    surface = one.points[0].model_copy(update={"stage": "optimise"})
+    bare, mixed = (
+        one.model_copy(update={"points": points}) for points in ((surface,), (*one.points, surface))
+    )
+    assert "All webs, the original among them, are without fillets" in sweep_summary(bare, Path("run"))
+    assert "Points of the stage optimise are without fillets" in sweep_html(mixed, {})
+    assert "fillets" not in sweep_summary(one, Path("run"))
+
+
 def test_files_keep_names_and_units() -> None:
     one = sweep()
     frame = frame_of(one.points, one.original)
