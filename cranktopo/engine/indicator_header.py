@@ -16,14 +16,19 @@ HEADER_HINT = "Start it with a line such as crank_angle_deg,pressure_bar (or pre
 _ANGLE, _PRESSURE = "crank_angle_deg", "pressure_"
 _NAMES = {"crank angle": _ANGLE, "pressure": "pressure_bar, or pressure_ with its own unit"}
 """Names that are taken before all others: by them a user chooses among several columns."""
-_FACTORS = {**{unit.lower(): factor for unit, factor in MPA_PER.items()}, "bara": MPA_PER["bar"]}
+_GAUGE_UNITS = {f"{unit.lower()}g": factor for unit, factor in MPA_PER.items()}
+_FACTORS = {
+    **{unit.lower(): factor for unit, factor in MPA_PER.items()},
+    "bara": MPA_PER["bar"],
+    **_GAUGE_UNITS,
+}
 _UNIT_WORDS = "bar, kPa, MPa, Pa, hPa or mbar"
 _DEGREES = {"grad", "gradkw", "cad"}
 """Beside all words that begin with `deg` or a degree sign."""
 _CRANK = {"crank", "crankangle", "kurbelwinkel", "kurbel", "kw", "ca", "cad", "degca", "gradkw", "°kw", "°ca"}
 _PLAIN = {"p", "pressure", "druck", "abs", "absolute", "absolut", "a"}
 _CYLINDER = re.compile(r"p?(cyl|zyl)(inder)?(druck|pressure)?")
-_GAUGE = {"g", "gauge", "rel", "relative", "relativ", "überdruck"}
+_GAUGE = {"g", "gauge", "rel", "relative", "relativ", "überdruck", *_GAUGE_UNITS}
 _TEMPERATURE = re.compile(r"(deg|grad|°)[\s_]*[cfk]\b")
 _WORD = re.compile(r"°?[^\W\d_]+|°")
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")

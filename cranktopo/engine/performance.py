@@ -67,7 +67,8 @@ def pressure_warnings(scene: Scene, cycle: Cycle | None) -> tuple[str, ...]:
         return ()
     radius = scene.throw.radius_mm
     others = _unusual_mean(cycle, scene.engine, radius), higher_elsewhere(scene)
-    return (*implausible(cycle, scene.engine, radius), *(line for line in others if line))
+    found = *implausible(cycle, scene.engine, radius), *(line for line in others if line)
+    return found or _unchecked_angles(scene.engine.gas)
 
 
 def _unusual_mean(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
@@ -77,6 +78,15 @@ def _unusual_mean(cycle: Cycle, engine: Engine, radius_mm: float) -> str:
     return (
         f"the indicated mean pressure of {mean:.3g} MPa is more than engines in series have "
         f"({HIGHEST_MEAN_MPA:g} MPa): look at power, bore, stroke, speed and number of cylinders"
+    )
+
+
+def _unchecked_angles(gas: Gas | None) -> tuple[str, ...]:
+    if gas is None or gas.indicator_csv is None or "compression_ratio" in gas.model_fields_set:
+        return ()
+    return (
+        "the angles of the trace are not checked, and some degrees late or early change torque and power "
+        "much: with engine.gas.compression_ratio they are compared with the compression",
     )
 
 

@@ -143,7 +143,8 @@ def _overspeed(scene: Scene, analysis: LoadAnalysis, enabled: frozenset[str]) ->
     pull = -kg * rotating.r_w2_m_s2 + 0.0
     case = LoadCase(name="bending", kind="bending", radial_N=pull, source=source)
     if "centrifugal" in enabled:
-        source += f", with {rotating.throw_N:.0f} N of the throw itself"
+        way = "inward" if rotating.throw_N < 0 else "outward"
+        source += f", with {abs(rotating.throw_N):.0f} N of the throw itself {way}"
         case = LoadCase(name="centrifugal", kind="centrifugal", radial_N=pull, speed_rpm=speed, source=source)
     return ExtremeState("overspeed_inertia", case, deg % 360.0 + (360.0 if engine.strokes == 4 else 0.0))
 

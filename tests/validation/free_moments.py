@@ -85,6 +85,7 @@ def masses(case: Case) -> TurningMasses:
         couple_kg_mm2=0j,
         web_kg_mm=(0.0, 0.0),
         own_kg_mm=(0.0, 0.0),
+        rod_kg_mm=0.0,
         piston_kg_mm=OSCILLATING_KG * RADIUS_MM,
         counterweight_kg_mm=0j,
         harmonics=acceleration_harmonics(RADIUS_MM, ROD_MM, ORDERS),

@@ -111,6 +111,7 @@ class TurningMasses:
         couple_kg_mm2: its moment about the plane of the cylinder, toward the takeoff; 0 with equal halves.
         web_kg_mm: unbalance of either web of a throw with its counterweight.
         own_kg_mm: unbalance that the counterweight of either web takes already.
+        rod_kg_mm: mass of one rod that turns, times the throw radius.
         piston_kg_mm: oscillating mass of one cylinder times the throw radius.
         counterweight_kg_mm: what both counterweights of a throw balance, real along the throw.
         harmonics: Fourier coefficients of the pistons' acceleration for `ORDERS`.
@@ -123,6 +124,7 @@ class TurningMasses:
     couple_kg_mm2: complex | Complex
     web_kg_mm: tuple[float | Array, float | Array]
     own_kg_mm: tuple[float | Array, float | Array]
+    rod_kg_mm: float
     piston_kg_mm: float
     counterweight_kg_mm: complex | Complex
     harmonics: Array
@@ -170,6 +172,7 @@ def turning_masses(scene: Scene) -> TurningMasses:
         couple_kg_mm2=of_throws(map(product_of_inertia_kg_mm2, different)),
         web_kg_mm=of_webs("web_kg_mm"),
         own_kg_mm=of_webs("own_counterweights_kg_mm"),
+        rod_kg_mm=engine.rod_rotating_kg * radius,
         piston_kg_mm=engine.reciprocating_kg * radius,
         counterweight_kg_mm=of_throws(
             complex(b.counterweight_kg_mm, b.lateral_unbalance_kg_mm) for b in balances
@@ -269,19 +272,22 @@ def inner_moment(masses: TurningMasses, weights: Sequence[NeededCounterweight] =
     The ends of the crank beyond them are left out.
 
     Where the shaft is balanced as a whole these carry nothing and it is the textbook's inner moment.
-    Crankpins and rods pull in the planes of the cylinders, webs with their counterweights in their own
-    middles, these with the couple of their throw, so that the moment is largest at one of them. `weights`
-    come on top.
+    Rods pull in the planes of their cylinders, crankpins in the middle between these, webs with their
+    counterweights in their own middles, these with the couple of their throw, so that the moment is largest
+    at one of them. `weights` come on top.
     """
     layout, per_kg_mm = masses.layout, masses.w2 / MM_PER_M
-    z = np.concatenate([layout.throw_z_mm, layout.web_z_mm])
+    z = np.concatenate([layout.throw_z_mm, layout.cylinder_z_mm, layout.web_z_mm])
     along = unit_vectors(layout.throw_angle_deg)
     couple = sum(web * place for web, place in zip(masses.web_kg_mm, layout.web_places_mm, strict=True))
     pair = masses.on_webs(0j, masses.couple_kg_mm2 - couple)
     webs = (along[:, None] * (np.stack(pair, axis=-1) + np.stack(masses.web_kg_mm, axis=-1))).ravel()
     for weight in weights:
         webs[weight.web - 1] += weight.unbalance_kg_mm * np.exp(1j * np.radians(weight.deg))
-    force = np.concatenate([(masses.throw_kg_mm - sum(masses.web_kg_mm)) * along, webs]) * per_kg_mm
+    throw_of = np.array(layout.throw_of)
+    rods = masses.rod_kg_mm * along[throw_of]
+    pins = (masses.throw_kg_mm - sum(masses.web_kg_mm) - masses.rod_kg_mm * np.bincount(throw_of)) * along
+    force = np.concatenate([pins, rods, webs]) * per_kg_mm
     first = layout.bearing_z_mm[0]
     reaction = (force * (layout.bearing_z_mm[-1] - z)).sum() / layout.length_mm
     arms = np.maximum(z[:, None] - z[None, :], 0.0)

@@ -31,7 +31,7 @@ def engine_section(scene: Scene, cycle: Cycle | None) -> Section:
 
 def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
     gas = engine.gas
-    curve = pressure_curve(scene) if gas and gas.map else None
+    curve = pressure_curve(scene) if gas and (gas.map or gas.measured) else None
     peak = gas.peak_pressure_MPa if gas else None
     pressure = f"{peak:g} MPa" if peak else "measured diagram" if gas and gas.indicator_csv else _UNKNOWN
     if curve is not None:

@@ -23,7 +23,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
-from cranktopo.tasks.fea.quantities import Quantity
+from cranktopo.tasks.fea.quantities import SAFETY, Quantity
 from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
@@ -71,6 +71,8 @@ def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
     shown = f"{change:+z.1f} %" if not error else f"{change:+z.1f} +-{error:.1g} %"
+    if key == SAFETY.key and found.values.result[key] < 1:
+        return Fact(label, shown, f"{note}; below 1: it fails", "bad")
     if abs(change) <= error:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"

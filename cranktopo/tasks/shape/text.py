@@ -167,7 +167,17 @@ def shape_headline(found: ShapeResult) -> str:
     nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, found.goal.limits)) else ""
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
     unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
-    return f"{unmade}{judged} {said} against the original web."
+    return f"{unmade}{judged} {said} against the original web.{_failing(found)}"
+
+
+def _failing(found: ShapeResult) -> str:
+    """Return the sentence that the web fails by fatigue, whatever its limit; empty where it does not."""
+    key = SAFETY.key
+    safety, original = found.values.result.get(key), found.values.original.get(key)
+    if safety is None or safety >= 1:
+        return ""
+    alike = f", as the original does with {original:.3f}" if original is not None and original < 1 else ""
+    return f" IT FAILS by fatigue: the safety of {safety:.3f} is below 1{alike}."
 
 
 def shape_summary(found: ShapeResult, folder: Path) -> str:

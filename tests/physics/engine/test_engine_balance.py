@@ -255,6 +255,18 @@ def test_textbook_inner_moments():
         assert weighted.moment_Nm * 1000 / pin == pytest.approx((36 + 19) / 4, rel=1e-12)
 
 
+def test_rods_beside_each_other_bend_the_shaft_less_than_rods_in_one_plane():
+    """The moment in the middle of the pin falls by a rod's pull times its distance from there."""
+    planes = [
+        arranged(VEE + f"throw_angles_deg = [0.0]\nrod_offset_mm = {mm}", 2, (1, 2)) for mm in (0.0, 18.0)
+    ]
+    together, apart = (inner_moment(turning_masses(scene)) for scene in planes)
+    rod_kg, w2 = planes[0].engine.rod_rotating_kg, turning_masses(planes[0]).w2
+    assert together.z_mm == apart.z_mm == 0.0
+    less_Nm = rod_kg * RADIUS * w2 / 1000 * 9.0 / 1000
+    assert together.moment_Nm - apart.moment_Nm == pytest.approx(less_Nm, rel=1e-9)
+
+
 def test_inner_moment_of_an_uneven_shaft():
     """Against cuts at many places, each with what lies behind it."""
     masses = turning_masses(UNEVEN_THREE)

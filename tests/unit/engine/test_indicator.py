@@ -192,6 +192,7 @@ def test_bad_curves_are_refused(file, case):
         ("angle_deg,dp/dphi [bar/deg]", "no pressure in bar"),
         ("oil [deg C],pressure_bar", "no crank angle in deg"),
         ("Kurbelwinkel [°KW],p [bar Überdruck]", "is a gauge pressure.* add that of the surroundings"),
+        ("crank_angle_deg,pressure_barg", "is a gauge pressure.* add that of the surroundings"),
         ("0,1.0", "no crank angle in deg"),
     ],
 )
