@@ -38,6 +38,12 @@ def plain_number(value: float, digits: int = 4) -> str:
     return f"{Decimal(text):f}" if "e" in text else text
 
 
+def signed_percent(percent: float, digits: int = 2) -> str:
+    """Return a change in percent with its sign: `+170 %`, `-0.35 %`."""
+    text = plain_number(percent, digits)
+    return f"{'' if text.startswith('-') else '+'}{text} %"
+
+
 def frequency_text(frequency_Hz: float) -> str:
     """Return a frequency with its unit, at least three digits: `3.75 Hz`, `801 Hz`."""
     return f"{frequency_Hz:.0f} Hz" if frequency_Hz >= 100 else f"{plain_number(frequency_Hz, 3)} Hz"

@@ -59,11 +59,14 @@ def design_from_run(run: RunStore) -> Scene:
     return scene_from_dict(manifest["scene"], str(run.path / "manifest.json"))
 
 
-def toml_text(scene: Scene, heading: str) -> str:
-    """Return the scene as TOML below a comment; values that were left out or are None stay out."""
+def toml_text(scene: Scene, heading: str, *, with_defaults: bool = False) -> str:
+    """Return the scene as TOML below a comment; what was assumed stays out, so that commands go on saying so.
+
+    `with_defaults` writes these values out: a record holds them whatever later versions assume.
+    """
     import tomlkit
 
-    data = scene.model_dump(mode="json", exclude_none=True)
+    data = scene.model_dump(mode="json", exclude_none=True, exclude_unset=not with_defaults)
     return f"# {heading}\n{tomlkit.dumps(data)}"
 
 
@@ -90,7 +93,7 @@ def new_run(
     """
     return create_run(
         design=scene.name,
-        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}"),
+        design_toml=design_toml or toml_text(scene, f"Design of this run: {scene.name}", with_defaults=True),
         scene=scene.model_dump(mode="json"),
         options=dict(options),
         command=command,

@@ -12,7 +12,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from cranktopo.base.errors import invalid
-from cranktopo.base.units import NMM_PER_NM, plain_number
+from cranktopo.base.units import NMM_PER_NM, signed_percent
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.quantities import QUANTITIES, QuantityName
@@ -67,10 +67,6 @@ def _users_of_stress(goal: Goal) -> list[str]:
 def _users_of(goal: Goal, name: QuantityName) -> list[str]:
     limits = [str(limit) for limit in goal.limits_of(name)]
     return [f"{goal.sense} {name}"] if goal.quantity == name else limits
-
-
-def _signed(percent: float) -> str:
-    return f"{'+' * (percent >= 0)}{plain_number(percent, 2)} %"
 
 
 def _unproven(goal: Goal) -> str:
@@ -132,7 +128,9 @@ def bearing_compliance(context: PlanningContext) -> Estimate:
     held = "spring" in (scene.supports.torsion, scene.supports.bending)
     needed = "a support is 'spring'" if held else ""
     stiffer = 100 * (1 / (2 * spring)) / own
-    changes = f"reported bending stiffness {_signed(stiffer)}; the best shape stays, springs are in series"
+    changes = (
+        f"reported bending stiffness {signed_percent(stiffer)}; the best shape stays, springs are in series"
+    )
     return Estimate(percent, because, changes, needed=needed, indispensable=needed)
 
 
@@ -147,7 +145,7 @@ def fillets(context: PlanningContext) -> Estimate:
     sharp, rounded = context.compliance, throw_compliance(context.scene)
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)
     bending = 100 * (sharp.bending_mm_per_N / rounded.bending_mm_per_N - 1)
-    because = f"bending stiffness {_signed(bending)}, torsional {_signed(torsion)}"
+    because = f"bending stiffness {signed_percent(bending)}, torsional {signed_percent(torsion)}"
     wanted = context.scene.effects.fatigue
     needed = (
         "fatigue needs them" if wanted == "on" or (wanted == "auto" and not _fatigue_absent(context)) else ""
@@ -155,7 +153,7 @@ def fillets(context: PlanningContext) -> Estimate:
     return Estimate(
         max(torsion, bending),
         because,
-        f"bending stiffness {_signed(-bending)}, torsional {_signed(-torsion)}, no stress",
+        f"bending stiffness {signed_percent(-bending)}, torsional {signed_percent(-torsion)}, no stress",
         needed=needed,
     )
 
@@ -170,7 +168,7 @@ def bores(context: PlanningContext) -> Estimate:
     stiffer = 100 * (hollow / throw_compliance(plain).torsion_rad_per_Nmm - 1)
     heavier = 100 * (throw_balance(plain).mass_kg / context.balance.mass_kg - 1)
     because = f"solid journals would be {stiffer:.3g} % stiffer in torsion, the throw {heavier:.3g} % heavier"
-    changes = f"torsional stiffness {_signed(stiffer)}, mass {_signed(heavier)}"
+    changes = f"torsional stiffness {signed_percent(stiffer)}, mass {signed_percent(heavier)}"
     return Estimate(max(stiffer, heavier), because, changes)
 
 
@@ -334,5 +332,5 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
     other = next(s for s in without if s.name == "max_radial").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
-    changes = f"radial force {_signed(100 * (other - full) / abs(full))}"
+    changes = f"radial force {signed_percent(100 * (other - full) / abs(full))}"
     return Estimate(percent, because, changes)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cranktopo.base.units import frequency_text
+from cranktopo.base.units import frequency_text, signed_percent
 from cranktopo.design.checks.engine import is_damped, speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.context import PlanningContext
@@ -46,10 +46,10 @@ def torsional_vibration(context: PlanningContext) -> Estimate:
     source = "" if given else " (throws in closed form)"
     because = (
         f"first natural frequency {frequency_text(found.frequency_Hz)}{source}, torque amplitude "
-        f"{found.percent:+z.3g} %, worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
+        f"{signed_percent(found.percent, 3)}, worst at {found.speed_rpm:.0f} rpm by order {found.order:g}"
     )
     without = 100 * (1 / (1 + found.percent / 100) - 1)
-    return Estimate(abs(found.percent), because, f"torque amplitude {without:+z.2g} %")
+    return Estimate(abs(found.percent), because, f"torque amplitude {signed_percent(without)}")
 
 
 def _absent(scene: Scene) -> str:

@@ -35,6 +35,8 @@ _NEAR_LIMIT = 2e-3
 """Relative room within which a limit counts as active."""
 _SHARE = 0.1
 """Minimum effect of a dimension on a rule over that of the dimension with the largest one."""
+_LEAST_SHARE = 1e-3
+"""The same on a limit: a smaller effect is noise of the elements."""
 
 
 def dimension_sensitivities(
@@ -109,8 +111,9 @@ def _bounds(web: ParametricWeb, index: int, value: float, better: float, near_mm
     unit = parameter_unit(name)
     for side, bound, blocked in (("least", low, better <= 0), ("greatest", high, better >= 0)):
         if blocked and abs(value - bound) < near_mm:
-            where = "value in [shape.free]" if name in layout.dimensions else "value of its range"
-            yield f"{side} {'draft' if unit == 'deg' else where}, {bound:.4g} {unit}"
+            of_outline = "draft" if unit == "deg" else "value of its range"
+            what = "value in [shape.free]" if name in layout.dimensions else of_outline
+            yield f"{side} {what}, {bound:.4g} {unit}"
 
 
 def _rules(rules: Rules, index: int, better: float, near_mm: float) -> Iterator[str]:
@@ -128,7 +131,7 @@ def _limits(
 ) -> Iterator[str]:
     gradients = goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity]))
     for limit, over, slope in zip(goal.limits, goal.violations(found.values), gradients, strict=True):
-        if over > -_NEAR_LIMIT and slope[index] * better > 0:
+        if over > -_NEAR_LIMIT and slope[index] * better > _LEAST_SHARE * np.abs(slope).max():
             name, unit = limit.quantity.replace("_", " "), quantity_named(limit.quantity).unit
             percent = 100 * limit.bound / original[limit.quantity]
             told = f"{limit.bound:.4g} %" if unit == "%" else f"{percent:.4g} % of the original"

@@ -15,8 +15,9 @@ from cranktopo.design.assumed import (
     assumptions,
     filter_by_table,
 )
-from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
 
 
 def scene_with(**tables: object) -> Scene:
@@ -96,3 +97,15 @@ def test_a_stored_scene_has_every_key(name: str, mikron: Scene) -> None:
     """Why the question is asked before a run is stored."""
     assert keys(mikron, LOADS)
     assert keys(scene_from_dict(mikron.model_dump(mode="json", exclude_none=True)), LOADS) == []
+
+
+def test_a_written_design_assumes_what_its_origin_assumed() -> None:
+    """The dossier of a web from `shape` listed two assumptions in place of seventeen: defaults were given."""
+    scene = load_scene("mikron-iiic")
+    web = scene.model_copy(update={"web": scene.web.model_copy(update={"thickness_mm": 20.0})})
+    tables = (THROW, LOADS, SUPPORTS, FATIGUE)
+    again = parse_scene(toml_text(web, "a web"))
+    assert again.web.thickness_mm == 20.0
+    assert len(assumptions(again, tables)) > 3
+    assert assumptions(again, tables) == assumptions(scene, tables)
+    assert assumptions(parse_scene(toml_text(web, "a run", with_defaults=True)), (THROW, SUPPORTS)) == ()
