@@ -42,12 +42,6 @@ def throw_count(scene: Scene) -> int:
     return len(scene.crank.throws) or 1 if scene.crank else 1
 
 
-def own_throws(scene: Scene) -> tuple[bool, ...]:
-    """Tell of every throw whether it has the webs of this design, not those of another one."""
-    names = (scene.crank.throws if scene.crank else ()) or (OWN_THROW,) * throw_count(scene)
-    return tuple(name == OWN_THROW for name in names)
-
-
 def _stamp(name: str) -> tuple[str, int]:
     """A file may be changed while the program runs."""
     path = Path(name)

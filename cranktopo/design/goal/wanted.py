@@ -256,6 +256,8 @@ def _no_frequency(scene: Scene) -> str:
         return "needs an [engine]: it has the throws of the shaft"
     if shaft is not None and shaft.gives_stiffness:
         return "needs the stiffness that the web gives a throw: leave out that of [shaft], which is fixed"
+    if crank is not None and not crank.uniform:
+        return "needs a crank whose throws are all alike"
     joined = shaft is not None and any((shaft.pulley, shaft.damper, shaft.has_takeoff))
     if throw_count(scene) == 1 and not joined and not (crank and crank.end):
         return "needs more than one throw, or what turns with it in [shaft]: one disk alone does not swing"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +10,8 @@ from cranktopo.base.arrays import Array, Complex
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MM2_PER_M2
 from cranktopo.design.crank import Side
-from cranktopo.design.crank_throws import own_throws, throw_scenes
 from cranktopo.design.schema import Scene
-from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.throw_compliance import first_half_share, throw_stiffness_Nm_per_rad
+from cranktopo.engine.throw_compliance import first_half_share
 from cranktopo.engine.vibration.end_chain import end_chain
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, lossy_factor, shaft_chain
 from cranktopo.numerics.disk_chain import DampedMode
@@ -22,11 +19,11 @@ from cranktopo.numerics.disk_chain import DampedMode
 
 @dataclass(frozen=True)
 class FirstFrequency:
-    """First natural frequency of a shaft, and what a change of the design's own throws makes of it.
+    """First natural frequency of a shaft of equal throws, and what a change of all of them makes of it.
 
     Attributes:
-        by_torsion: derivative by their torsional stiffness, Hz / (N m/rad).
-        by_inertia: derivative by their inertia, Hz / (kg mm2).
+        by_torsion: derivative by the torsional stiffness of a throw, Hz / (N m/rad).
+        by_inertia: derivative by the inertia of a throw, Hz / (kg mm2).
     """
 
     frequency_Hz: float
@@ -35,30 +32,20 @@ class FirstFrequency:
 
 
 def first_frequency(scene: Scene, torsion_Nm_per_rad: float, inertia_kg_mm2: float) -> FirstFrequency:
-    """Return the first natural frequency of a scene's shaft.
-
-    Args:
-        torsion_Nm_per_rad, inertia_kg_mm2: of each of the design's own throws; those that a crank takes from
-            other designs are as their closed forms have them.
+    """Return the first natural frequency of a scene's shaft, whose throws are all alike.
 
     Raises:
         CranktopoError: no engine, or a shaft in which nothing swings.
     """
-    _ = scene.shaft_angles_deg  # refuses a scene without an engine
-    own = own_throws(scene)
-    throws = [
-        _Throw(torsion_Nm_per_rad, inertia_kg_mm2, first_half_share(throw))
-        if mine
-        else _Throw(throw_stiffness_Nm_per_rad(throw), throw_balance(throw).inertia_kg_mm2, None)
-        for throw, mine in zip(throw_scenes(scene), own, strict=True)
-    ]
-    shaft = shaft_chain(
-        scene, tuple(throw.inertia_kg_mm2 for throw in throws), tuple(throw.stiffness for throw in throws)
-    )
+    throws = len(scene.shaft_angles_deg)
+    shaft = shaft_chain(scene, inertia_kg_mm2, (torsion_Nm_per_rad,) * throws)
     mode = first_mode(scene, shaft)
     by_disk, by_spring = shaft.chain.frequency_slopes(mode)
-    by_torsion = _by_springs(scene, shaft, throws, by_spring) + _by_ends(scene, shaft, throws, by_disk)
-    by_inertia = float(by_disk[shaft.driven][list(own)].sum()) / MM2_PER_M2
+    softer = 1 / torsion_Nm_per_rad**2
+    by_torsion = softer * (
+        _by_springs(scene, shaft, by_spring) + _by_ends(scene, shaft, torsion_Nm_per_rad, by_disk)
+    )
+    by_inertia = float(by_disk[shaft.driven].sum()) / MM2_PER_M2
     return FirstFrequency(mode.frequency_Hz, by_torsion, by_inertia)
 
 
@@ -73,47 +60,31 @@ def first_mode(scene: Scene, shaft: ShaftChain) -> DampedMode:
     return modes[0]
 
 
-@dataclass(frozen=True)
-class _Throw:
-    """A throw of the shaft.
+def _by_springs(scene: Scene, shaft: ShaftChain, by_spring: Complex) -> float:
+    """Return what one unit less compliance of every throw does through the springs between the disks.
 
-    Attributes:
-        share: of its twist that is in its first half; None of a throw that is not the design's own.
+    Each is a series of two half throws, or of one and what joins the shaft there.
     """
-
-    stiffness: float
-    inertia_kg_mm2: float
-    share: float | None
-
-
-def _by_springs(scene: Scene, shaft: ShaftChain, throws: Sequence[_Throw], by_spring: Complex) -> float:
-    """Return the derivative through the springs, of which each is a series of two half throws, or of one."""
-    springs = shaft.chain.section_stiffness_Nm_per_rad(np.array(0.0))
+    springs, share = shaft.chain.section_stiffness_Nm_per_rad(np.array(0.0)), first_half_share(scene)
     found = 0.0
-    for behind, throw in enumerate(throws, start=shaft.first):
-        if throw.share is None:
-            continue
-        for section, share in ((behind - 1, throw.share), (behind, 1 - throw.share)):
+    for behind in range(shaft.first, shaft.first + shaft.throws):
+        for section, part in ((behind - 1, share), (behind, 1 - share)):
             if 0 <= section < len(springs):
-                softer = share / throw.stiffness**2 / lossy_factor(scene)
-                found += float((by_spring[section] * springs[section] ** 2 * softer).real)
+                stiffer = springs[section] ** 2 * part / lossy_factor(scene)
+                found += float((by_spring[section] * stiffer).real)
     return found
 
 
-def _by_ends(scene: Scene, shaft: ShaftChain, throws: Sequence[_Throw], by_disk: Array) -> float:
-    """Return the derivative through the ends of the crank, whose inertia is split by the lever rule."""
-    first, last = shaft.driven.start, shaft.driven.stop - 1
+def _by_ends(scene: Scene, shaft: ShaftChain, torsion_Nm_per_rad: float, by_disk: Array) -> float:
+    """Return what it does through the ends of the crank, whose inertia is split by the lever rule."""
+    first, last, share = shaft.first, shaft.first + shaft.throws - 1, first_half_share(scene)
     found = 0.0
-    sides: tuple[tuple[Side, _Throw, int, int], ...] = (
-        ("free", throws[0], first, first - 1),
-        ("output", throws[-1], last, last + 1),
+    sides: tuple[tuple[Side, float, int, int], ...] = (
+        ("free", share, first, first - 1),
+        ("output", 1 - share, last, last + 1),
     )
-    for side, throw, inner, tip in sides:
-        if throw.share is None:
-            continue
-        share = throw.share if side == "free" else 1 - throw.share
-        end = end_chain(scene, side, share / throw.stiffness)
+    for side, part, inner, tip in sides:
+        end = end_chain(scene, side, part / torsion_Nm_per_rad)
         if end is not None:
-            to_tip = -end.tip_by_before * share / throw.stiffness**2
-            found += float(by_disk[tip] - by_disk[inner]) * to_tip
+            found -= float(by_disk[tip] - by_disk[inner]) * end.tip_by_before * part
     return found

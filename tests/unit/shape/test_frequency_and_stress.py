@@ -55,6 +55,10 @@ ONE = {**plain()["engine"], "cylinders": 1, "firing_order": [1]}
         ({"engine": None}, "natural frequency of the shaft in torsion needs an [engine]: it has the throws"),
         ({"engine": None}, "faces needs an [engine]: unit loads give no stress level"),
         ({"shaft": {"throw_stiffness_Nm_per_rad": 1.5e5}}, "leave out that of [shaft], which is fixed"),
+        (
+            {"crank": {"main_journal": [{"number": 0, "length_mm": 30.0}]}},
+            "a crank whose throws are all alike",
+        ),
         ({"engine": ONE}, "needs more than one throw, or what turns with it in [shaft]"),
     ],
 )

@@ -1,0 +1,57 @@
+"""The largest stress as a smooth quantity: its value in closed form, its derivatives against differences."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.numerics.tetrahedra.stress import SurfaceStress
+from cranktopo.tasks.shape.smooth_stress import JudgedSurface, largest_stress
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return load_scene("mikron-iiic-plain")
+
+
+def judged(
+    scene: Scene, stress: np.ndarray, states: tuple[np.ndarray, ...], nodes: list[int]
+) -> JudgedSurface:
+    found = SurfaceStress(stress, np.zeros_like(stress), np.zeros(stress.shape[:2]))
+    return JudgedSurface(scene, found, states, np.array(nodes), {})
+
+
+def test_tension_and_shear_of_two_loads_in_closed_form(scene: Scene) -> None:
+    """Von Mises of a tension s and a shear t is sqrt(s2 + 3 t2); a node that is not judged has more."""
+    stress = np.zeros((2, 2, 6))
+    stress[0, 0, 0], stress[1, 0, 3], stress[0, 1, 0] = 2.0, 1.0, 500.0
+    states = np.array([[30.0, 0.0], [30.0, -50.0]])
+    found = largest_stress(scene, judged(scene, stress, (states,), [0]))
+    most, other = math.sqrt(60.0**2 + 3 * 50.0**2), 60.0
+    assert found.extreme == pytest.approx(most, rel=1e-12)
+    assert found.value == pytest.approx((most**40 + other**40) ** (1 / 40), rel=1e-12)
+    by_tension = found.value ** (1 - 40) * (most**39 * 60.0 / most * 30.0 + other**39 * 30.0)
+    assert found.adjoint[0][0, 0, 0] == pytest.approx(by_tension, rel=1e-9)
+    assert not found.adjoint[0][:, 1].any()
+    assert not found.adjoint[1].any(), "no depth has a part in it"
+
+
+def test_derivatives_by_every_stress_are_those_of_differences(scene: Scene) -> None:
+    random = np.random.default_rng(8)
+    stress = random.normal(0, 1, (3, 12, 6))
+    states = tuple(random.normal(0, 100, (4, 3)) for _ in range(2))
+    before = judged(scene, stress, states, [1, 2, 5, 7, 11])
+    adjoint, step = largest_stress(scene, before).adjoint[0], 1e-6
+    way = random.normal(0, 1, stress.shape)
+    ahead, back = (
+        largest_stress(
+            scene, replace(before, stress=replace(before.stress, stress_MPa=stress + s * step * way))
+        )
+        for s in (1, -1)
+    )
+    assert (adjoint * way).sum() == pytest.approx((ahead.value - back.value) / (2 * step), rel=1e-7)
