@@ -99,7 +99,10 @@ TABLE: dict[str, dict[str, Case]] = {
         "--out": Refused("--out here", "--out: only with --fea"),
         "--json": Acts("", "--json"),
     },
-    "balancer": {"--json": Acts("", "--json")},
+    "balancer": {
+        "--redesign": Shown("cli/test_balancer.py::test_a_redesign_is_written_into_the_text_of_the_design"),
+        "--json": Acts("", "--json"),
+    },
     "balance": {
         "--report": Acts("", "--report b.md"),
         "--propose": Acts("", "--propose 50%"),

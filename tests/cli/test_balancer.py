@@ -66,3 +66,29 @@ def test_two_bearings_at_one_place(capsys, tmp_path):
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert "balancer.bearing" in err
+
+
+def test_a_redesign_is_written_into_the_text_of_the_design(capsys, tmp_path):
+    """Its comments stay; the file says of itself what the redesign was told to have."""
+    file = tmp_path / "new-shaft.toml"
+    code, text, err = run(capsys, "balancer-shaft", "--redesign", str(file))
+    assert code == 0, err
+    assert text.startswith("Every limit holds: mass of the shaft 3.348 -> ")
+    assert "# 112.2, 43.4 and 40.8 N" in file.read_text(encoding="utf-8")
+    told = json.loads(run(capsys, "balancer-shaft", "--redesign", str(tmp_path / "again.toml"), "--json")[1])
+    again = json.loads(run(capsys, str(file), "--json")[1])
+    assert again["mass_kg"] == told["redesign"]["result_kg"] < told["redesign"]["start_kg"]
+    assert again["probes"][0]["deflection_mm"] == told["probes"][0]["deflection_mm"] < 0.025
+    assert len(again["bearings"]) == 3 + told["redesign"]["added_bearings"] == 4
+
+
+def test_a_redesign_that_there_is_none_of_writes_nothing(capsys, tmp_path):
+    design, file = tmp_path / "b.toml", tmp_path / "new.toml"
+    design.write_text(TEXT.replace("deflection_mm = 0.025", "deflection_mm = 0.0005"))
+    code, _, err = run(capsys, str(design), "--redesign", str(file))
+    assert code == 3
+    assert "deflection of spline" in err
+    assert not file.exists()
+    code, _, err = run(capsys, "balancer-shaft", "--redesign", str(tmp_path / "new.json"))
+    assert code == 2
+    assert ".toml" in err

@@ -64,7 +64,11 @@ def check_balancer(design: DesignLike) -> BalancerStrength:
             strength of its material that is missing.
     """
     scene = as_scene(design)
-    part = _checked(scene)
+    return strength_of(scene, checked_part(scene))
+
+
+def strength_of(scene: Scene, part: BalancerPart) -> BalancerStrength:
+    """Return the strength of a shaft that is checked."""
     loaded = _load(scene, part)
     return BalancerStrength(
         design=scene.name,
@@ -93,7 +97,8 @@ def check_balancer(design: DesignLike) -> BalancerStrength:
     )
 
 
-def _checked(scene: Scene) -> BalancerPart:
+def checked_part(scene: Scene) -> BalancerPart:
+    """Return the shaft of a design; raises CranktopoError as `check_balancer` where it is none."""
     part = scene.balancer
     if part is None:
         raise CranktopoError(
@@ -102,7 +107,7 @@ def _checked(scene: Scene) -> BalancerPart:
         )
     if not part.step:
         raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
-    radial = [round(b.z_mm, _PLACES) for b in part.bearing if not _is_thrust(b)]
+    radial = [round(b.z_mm, _PLACES) for b in part.bearing if not is_thrust(b)]
     if len(set(radial)) < max(2, len(radial)):
         raise scene.invalid("balancer.bearing", "needs at least two radial bearings, each at another place")
     for one in part.placed:
@@ -132,7 +137,8 @@ def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
     return scene.model_copy(update={"material": part.material or scene.material})
 
 
-def _is_thrust(bearing: BalancerBearing) -> bool:
+def is_thrust(bearing: BalancerBearing) -> bool:
+    """Tell whether a bearing carries along the shaft alone."""
     return bearing.roller_bearing is not None and bearing.roller_bearing.kind == "thrust"
 
 
@@ -179,7 +185,7 @@ def _load(scene: Scene, part: BalancerPart) -> _LoadedShaft:
         at, out = _nearest(beam, part.gear.z_mm), cmath.rect(1.0, math.radians(part.gear.deg))
         gear[at] = out * (-forces.radial_N + 1j * forces.tangential_N)
         couple[at] = -out * forces.axial_N * part.gear.pitch_radius_mm
-    supports = {_nearest(beam, b.z_mm): _spring_N_per_mm(b) for b in part.bearing if not _is_thrust(b)}
+    supports = {_nearest(beam, b.z_mm): _spring_N_per_mm(b) for b in part.bearing if not is_thrust(b)}
     return _LoadedShaft(
         scene, part, beam, bend(beam, supports, weights, nowhere), bend(beam, supports, gear, couple)
     )
@@ -199,7 +205,7 @@ def _both(loaded: _LoadedShaft, name: str, z_mm: float) -> float:
 def _bearings(loaded: _LoadedShaft) -> Iterator[ShaftBearingLoad]:
     forces = _gear(loaded.part)
     for bearing in loaded.part.bearing:
-        thrust, rollers = _is_thrust(bearing), bearing.roller_bearing
+        thrust, rollers = is_thrust(bearing), bearing.roller_bearing
         node = loaded.node(bearing.z_mm)
         weights = 0j if thrust else complex(loaded.by_weights.reaction_N[node])
         gear = 0j if thrust else complex(loaded.by_gear.reaction_N[node])
@@ -227,12 +233,13 @@ def _equivalent(part: BalancerPart, weights: complex, gear: complex, axial: floa
     turn = np.exp(2j * np.pi * np.arange(_TURN_POINTS) / _TURN_POINTS)
     steps = [(s.at_rpm, s.share) for s in part.speed] or [(part.max_speed_rpm, 1.0)]
     turns = np.array([speed * share for speed, share in steps])
-    loads = [
-        equivalent_load_N(np.abs(weights * (speed / part.max_speed_rpm) ** 2 + gear * turn) + axial)
-        for speed, _ in steps
-    ]
-    repeats = np.maximum(np.round(turns / turns.sum() * 1e5), 1).astype(int)
-    return equivalent_load_N(np.repeat(loads, repeats)), float(turns.sum() / sum(share for _, share in steps))
+    loads = np.array(
+        [
+            equivalent_load_N(np.abs(weights * (speed / part.max_speed_rpm) ** 2 + gear * turn) + axial)
+            for speed, _ in steps
+        ]
+    )
+    return equivalent_load_N(loads, turns), float(turns.sum() / sum(share for _, share in steps))
 
 
 def _notch(loaded: _LoadedShaft, notch: ShaftNotch) -> NotchCheck:
