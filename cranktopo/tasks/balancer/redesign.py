@@ -16,8 +16,8 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import at_work
-from cranktopo.design.balancer import BalancerPart
-from cranktopo.design.loading import key_parts, value_at
+from cranktopo.design.balancer import BalancerBearing, BalancerPart
+from cranktopo.design.loading import value_at
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise, minimise_violation
@@ -39,11 +39,17 @@ _PRICE = 100.0
 
 @dataclass(frozen=True)
 class _Free:
-    """A dimension that is free, by its key path in the proposed scene; one of an added bearing has no own."""
+    """A free dimension of an entry of steps or bearings; one of an added bearing has no value of its own."""
 
-    key: str
+    rows: Literal["step", "bearing"]
+    number: int
+    name: str
     own_mm: float | None
     range_mm: tuple[float, float]
+
+    @property
+    def key(self) -> str:
+        return f"balancer.{self.rows}[{self.number}].{self.name}"
 
 
 def redesign_balancer(design: DesignLike) -> tuple[Scene, BalancerStrength]:
@@ -60,8 +66,8 @@ def redesign_balancer(design: DesignLike) -> tuple[Scene, BalancerStrength]:
     before = check_balancer(scene)
     proposed = _proposed(scene)
     _check_ranges(proposed)
-    task = _Task(scene, proposed, before, tuple(_free(proposed, len(_part(scene).bearing))))
-    if not task.free and proposed == scene:
+    task = _Task(proposed, before, tuple(_free(proposed, len(_part(scene).bearing))))
+    if not task.free and not _added(scene):
         raise CranktopoError(
             f"{scene.name}: balancer: nothing is free for a redesign.",
             hint="Give free_diameter_mm or free_bore_mm of a [[balancer.step]], free_z_mm of a "
@@ -103,9 +109,8 @@ def changes_of(scene: Scene, found: BalancerStrength) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Task:
-    """A search: given and proposed shaft, the strength of the first, what is free."""
+    """A search: the proposed shaft, the strength of the given one, what is free."""
 
-    scene: Scene
     proposed: Scene
     before: BalancerStrength
     free: tuple[_Free, ...]
@@ -168,14 +173,12 @@ class _Task:
 
     def _at(self, values: Sequence[float]) -> Scene:
         """The proposed design with these dimensions, not checked."""
-        changed: dict[str, list[Any]] = {
-            "step": list(_part(self.proposed).step),
-            "bearing": list(_part(self.proposed).bearing),
-        }
+        own = _part(self.proposed)
+        changed: dict[str, list[Any]] = {"step": list(own.step), "bearing": list(own.bearing)}
         for one, value in zip(self.free, values, strict=True):
-            _, table, number, name = key_parts(one.key)
-            changed[table][number] = changed[table][number].model_copy(update={name: value})
-        part = _part(self.proposed).model_copy(update={name: tuple(rows) for name, rows in changed.items()})
+            rows = changed[one.rows]
+            rows[one.number] = rows[one.number].model_copy(update={one.name: value})
+        part = own.model_copy(update={name: tuple(rows) for name, rows in changed.items()})
         return self.proposed.model_copy(update={"balancer": part})
 
 
@@ -185,11 +188,16 @@ def _part(scene: Scene) -> BalancerPart:
 
 
 def _proposed(scene: Scene) -> Scene:
-    """The design with the bearings that its redesign adds."""
+    """The design with the bearings that its redesign adds, which are its own then."""
     part = _part(scene)
-    added = part.redesign.bearing if part.redesign else ()
-    proposed = part.model_copy(update={"bearing": (*part.bearing, *added)})
-    return scene.model_copy(update={"balancer": proposed})
+    rest = part.redesign and part.redesign.model_copy(update={"bearing": ()})
+    changed = {"bearing": (*part.bearing, *_added(scene)), "redesign": rest}
+    return scene.model_copy(update={"balancer": part.model_copy(update=changed)})
+
+
+def _added(scene: Scene) -> tuple[BalancerBearing, ...]:
+    redesign = _part(scene).redesign
+    return redesign.bearing if redesign else ()
 
 
 def _free(scene: Scene, own_bearings: int) -> Iterator[_Free]:
@@ -199,11 +207,11 @@ def _free(scene: Scene, own_bearings: int) -> Iterator[_Free]:
         for name in ("diameter_mm", "bore_mm"):
             found = getattr(step, f"free_{name}")
             if found is not None:
-                yield _Free(f"balancer.step[{number}].{name}", getattr(step, name), found)
+                yield _Free("step", number, name, getattr(step, name), found)
     for number, bearing in enumerate(part.bearing):
         if bearing.free_z_mm is not None:
             own = bearing.z_mm if number < own_bearings else None
-            yield _Free(f"balancer.bearing[{number}].z_mm", own, bearing.free_z_mm)
+            yield _Free("bearing", number, "z_mm", own, bearing.free_z_mm)
 
 
 def _check_ranges(scene: Scene) -> None:

@@ -81,6 +81,13 @@ def test_the_nearest_shaft_is_told_where_none_keeps_every_limit():
         redesign_balancer(free)
 
 
+def test_a_redesign_of_a_redesign_adds_nothing_again():
+    scene, first = redesign_balancer(SCENE)
+    _, second = redesign_balancer(scene)
+    assert (first.redesign.added_bearings, second.redesign.added_bearings) == (1, 0)
+    assert second.mass_kg == pytest.approx(first.mass_kg, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("tables", "words"),
     [
