@@ -9,7 +9,7 @@ What a command does is one call as well: `optimise_design`, `resume_optimisation
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `shaft_modes`, `sweep`, `check_bolts`,
 `check_rod_strength`, `check_rod_elements`, `lighten_rod`, `lighten_rod_by_elements`, `check_balancer`,
-`redesign_balancer`, `oil_films`,
+`redesign_balancer`, `draw_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.accuracy.stage import AccuracyStudy, study_accuracy
     from cranktopo.tasks.balance.result import Balance, balance_result
     from cranktopo.tasks.balance.stage import report_balance
+    from cranktopo.tasks.balancer.drawing import draw_balancer
     from cranktopo.tasks.balancer.redesign import redesign_balancer
     from cranktopo.tasks.balancer.result import BalancerStrength
     from cranktopo.tasks.balancer.stage import check_balancer
@@ -210,6 +211,7 @@ _HOMES = {
     "RodElements": "tasks.rod.result",
     "RodStrength": "tasks.rod.result",
     "check_balancer": "tasks.balancer.stage",
+    "draw_balancer": "tasks.balancer.drawing",
     "redesign_balancer": "tasks.balancer.redesign",
     "check_bolts": "tasks.bolts.stage",
     "check_rod_elements": "tasks.rod.element_stage",
@@ -292,6 +294,7 @@ __all__ = [
     "comparison_result",
     "continue_loop",
     "double_precision",
+    "draw_balancer",
     "draw_crank",
     "engine_balance",
     "evaluate_sensitivities",

@@ -101,6 +101,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "balancer": {
         "--redesign": Shown("cli/test_balancer.py::test_a_redesign_is_written_into_the_text_of_the_design"),
+        "--drawing": Shown("cli/test_balancer.py::test_the_drawing_of_the_shaft"),
         "--json": Acts("", "--json"),
     },
     "balance": {

@@ -44,7 +44,7 @@ BEHIND = {
     "modes": ["shaft_modes"],
     "bolts": ["check_bolts"],
     "rod": ["check_rod_strength", "check_rod_elements", "lighten_rod", "lighten_rod_by_elements"],
-    "balancer": ["check_balancer", "redesign_balancer"],
+    "balancer": ["check_balancer", "redesign_balancer", "draw_balancer"],
     "film": ["oil_films"],
     "extract": ["extract_surface"],
     "remodel": ["remodel_run"],

@@ -50,7 +50,7 @@ class _LoadedShaft:
 
     @property
     def material(self) -> Material:
-        return self.part.material or self.scene.material
+        return part_material(self.scene, self.part)
 
     def node(self, z_mm: float) -> int:
         return _nearest(self.beam, z_mm)
@@ -120,7 +120,7 @@ def checked_part(scene: Scene) -> BalancerPart:
         if step.bore_mm >= step.diameter_mm:
             raise scene.invalid(f"balancer.step[{number}].bore_mm", "must be less than its diameter_mm")
     for number, notch in enumerate(part.notch):
-        outer, bore = _section(part, notch.z_mm)
+        outer, bore = section_at(part, notch.z_mm)
         low, high = (bore, outer) if notch.kind == "groove" else (0.0, outer / 2)
         if not low < notch.diameter_mm < high:
             raise scene.invalid(
@@ -133,8 +133,13 @@ def checked_part(scene: Scene) -> BalancerPart:
     return part
 
 
+def part_material(scene: Scene, part: BalancerPart) -> Material:
+    """Return the material of a shaft."""
+    return part.material or scene.material
+
+
 def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
-    return scene.model_copy(update={"material": part.material or scene.material})
+    return scene.model_copy(update={"material": part_material(scene, part)})
 
 
 def is_thrust(bearing: BalancerBearing) -> bool:
@@ -142,8 +147,8 @@ def is_thrust(bearing: BalancerBearing) -> bool:
     return bearing.roller_bearing is not None and bearing.roller_bearing.kind == "thrust"
 
 
-def _section(part: BalancerPart, z_mm: float) -> tuple[float, float]:
-    """Outer diameter and bore at a place; at a step the thinner side."""
+def section_at(part: BalancerPart, z_mm: float) -> tuple[float, float]:
+    """Return outer diameter and bore at a place; at a step the thinner side."""
     ends = np.cumsum([0.0, *(step.length_mm for step in part.step)])
     at = [s for s, a, b in zip(part.step, ends, ends[1:], strict=False) if a - 1e-9 <= z_mm <= b + 1e-9]
     thin = min(at, key=lambda step: step.diameter_mm**4 - step.bore_mm**4)
@@ -167,7 +172,7 @@ def _gear(part: BalancerPart) -> GearForces | None:
 
 
 def _load(scene: Scene, part: BalancerPart) -> _LoadedShaft:
-    material = part.material or scene.material
+    material = part_material(scene, part)
     ends = np.round(np.cumsum([0.0, *(step.length_mm for step in part.step)]), _PLACES)
     z = np.unique(np.round([*ends, *(one.z_mm for one in part.placed)], _PLACES)).astype(float)
     middle = (z[1:] + z[:-1]) / 2
@@ -243,7 +248,7 @@ def _equivalent(part: BalancerPart, weights: complex, gear: complex, axial: floa
 
 
 def _notch(loaded: _LoadedShaft, notch: ShaftNotch) -> NotchCheck:
-    outer, bore = _section(loaded.part, notch.z_mm)
+    outer, bore = section_at(loaded.part, notch.z_mm)
     per_moment, factor, gradient = notch_stress(notch, outer, bore)
     node = loaded.node(notch.z_mm)
     steady = float(abs(loaded.by_weights.moment_Nmm[node])) * per_moment
