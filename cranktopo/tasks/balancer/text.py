@@ -53,9 +53,9 @@ _NOTCHES: tuple[Column[NotchCheck], ...] = (
 _LIMITS: tuple[Column[KeptLimit], ...] = (
     Column("quantity", 0, lambda k: k.quantity),
     Column("unit", 0, lambda k: k.unit),
-    Column("before", 0, lambda k: f"{k.before:.4g}"),
-    Column("after", 0, lambda k: f"{k.after:.4g}"),
-    Column("limit", 0, lambda k: f"{k.sense} {k.limit:.4g}"),
+    Column("before", 0, lambda k: _digits(k.before)),
+    Column("after", 0, lambda k: _digits(k.after)),
+    Column("limit", 0, lambda k: f"{k.sense} {_digits(k.limit)}"),
 )
 _DIMENSIONS: tuple[Column[ShaftDimension], ...] = (
     Column("dimension", 0, lambda d: d.key.removeprefix("balancer.")),
@@ -64,6 +64,11 @@ _DIMENSIONS: tuple[Column[ShaftDimension], ...] = (
     Column("low_mm", 2, lambda d: d.low_mm),
     Column("high_mm", 2, lambda d: d.high_mm),
 )
+
+
+def _digits(value: float) -> str:
+    """Return a number with four digits at least."""
+    return f"{value:.0f}" if value >= 1000 else f"{value:.4g}"
 
 
 def balancer_text(shaft: BalancerStrength) -> str:
