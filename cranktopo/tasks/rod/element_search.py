@@ -3,7 +3,7 @@
 Each place by elements has a section of the closed form. The ratio of both safeties is known for each rod that
 elements have judged. Between and beyond these rods it is a product of powers of the dimensions, with the
 smallest exponents that meet all of them: the next search knows what the last one has lost without a gradient
-of elements. Where elements refuse a rod all the same, the next one is nearer to the best so far.
+of elements. Where a rod is no better than the best so far all the same, the next one is nearer to that.
 
 Source: D. Echeverria, P. W. Hemker, Space mapping and defect correction, CMAM 5, 2005 (manifold mapping).
 """
@@ -30,12 +30,12 @@ Judge = Callable[[Scene], RodOnElements]
 """Strength of a design's rod with that by elements."""
 _ROUNDS = 8
 """Most rods that are judged by elements after the own one."""
-_KEPT = 2e-3
-"""Share by which safeties are kept above those of the own rod: what a new mesh changes."""
+_KEPT = 5e-3
+"""Share by which safeties are kept above those of the own rod: rods come from below, and meshes differ."""
 _SETTLED = 5e-3
 """Share of the mass that one rod saves beside the last one, below which the rounds end."""
-_SHORTER, _NEAREST = 0.5, 0.03
-"""Reach of the next search over the distance of a rod that was refused; the least that it is worth."""
+_SHORTER, _LONGER, _NEAREST = 0.5, 2.0, 0.03
+"""Reach of the next search over the distance of a rod that is no better, over the last reach; the least."""
 _NOISE = 0.1
 """Share of the largest difference of rods below which directions have no slope: meshes differ, too."""
 
@@ -77,29 +77,34 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
     Raises:
         CranktopoError: as the judge does, or no lighter rod was found.
     """
-    first = judge(search.scene)
-    own = best = _Judged(search.scene, np.ones(len(search.names)), first.strength)
-    found, tried, reach = first, [own], np.inf
+    own = _Judged(search.scene, np.ones(len(search.names)), judge(search.scene).strength)
+    tried, best, found, reach = [own], own, None, np.inf
     for number in range(1, _ROUNDS + 1):
         near = search.within(best.values, reach)
-        lighter = search.rod_at(near.best(_limits(tried, best, own), tried[-1].values))
+        lighter = search.rod_at(near.best(_limits(tried, best, own), best.values))
         answer = judge(lighter)
         last = _Judged(lighter, search.values_of(lighter), answer.strength)
-        note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
         tried.append(last)
-        gain = 1 - last.kg / best.kg
-        if gain > 0 and last.is_safe_beside(own) and search.is_better(lighter, last.strength):
-            best, found = last, answer
-            if gain < _SETTLED and best is not own:
-                break
+        note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
+        lost, least = _lost(search, own, last), np.inf if best is own else _lost(search, own, best)
+        if (lost, last.kg) < (least, best.kg):
+            settled = least == lost == 0 and last.kg > (1 - _SETTLED) * best.kg
+            best, found, reach = last, answer, _LONGER * reach
         else:
             reach = _SHORTER * best.distance(last)
-            if reach < _NEAREST:
-                break
-    if best is own:
+            settled = least == 0 and reach < _NEAREST
+        if settled:
+            break
+    if found is None or _lost(search, own, best) > 0:
         raise search.nothing_found(" by elements")
     told = search.told(best.scene, best.strength)
     return best.scene, found.with_search(_with_elements(told, own, best, len(tried) - 1))
+
+
+def _lost(search: RodSearch, own: _Judged, one: _Judged) -> float:
+    """Share of the safety by elements that a rod has lost; 0 of one that is lighter at no less safety."""
+    lost = max(1 - mine / its for mine, its in zip(one.safeties, own.safeties, strict=True))
+    return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,9 +132,6 @@ class _Judged:
     def distance(self, other: _Judged) -> float:
         """Largest change of a dimension from one to the other."""
         return float(np.abs(self.values - other.values).max())
-
-    def is_safe_beside(self, own: _Judged) -> bool:
-        return all(mine >= its for mine, its in zip(self.safeties, own.safeties, strict=True))
 
     def ratios(self) -> dict[str, Array]:
         """Logarithm of both safeties of each place by elements over those of its section."""

@@ -11,6 +11,7 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import load_scene
+from cranktopo.tasks.rod import element_search
 from cranktopo.tasks.rod.element_search import corrected_search
 from cranktopo.tasks.rod.element_stage import RodOnElements
 from cranktopo.tasks.rod.element_stress import PLACES
@@ -86,8 +87,9 @@ def test_the_lightest_rod_of_a_grid_is_found_where_the_closed_form_is_blind():
     assert 2 <= lighter.rods_by_elements <= 8
 
 
-def test_a_judge_whom_no_lighter_rod_suits_ends_the_search():
-    """Every change of the rod costs safety, and nothing gives it back."""
+def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):
+    """Every change of the rod costs half of the safety, and nothing gives it back."""
+    monkeypatch.setattr(element_search, "_ROUNDS", 2)
 
     def strict(scene):
         return told(scene, lambda _: 1.0 if scene == OWN else 0.5)
