@@ -59,7 +59,7 @@ def command(
     its solid.
 
     With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
-    eyes, or with --contact where rigid pins touch.
+    eyes, or with --contact where rigid pins touch. A rod of --lighter is then no less safe by elements, too.
 
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
