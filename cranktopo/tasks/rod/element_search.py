@@ -3,7 +3,8 @@
 Each place by elements has a section of the closed form. The ratio of both safeties is known for each rod that
 elements have judged. Between and beyond these rods it is a product of powers of the dimensions, with the
 smallest exponents that meet all of them: the next search knows what the last one has lost without a gradient
-of elements. Where a rod is no better than the best so far all the same, the next one is nearer to that.
+of elements. Where a rod is no better than the best so far all the same, the next one is nearer to that. One
+exponent is known before: the small end carries its push over the width of the shank alone, not over its own.
 
 Source: D. Echeverria, P. W. Hemker, Space mapping and defect correction, CMAM 5, 2005 (manifold mapping).
 """
@@ -38,6 +39,8 @@ _SHORTER, _LONGER, _NEAREST = 0.5, 2.0, 0.03
 """Reach of the next search over the distance of a rod that is no better, over the last reach; the least."""
 _NOISE = 0.1
 """Share of the largest difference of rods below which directions have no slope: meshes differ, too."""
+
+_CARRIED, _WIDTH = "small end", "shank_width_mm"
 
 
 def lighten_rod_by_elements(
@@ -81,7 +84,7 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
     tried, best, found, reach = [own], own, None, np.inf
     for number in range(1, _ROUNDS + 1):
         near = search.within(best.values, reach)
-        lighter = search.rod_at(near.best(_limits(tried, best, own), best.values))
+        lighter = search.rod_at(near.best(_limits(search.names, tried, best), best.values))
         answer = judge(lighter)
         last = _Judged(lighter, search.values_of(lighter), answer.strength)
         tried.append(last)
@@ -146,8 +149,11 @@ def _both(one: RodPlace | RodSectionCheck) -> Array:
     return np.array([one.yield_safety, one.fatigue_safety])
 
 
-def _limits(tried: Sequence[_Judged], at: _Judged, own: _Judged) -> Limits:
-    """Return the limits by corrected safeties, exact at one rod: values that must stay below 0."""
+def _limits(names: Sequence[str], tried: Sequence[_Judged], at: _Judged) -> Limits:
+    """Return the limits by corrected safeties, exact at one rod: values that must stay below 0.
+
+    The first rod that was tried is the own one.
+    """
     known = [one.ratios() for one in tried]
     places = [name for name in known[0] if all(name in one for one in known)]
     ratios = np.array([[one[name] for name in places] for one in known])
@@ -155,10 +161,12 @@ def _limits(tried: Sequence[_Judged], at: _Judged, own: _Judged) -> Limits:
     moves = np.log([one.values for one in tried]) - there
     # far and near rods count alike, but for those so near that the change of the mesh is in their slope
     scale = 1 / np.maximum(np.abs(moves).max(axis=1), _NEAREST)
-    slopes = np.tensordot(
-        np.linalg.pinv(scale[:, None] * moves, _NOISE), scale[:, None, None] * (ratios - here), axes=1
+    slopes = _known_slopes(names, places)
+    missed = ratios - here - np.tensordot(moves, slopes, axes=1)
+    slopes += np.tensordot(
+        np.linalg.pinv(scale[:, None] * moves, _NOISE), scale[:, None, None] * missed, axes=1
     )
-    least = np.array(own.safeties)
+    least = np.array(tried[0].safeties)
 
     def limits(values: Array, found: RodStrength) -> Array:
         closed = np.array([_both(found.section_of(name)) for name in places])
@@ -166,6 +174,14 @@ def _limits(tried: Sequence[_Judged], at: _Judged, own: _Judged) -> Limits:
         return np.asarray(1 + _KEPT - closed * np.exp(ratio) / least).ravel()
 
     return limits
+
+
+def _known_slopes(names: Sequence[str], places: Sequence[str]) -> Array:
+    """Exponents of the dimensions in the ratios that are expected, (dimensions, places, 2)."""
+    slopes = np.zeros((len(names), len(places), 2))
+    if _WIDTH in names and _CARRIED in places:
+        slopes[list(names).index(_WIDTH), list(places).index(_CARRIED)] = 1.0
+    return slopes
 
 
 def _line(own: _Judged, one: _Judged) -> str:
