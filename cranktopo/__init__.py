@@ -8,7 +8,8 @@ The stages, in the order in which data flows through them; each takes what the o
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
 `remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
 `compare_targets`, `assess_fatigue`, `shaft_vibration`, `shaft_modes`, `sweep`, `check_bolts`,
-`check_rod_strength`, `check_rod_elements`, `lighten_rod`, `check_balancer`, `oil_films`,
+`check_rod_strength`, `check_rod_elements`, `lighten_rod`, `lighten_rod_by_elements`, `check_balancer`,
+`redesign_balancer`, `draw_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`,
 `summarise_runs`, `clean_runs`, `check_machine`.
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.accuracy.stage import AccuracyStudy, study_accuracy
     from cranktopo.tasks.balance.result import Balance, balance_result
     from cranktopo.tasks.balance.stage import report_balance
+    from cranktopo.tasks.balancer.drawing import draw_balancer
+    from cranktopo.tasks.balancer.redesign import redesign_balancer
     from cranktopo.tasks.balancer.result import BalancerStrength
     from cranktopo.tasks.balancer.stage import check_balancer
     from cranktopo.tasks.bolts.result import BoltChecks
@@ -86,6 +89,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
+    from cranktopo.tasks.rod.element_search import lighten_rod_by_elements
     from cranktopo.tasks.rod.element_stage import check_rod_elements
     from cranktopo.tasks.rod.lighter import lighten_rod
     from cranktopo.tasks.rod.result import LighterRod, RodElements, RodStrength
@@ -208,11 +212,14 @@ _HOMES = {
     "RodElements": "tasks.rod.result",
     "RodStrength": "tasks.rod.result",
     "check_balancer": "tasks.balancer.stage",
+    "draw_balancer": "tasks.balancer.drawing",
+    "redesign_balancer": "tasks.balancer.redesign",
     "check_bolts": "tasks.bolts.stage",
     "check_rod_elements": "tasks.rod.element_stage",
     "check_rod_strength": "tasks.rod.stage",
     "LighterRod": "tasks.rod.result",
     "lighten_rod": "tasks.rod.lighter",
+    "lighten_rod_by_elements": "tasks.rod.element_search",
     "shaft_vibration": "tasks.vibration.stage",
     "shaft_modes": "tasks.modes.stage",
     "FilmResult": "tasks.film.result",
@@ -288,6 +295,7 @@ __all__ = [
     "comparison_result",
     "continue_loop",
     "double_precision",
+    "draw_balancer",
     "draw_crank",
     "engine_balance",
     "evaluate_sensitivities",
@@ -299,6 +307,7 @@ __all__ = [
     "fit_web",
     "import_crank",
     "lighten_rod",
+    "lighten_rod_by_elements",
     "load_cases",
     "load_scene",
     "loads_at_speeds",
@@ -310,6 +319,7 @@ __all__ = [
     "plan",
     "plot_load_curves",
     "prepare",
+    "redesign_balancer",
     "remodel_run",
     "report_balance",
     "report_comparison",

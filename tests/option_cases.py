@@ -99,7 +99,11 @@ TABLE: dict[str, dict[str, Case]] = {
         "--out": Refused("--out here", "--out: only with --fea"),
         "--json": Acts("", "--json"),
     },
-    "balancer": {"--json": Acts("", "--json")},
+    "balancer": {
+        "--redesign": Shown("cli/test_balancer.py::test_a_redesign_is_written_into_the_text_of_the_design"),
+        "--drawing": Shown("cli/test_balancer.py::test_the_drawing_of_the_shaft"),
+        "--json": Acts("", "--json"),
+    },
     "balance": {
         "--report": Acts("", "--report b.md"),
         "--propose": Acts("", "--propose 50%"),

@@ -20,6 +20,7 @@ from cranktopo.design.bolt import Bolt
 from cranktopo.design.engine import Gear
 from cranktopo.design.material import Material
 from cranktopo.design.shaft import RollerBearing
+from cranktopo.design.shape import Range
 
 _Angle = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
 
@@ -33,6 +34,10 @@ class ShaftStep(SceneTable):
     """Outer diameter."""
     bore_mm: LengthOrZero = 0.0
     """Diameter of its bore."""
+    free_diameter_mm: Range | None = Field(default=None, examples=[[40.0, 50.0]])
+    """Range of the outer diameter in `balancer --redesign`; without it the diameter stays."""
+    free_bore_mm: Range | None = Field(default=None, examples=[[0.0, 30.0]])
+    """Range of the bore's diameter in `balancer --redesign`; without it the bore stays."""
 
 
 class ShaftWeight(SceneTable):
@@ -59,6 +64,8 @@ class BalancerBearing(SceneTable):
     roller_bearing: RollerBearing | None = None
     roller_length_mm: Length | None = Field(default=None, examples=[15.3])
     """Length of the rollers where the reactions of the table are those of one millimetre of a roller."""
+    free_z_mm: Range | None = Field(default=None, examples=[[270.0, 285.0]])
+    """Range of its place in `balancer --redesign`; without it the place stays."""
 
 
 class ShaftGear(Gear):
@@ -105,6 +112,15 @@ class SpeedStep(SceneTable):
     """Share of the time; shares count by their sum."""
 
 
+class BalancerRedesign(SceneTable):
+    """What `cranktopo balancer --redesign` wants and adds; steps and bearings say what it may change."""
+
+    deflection_mm: SmallLength | None = Field(default=None, examples=[0.025])
+    """Largest deflection of every `[[balancer.probe]]`; by default what each permits, or has."""
+    bearing: tuple[BalancerBearing, ...] = Field(default=(), max_length=8)
+    """Bearings that it adds to those of the shaft."""
+
+
 class BalancerPart(SceneTable):
     """A balancer shaft as a part, for `cranktopo balancer`: a beam on its bearings.
 
@@ -124,6 +140,7 @@ class BalancerPart(SceneTable):
     notch: tuple[ShaftNotch, ...] = Field(default=(), max_length=32)
     probe: tuple[ShaftProbe, ...] = Field(default=(), max_length=32)
     speed: tuple[SpeedStep, ...] = Field(default=(), max_length=64)
+    redesign: BalancerRedesign | None = None
 
     @property
     def placed(self) -> tuple[ShaftWeight | BalancerBearing | ShaftNotch | ShaftProbe | ShaftGear, ...]:

@@ -89,9 +89,13 @@ def _roller_bearing_spring_N_per_mm(bearing: RollerBearing) -> float:
     return bearing.rollers * roller_spring_N_per_mm(bearing) / 4
 
 
-def equivalent_load_N(load_N: Array) -> float:
-    """Constant load of a roller bearing under which it lives as long as under loads at even steps."""
-    return float(np.mean(np.abs(load_N) ** _LIFE_EXPONENT) ** (1 / _LIFE_EXPONENT))
+def equivalent_load_N(load_N: Array, turns: Array | None = None) -> float:
+    """Constant load of a roller bearing under which it lives as long as under loads.
+
+    Args:
+        turns: share of the turns of each load; by default they are at even steps.
+    """
+    return float(np.average(np.abs(load_N) ** _LIFE_EXPONENT, weights=turns) ** (1 / _LIFE_EXPONENT))
 
 
 def rating_life_h(dynamic_rating_kN: float, equivalent_N: float, speed_rpm: float) -> float:

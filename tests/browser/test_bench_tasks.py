@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from cranktopo.bodies.solid.files import export_solid
+from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.proposals import counterweight_changes
 from tests.browser.bench_page import JOB_MS, Actions, gauge, reads, settled, shown

@@ -1,11 +1,17 @@
 """The command `balancer` as a user runs it."""
 
 import json
+import math
+from datetime import datetime
 
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.named import with_values
+from cranktopo.tasks.balancer.drawing import balancer_page
+from cranktopo.tasks.balancer.stage import check_balancer
+from cranktopo.tasks.drawing.sheet import pages_figure
 
 TEXT = (designs_folder() / "balancer-shaft.toml").read_text(encoding="utf-8")
 
@@ -66,3 +72,60 @@ def test_two_bearings_at_one_place(capsys, tmp_path):
     code, _, err = run(capsys, str(design))
     assert code == 3
     assert "balancer.bearing" in err
+
+
+def test_a_redesign_is_written_into_the_text_of_the_design(capsys, tmp_path):
+    """Its comments stay; the file says of itself what the redesign was told to have."""
+    file = tmp_path / "new-shaft.toml"
+    code, text, err = run(capsys, "balancer-shaft", "--redesign", str(file))
+    assert code == 0, err
+    assert text.startswith("Every limit holds: mass of the shaft 3.348 -> ")
+    assert "# 112.2, 43.4 and 40.8 N" in file.read_text(encoding="utf-8")
+    told = json.loads(run(capsys, "balancer-shaft", "--redesign", str(tmp_path / "again.toml"), "--json")[1])
+    again = json.loads(run(capsys, str(file), "--json")[1])
+    assert again["mass_kg"] == told["redesign"]["result_kg"] < told["redesign"]["start_kg"]
+    assert again["probes"][0]["deflection_mm"] == told["probes"][0]["deflection_mm"] < 0.025
+    assert len(again["bearings"]) == 3 + told["redesign"]["added_bearings"] == 4
+
+
+def test_a_redesign_that_there_is_none_of_writes_nothing(capsys, tmp_path):
+    design, file = tmp_path / "b.toml", tmp_path / "new.toml"
+    design.write_text(TEXT.replace("deflection_mm = 0.025", "deflection_mm = 0.0005"))
+    code, _, err = run(capsys, str(design), "--redesign", str(file))
+    assert code == 3
+    assert "deflection of spline" in err
+    assert not file.exists()
+    code, _, err = run(capsys, "balancer-shaft", "--redesign", str(tmp_path / "new.json"))
+    assert code == 2
+    assert ".toml" in err
+
+
+def test_the_drawing_of_the_shaft(capsys, tmp_path):
+    """A PDF file, of the redesign where one is asked for."""
+    file = tmp_path / "shaft.pdf"
+    code, _, err = run(capsys, "balancer-shaft", "--drawing", str(file))
+    assert code == 0, err
+    assert file.read_bytes().startswith(b"%PDF")
+    code, _, err = run(capsys, "--drawing", str(tmp_path / "shaft.dxf"))
+    assert code == 2
+    assert ".svg" in err
+
+
+def test_the_drawing_says_what_the_scene_says():
+    """Dimension lines are as long as their numbers; the section, turned about the axis, has the mass."""
+    scene = load_scene("balancer-shaft")
+    scene = with_values(scene, {"balancer.step[0].bore_mm": 20.0, "balancer.step[1].bore_mm": 12.0})
+    end, along, detail = pages_figure([balancer_page(scene)], datetime(2026, 1, 1)).axes[:3]
+    measured = [line.measured for line in along.texts if hasattr(line, "measured")]
+    assert sorted(float(one.text) for one in measured) == [45.0, 75.0, 165.0, 285.0]
+    assert all(one.end[0] - one.start[0] == pytest.approx(float(one.text)) for one in measured)
+    words = [text.get_text() for text in along.texts]
+    for word in ("⌀45 h6 (0/-0.016), bore ⌀20", "⌀60 h6 (0/-0.019), bore ⌀12", "⌀25", "M1, N2", "B3", "P1"):
+        assert word in words
+    assert {"M1, M2"} <= {text.get_text() for text in end.texts}
+    assert {"R0.45", "⌀23", "1"} <= {text.get_text() for text in detail.texts}
+    section = next(patch for patch in along.patches if patch.get_hatch()).get_path().vertices
+    (z, r), (z1, r1) = section[:-1].T, section[1:].T
+    volume = abs(((z1 - z) * (r * r + r * r1 + r1 * r1)).sum()) * math.pi / 3
+    groove = math.pi * 2 * 0.45 * 1.0 * 24.0
+    assert volume == pytest.approx(check_balancer(scene).mass_kg / 7.85e-6 - groove, abs=0.2 * groove)

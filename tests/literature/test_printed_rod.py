@@ -184,9 +184,9 @@ def test_curved_beam_against_timoshenko_and_goodier(ratio, error):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "share"), [("mikron-iiic-rod-h", 0.96), ("mikron-iiic-rod-i", 0.86)])
+@pytest.mark.parametrize(("name", "share"), [("mikron-iiic-rod-h", 0.97), ("mikron-iiic-rod-i", 0.88)])
 def test_a_lighter_rod_than_printed_at_no_less_safety(name, share):
-    """No section less safe than the weakest of the printed rod; walls, eyes and bolts stay what they are."""
+    """No section less safe than the weakest of the printed rod; eyes and bolts stay, walls are no thinner."""
     changed, found = lighten_rod(name)
     assert found.result_kg < share * found.start_kg
     assert found.smallest_yield_safety[1] >= found.smallest_yield_safety[0]
@@ -194,4 +194,5 @@ def test_a_lighter_rod_than_printed_at_no_less_safety(name, share):
     assert found.crankpin_pull_N[1] < found.crankpin_pull_N[0]
     assert changed.rod.flange_mm >= 3.0
     assert changed.rod.web_mm >= 3.0
+    assert changed.rod.boss_width_mm >= load_scene(name).rod.boss_width_mm
     assert changed.rod.small_end_diameter_mm >= load_scene(name).rod.small_end_diameter_mm

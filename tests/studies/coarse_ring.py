@@ -13,11 +13,11 @@ import sys
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import design_text, value_at
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.coarse import coarse_stiffness
 from cranktopo.tasks.bench.coarse_error import stated_errors
-from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.tasks.bench.settled import settled_stiffness
 
 THROWS = ("mikron-iiic-plain", "mikron-iiic", "car-diesel", "opposed-piston")

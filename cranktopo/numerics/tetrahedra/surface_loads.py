@@ -18,7 +18,7 @@ def faces_where(model: Elasticity, inside: Callable[[Array], NDArray[np.bool_]])
     """Return the basis of the surface's faces whose three corners are inside; points have shape (3, n).
 
     Raises:
-        CranktopoError: no face is.
+        CranktopoError: no face is, or an element there is bent too much.
     """
     from skfem import ElementTetP2, FacetBasis
 
@@ -27,7 +27,14 @@ def faces_where(model: Elasticity, inside: Callable[[Array], NDArray[np.bool_]])
     chosen = outer[inside(mesh.p)[mesh.facets[:, outer]].all(axis=0)]
     if not len(chosen):
         raise solver_error("mesh: no element on a loaded face.", "Choose a smaller element size.")
-    return FacetBasis(mesh, ElementTetP2(), facets=chosen, intorder=LOAD_ORDER)
+    try:
+        return FacetBasis(mesh, ElementTetP2(), facets=chosen, intorder=LOAD_ORDER)
+    except Exception as error:  # scikit-fem has no class of its own for it
+        if not str(error).startswith("Newton iteration"):
+            raise
+        raise solver_error(
+            "mesh: an element on a loaded face is bent too much.", "Choose a smaller element size."
+        ) from None
 
 
 def pressure_force(model: Elasticity, faces: Any, pressure_MPa: Array) -> Array:

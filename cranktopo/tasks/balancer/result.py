@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.engine.balance.balancer_shafts import GearForces
 from cranktopo.tasks.bolts.result import JointCheck
@@ -68,6 +70,46 @@ class NotchCheck(Result):
     """As if the whole stress were reversed in every turn, as a force that stands still in space makes it."""
 
 
+class KeptLimit(Result):
+    """A quantity that a redesign has to keep within its limit."""
+
+    quantity: str
+    unit: str
+    sense: Literal["<=", ">="]
+    before: float
+    """Of the given shaft."""
+    after: float
+    limit: float
+
+    @property
+    def excess(self) -> float:
+        """Return by which share the limit is missed; negative where it is kept."""
+        return (self.after / self.limit - 1) * (1 if self.sense == "<=" else -1)
+
+
+class ShaftDimension(Result):
+    """A dimension that a redesign was free to change."""
+
+    key: str
+    """Key path in the scene of the redesign."""
+    start_mm: float | None
+    """Of the given shaft; null of a bearing that was added."""
+    value_mm: float
+    low_mm: float
+    high_mm: float
+
+
+class Redesign(Result):
+    """What a redesign changed of the given shaft."""
+
+    start_kg: float
+    result_kg: float
+    added_bearings: int
+    """Last ones of the bearings."""
+    limits: tuple[KeptLimit, ...]
+    dimensions: tuple[ShaftDimension, ...]
+
+
 class BalancerStrength(Result):
     """A balancer shaft of a design as a beam on its bearings."""
 
@@ -84,3 +126,5 @@ class BalancerStrength(Result):
     notches: tuple[NotchCheck, ...]
     joints: tuple[JointCheck, ...]
     """Bolts of the masses."""
+    redesign: Redesign | None = UNLESS_NONE
+    """With `--redesign`; the strength is then that of the new shaft."""

@@ -50,7 +50,7 @@ class _LoadedShaft:
 
     @property
     def material(self) -> Material:
-        return self.part.material or self.scene.material
+        return part_material(self.scene, self.part)
 
     def node(self, z_mm: float) -> int:
         return _nearest(self.beam, z_mm)
@@ -64,7 +64,11 @@ def check_balancer(design: DesignLike) -> BalancerStrength:
             strength of its material that is missing.
     """
     scene = as_scene(design)
-    part = _checked(scene)
+    return strength_of(scene, checked_part(scene))
+
+
+def strength_of(scene: Scene, part: BalancerPart) -> BalancerStrength:
+    """Return the strength of a shaft that is checked."""
     loaded = _load(scene, part)
     return BalancerStrength(
         design=scene.name,
@@ -93,7 +97,8 @@ def check_balancer(design: DesignLike) -> BalancerStrength:
     )
 
 
-def _checked(scene: Scene) -> BalancerPart:
+def checked_part(scene: Scene) -> BalancerPart:
+    """Return the shaft of a design; raises CranktopoError as `check_balancer` where it is none."""
     part = scene.balancer
     if part is None:
         raise CranktopoError(
@@ -102,7 +107,7 @@ def _checked(scene: Scene) -> BalancerPart:
         )
     if not part.step:
         raise scene.invalid("balancer.step", "needs at least one [[balancer.step]]")
-    radial = [round(b.z_mm, _PLACES) for b in part.bearing if not _is_thrust(b)]
+    radial = [round(b.z_mm, _PLACES) for b in part.bearing if not is_thrust(b)]
     if len(set(radial)) < max(2, len(radial)):
         raise scene.invalid("balancer.bearing", "needs at least two radial bearings, each at another place")
     for one in part.placed:
@@ -115,7 +120,7 @@ def _checked(scene: Scene) -> BalancerPart:
         if step.bore_mm >= step.diameter_mm:
             raise scene.invalid(f"balancer.step[{number}].bore_mm", "must be less than its diameter_mm")
     for number, notch in enumerate(part.notch):
-        outer, bore = _section(part, notch.z_mm)
+        outer, bore = section_at(part, notch.z_mm)
         low, high = (bore, outer) if notch.kind == "groove" else (0.0, outer / 2)
         if not low < notch.diameter_mm < high:
             raise scene.invalid(
@@ -128,16 +133,22 @@ def _checked(scene: Scene) -> BalancerPart:
     return part
 
 
+def part_material(scene: Scene, part: BalancerPart) -> Material:
+    """Return the material of a shaft."""
+    return part.material or scene.material
+
+
 def _of_its_material(scene: Scene, part: BalancerPart) -> Scene:
-    return scene.model_copy(update={"material": part.material or scene.material})
+    return scene.model_copy(update={"material": part_material(scene, part)})
 
 
-def _is_thrust(bearing: BalancerBearing) -> bool:
+def is_thrust(bearing: BalancerBearing) -> bool:
+    """Tell whether a bearing carries along the shaft alone."""
     return bearing.roller_bearing is not None and bearing.roller_bearing.kind == "thrust"
 
 
-def _section(part: BalancerPart, z_mm: float) -> tuple[float, float]:
-    """Outer diameter and bore at a place; at a step the thinner side."""
+def section_at(part: BalancerPart, z_mm: float) -> tuple[float, float]:
+    """Return outer diameter and bore at a place; at a step the thinner side."""
     ends = np.cumsum([0.0, *(step.length_mm for step in part.step)])
     at = [s for s, a, b in zip(part.step, ends, ends[1:], strict=False) if a - 1e-9 <= z_mm <= b + 1e-9]
     thin = min(at, key=lambda step: step.diameter_mm**4 - step.bore_mm**4)
@@ -161,7 +172,7 @@ def _gear(part: BalancerPart) -> GearForces | None:
 
 
 def _load(scene: Scene, part: BalancerPart) -> _LoadedShaft:
-    material = part.material or scene.material
+    material = part_material(scene, part)
     ends = np.round(np.cumsum([0.0, *(step.length_mm for step in part.step)]), _PLACES)
     z = np.unique(np.round([*ends, *(one.z_mm for one in part.placed)], _PLACES)).astype(float)
     middle = (z[1:] + z[:-1]) / 2
@@ -179,7 +190,7 @@ def _load(scene: Scene, part: BalancerPart) -> _LoadedShaft:
         at, out = _nearest(beam, part.gear.z_mm), cmath.rect(1.0, math.radians(part.gear.deg))
         gear[at] = out * (-forces.radial_N + 1j * forces.tangential_N)
         couple[at] = -out * forces.axial_N * part.gear.pitch_radius_mm
-    supports = {_nearest(beam, b.z_mm): _spring_N_per_mm(b) for b in part.bearing if not _is_thrust(b)}
+    supports = {_nearest(beam, b.z_mm): _spring_N_per_mm(b) for b in part.bearing if not is_thrust(b)}
     return _LoadedShaft(
         scene, part, beam, bend(beam, supports, weights, nowhere), bend(beam, supports, gear, couple)
     )
@@ -199,7 +210,7 @@ def _both(loaded: _LoadedShaft, name: str, z_mm: float) -> float:
 def _bearings(loaded: _LoadedShaft) -> Iterator[ShaftBearingLoad]:
     forces = _gear(loaded.part)
     for bearing in loaded.part.bearing:
-        thrust, rollers = _is_thrust(bearing), bearing.roller_bearing
+        thrust, rollers = is_thrust(bearing), bearing.roller_bearing
         node = loaded.node(bearing.z_mm)
         weights = 0j if thrust else complex(loaded.by_weights.reaction_N[node])
         gear = 0j if thrust else complex(loaded.by_gear.reaction_N[node])
@@ -227,16 +238,17 @@ def _equivalent(part: BalancerPart, weights: complex, gear: complex, axial: floa
     turn = np.exp(2j * np.pi * np.arange(_TURN_POINTS) / _TURN_POINTS)
     steps = [(s.at_rpm, s.share) for s in part.speed] or [(part.max_speed_rpm, 1.0)]
     turns = np.array([speed * share for speed, share in steps])
-    loads = [
-        equivalent_load_N(np.abs(weights * (speed / part.max_speed_rpm) ** 2 + gear * turn) + axial)
-        for speed, _ in steps
-    ]
-    repeats = np.maximum(np.round(turns / turns.sum() * 1e5), 1).astype(int)
-    return equivalent_load_N(np.repeat(loads, repeats)), float(turns.sum() / sum(share for _, share in steps))
+    loads = np.array(
+        [
+            equivalent_load_N(np.abs(weights * (speed / part.max_speed_rpm) ** 2 + gear * turn) + axial)
+            for speed, _ in steps
+        ]
+    )
+    return equivalent_load_N(loads, turns), float(turns.sum() / sum(share for _, share in steps))
 
 
 def _notch(loaded: _LoadedShaft, notch: ShaftNotch) -> NotchCheck:
-    outer, bore = _section(loaded.part, notch.z_mm)
+    outer, bore = section_at(loaded.part, notch.z_mm)
     per_moment, factor, gradient = notch_stress(notch, outer, bore)
     node = loaded.node(notch.z_mm)
     steady = float(abs(loaded.by_weights.moment_Nmm[node])) * per_moment

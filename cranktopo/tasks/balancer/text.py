@@ -6,9 +6,12 @@ from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.balancer.result import (
     BalancerStrength,
+    KeptLimit,
     NotchCheck,
     ProbeDeflection,
+    Redesign,
     ShaftBearingLoad,
+    ShaftDimension,
     WeightForce,
 )
 from cranktopo.tasks.bolts.result import BoltChecks
@@ -47,6 +50,25 @@ _NOTCHES: tuple[Column[NotchCheck], ...] = (
     Column("starting", 2, lambda n: n.starting_safety),
     Column("reversed", 2, lambda n: n.reversed_safety),
 )
+_LIMITS: tuple[Column[KeptLimit], ...] = (
+    Column("quantity", 0, lambda k: k.quantity),
+    Column("unit", 0, lambda k: k.unit),
+    Column("before", 0, lambda k: _digits(k.before)),
+    Column("after", 0, lambda k: _digits(k.after)),
+    Column("limit", 0, lambda k: f"{k.sense} {_digits(k.limit)}"),
+)
+_DIMENSIONS: tuple[Column[ShaftDimension], ...] = (
+    Column("dimension", 0, lambda d: d.key.removeprefix("balancer.")),
+    Column("start_mm", 2, lambda d: d.start_mm),
+    Column("found_mm", 2, lambda d: d.value_mm),
+    Column("low_mm", 2, lambda d: d.low_mm),
+    Column("high_mm", 2, lambda d: d.high_mm),
+)
+
+
+def _digits(value: float) -> str:
+    """Return a number with four digits at least."""
+    return f"{value:.0f}" if value >= 1000 else f"{value:.4g}"
 
 
 def balancer_text(shaft: BalancerStrength) -> str:
@@ -57,7 +79,8 @@ def balancer_text(shaft: BalancerStrength) -> str:
         across = f"{gear.tangential_N:.1f} N around, {gear.radial_N:.1f} N toward the axis"
         rows.append(("gear", f"{across}, {gear.axial_N:.1f} N along"))
     rows.append(("largest deflection", f"{shaft.largest_deflection_mm:.4f} mm"))
-    parts = [f"{shaft.design}: balancer shaft at {shaft.speed_rpm:g} rpm", labelled(rows)]
+    parts = [_redesign(shaft.redesign)] if shaft.redesign else []
+    parts += [f"{shaft.design}: balancer shaft at {shaft.speed_rpm:g} rpm", labelled(rows)]
     parts += [terminal(tabulate(_WEIGHTS, shaft.weights))] if shaft.weights else []
     parts.append(terminal(tabulate(_BEARINGS, shaft.bearings)))
     parts += [terminal(tabulate(_PROBES, shaft.probes)), _verdict(shaft)] if shaft.probes else []
@@ -69,6 +92,15 @@ def balancer_text(shaft: BalancerStrength) -> str:
     if shaft.joints:
         parts.append(bolts_text(BoltChecks(design=shaft.design, joints=shaft.joints)))
     return "\n\n".join(filter(None, parts))
+
+
+def _redesign(found: Redesign) -> str:
+    change = 100 * (found.result_kg / found.start_kg - 1)
+    mass = f"{found.start_kg:.3f} -> {found.result_kg:.3f} kg ({change:+.1f} %)"
+    line = f"Every limit holds: mass of the shaft {mass}"
+    tables = [terminal(tabulate(_LIMITS, found.limits))]
+    tables += [terminal(tabulate(_DIMENSIONS, found.dimensions))] if found.dimensions else []
+    return "\n\n".join([line, *tables])
 
 
 def _verdict(shaft: BalancerStrength) -> str:

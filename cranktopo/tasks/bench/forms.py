@@ -14,7 +14,7 @@ from cranktopo.design.reference import scene_reference
 from cranktopo.design.starting_point import LayoutName
 from cranktopo.design.writing import design_name
 from cranktopo.engine.indicator import TRACE_ENCODING
-from cranktopo.tasks.bench.edits import changed_files
+from cranktopo.tasks.bench.design_files import changed_files
 from cranktopo.tasks.designs.beginning import KNOWN, begun, begun_line
 
 _MATERIAL = "material"

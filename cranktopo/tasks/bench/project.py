@@ -18,10 +18,11 @@ from pydantic import Field
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import is_inside, read_text_file, write_json, write_text
 from cranktopo.base.result import Result
+from cranktopo.design.edits import changed_text, difference_words
 from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
-from cranktopo.tasks.bench.edits import changed_files, changed_text, check_files_inside, difference_words
+from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
 
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.pitch import lengths_at_pitch
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.tasks.balance.proposal import ProposedCounterweight, propose_counterweight
-from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.throw.envelope import BoxEnvelope
 
 

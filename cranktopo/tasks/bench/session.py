@@ -18,11 +18,12 @@ from pydantic import ValidationError
 from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.files import read_text_file, write_bytes, write_text
+from cranktopo.design.edits import changed_data, difference_words
 from cranktopo.design.loading import builtin_designs, design_text, load_scene, resolve_design
 from cranktopo.design.material import material_library
 from cranktopo.design.pitch import JOURNAL_LENGTHS
 from cranktopo.tasks.bench.answers import Answers
-from cranktopo.tasks.bench.edits import changed_data, changed_files, check_files_inside, difference_words
+from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
 from cranktopo.tasks.bench.forms import BODIES, form_reference, new_design, read_upload
 from cranktopo.tasks.bench.jobs import BenchJob, Jobs, reap
 from cranktopo.tasks.bench.project import Project, file_in

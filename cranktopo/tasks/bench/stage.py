@@ -12,7 +12,7 @@ from cranktopo.base.child import in_child
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, load_scene, resolve_design
 from cranktopo.design.writing import toml_text
-from cranktopo.tasks.bench.edits import changed_files
+from cranktopo.tasks.bench.design_files import changed_files
 from cranktopo.tasks.bench.forms import BODIES, read_upload
 from cranktopo.tasks.bench.server import Server
 from cranktopo.tasks.bench.session import Bench

@@ -75,11 +75,19 @@ def write_drawing(
     more: Sequence[SheetPage] = (),
 ) -> None:
     """Draw a half throw, or both, into files in the format of their ending, dated `started` or today."""
+    pages = [*(_page(sheet, balance) for sheet in sheets), *more]
+    write_pages(pages, sheets[0].scene.name, paths, started)
+
+
+def write_pages(
+    pages: Sequence[SheetPage], name: str, paths: Sequence[Path], started: datetime | None = None
+) -> None:
+    """Draw pages, one A3 above the other, into files; `name` is that of the design."""
     import matplotlib as mpl
 
     written = time_of_writing(started)
-    figure = drawing_figure(sheets, balance, written, more)
-    with mpl.rc_context({"svg.hashsalt": sheets[0].scene.name}):  # the same names of parts in every drawing
+    figure = pages_figure(pages, written)
+    with mpl.rc_context({"svg.hashsalt": name}):  # the same names of parts in every drawing
         for path in paths:
             date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
             save_figure(figure, path, dpi=150, metadata=date.get(path.suffix.lower()))
@@ -92,13 +100,17 @@ def drawing_figure(
     more: Sequence[SheetPage] = (),
 ) -> Figure:
     """Return the drawing as a figure, one A3 above the other, more pages last, dated `written` or today."""
+    return pages_figure([*(_page(sheet, balance) for sheet in sheets), *more], time_of_writing(written))
+
+
+def pages_figure(pages: Sequence[SheetPage], written: datetime) -> Figure:
+    """Return pages as a figure, one A3 above the other."""
     from matplotlib.figure import Figure
 
-    date, pages = time_of_writing(written), [*(_page(sheet, balance) for sheet in sheets), *more]
     figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(pages) * _HEIGHT_MM / MM_PER_INCH))
     parts = figure.subfigures(len(pages), 1, squeeze=False)[:, 0]
     for part, page in zip(parts, pages, strict=True):
-        _draw(part, page, date)
+        _draw(part, page, written)
     return figure
 
 

@@ -59,35 +59,37 @@ def command(
     its solid.
 
     With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
-    eyes, or with --contact where rigid pins touch.
+    eyes, or with --contact where rigid pins touch. A rod of --lighter is then no less safe by elements, too.
 
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
     from cranktopo.design.loading import load_scene
     from cranktopo.design.writing import design_name, save_scene
     from cranktopo.runs.destination import check_file
-    from cranktopo.tasks.rod.lighter import lighten_rod, with_elements
+    from cranktopo.tasks.rod.lighter import lighten_rod
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
 
     given = {"--element-size-mm": element_size_mm, "--contact": contact, "--out": out}
     for option in (name for name, value in given.items() if value and not fea):
         raise CranktopoError(f"{option}: only with --fea.", hint="Add --fea.", code=ExitCode.USAGE)
-    own = scene = load_scene(design, whole=True)
-    searched = None
+    scene = load_scene(design, whole=True)
     if lighter is not None:
         check_file(lighter, "--lighter", (".toml",))
-        scene, searched = lighten_rod(own, method)
-        save_scene(scene.model_copy(update={"name": design_name(lighter)}), lighter)
-        note(str(lighter))
-    if fea:
+    if fea and lighter:
+        from cranktopo.tasks.rod.element_search import lighten_rod_by_elements  # loads the solvers
+
+        scene, found = lighten_rod_by_elements(scene, method, element_size_mm, contact, out)
+    elif fea:
         from cranktopo.tasks.rod.element_stage import check_rod_elements  # loads the solvers
 
         found = check_rod_elements(scene, method, element_size_mm, contact, out)
-        if searched is not None:
-            before = check_rod_elements(own, method, element_size_mm, contact)
-            searched = with_elements(searched, before, found)
+    elif lighter:
+        scene, searched = lighten_rod(scene, method)
+        found = check_rod_strength(scene, method).model_copy(update={"lighter": searched})
     else:
         found = check_rod_strength(scene, method)
-    found = found.model_copy(update={"lighter": searched})
+    if lighter:
+        save_scene(scene.model_copy(update={"name": design_name(lighter)}), lighter)
+        note(str(lighter))
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else rod_text(found))

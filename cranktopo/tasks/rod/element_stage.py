@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.files import as_path, write_json
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.schema import Scene
 from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.rod.element_stress import ElementStress
 from cranktopo.tasks.rod.elements import rod_elements
 from cranktopo.tasks.rod.pictures import write_rod_files
-from cranktopo.tasks.rod.result import RodStrength
+from cranktopo.tasks.rod.result import LighterRod, RodStrength
 from cranktopo.tasks.rod.stage import loaded_rod, strength_of
+
+
+@dataclass(frozen=True)
+class RodOnElements:
+    """Strength of a rod with that by elements, and the stresses that it was found from."""
+
+    strength: RodStrength
+    stress: ElementStress
+
+    def with_search(self, lighter: LighterRod) -> RodOnElements:
+        """Return the same with the search that the rod was found by."""
+        return replace(self, strength=self.strength.model_copy(update={"lighter": lighter}))
 
 
 def check_rod_elements(
@@ -25,7 +40,7 @@ def check_rod_elements(
     Args:
         element_size_mm: by default one that gives rods of any size as many elements.
         contact: rigid pins touch the bores, in place of pressure by the cosine.
-        out: folder for a picture and a VTU file of the surface.
+        out: folder for the result, a picture and a VTU file of the surface.
 
     Raises:
         CranktopoError: as `check_rod_strength`, no valid mesh, a failed solve, or a folder that holds files.
@@ -33,11 +48,21 @@ def check_rod_elements(
     scene, out = as_scene(design), as_path(out)
     if out is not None:
         check_folder(out)
+    found = rod_on_elements(scene, method, element_size_mm, contact)
+    if out is not None:
+        write_rod_folder(out, scene.name, found)
+    return found.strength
+
+
+def rod_on_elements(scene: Scene, method: str, element_size_mm: float | None, contact: bool) -> RodOnElements:
+    """Do as `check_rod_elements`, with the stresses, and write nothing."""
     loaded = loaded_rod(scene, method)
     found = strength_of(scene, loaded)
     elements, stress = rod_elements(loaded.scene, loaded.motions, method, element_size_mm, contact=contact)
-    told = found.model_copy(update={"elements": elements})
-    if out is not None:
-        write_rod_files(out, scene.name, stress)
-        write_json(out / "rod.json", told.as_json())
-    return told
+    return RodOnElements(found.model_copy(update={"elements": elements}), stress)
+
+
+def write_rod_folder(out: Path, name: str, found: RodOnElements) -> None:
+    """Write the files of a rod by elements into a folder, pictures named after the design."""
+    write_rod_files(out, name, found.stress)
+    write_json(out / "rod.json", found.strength.as_json())

@@ -5,6 +5,8 @@ Eyes may only grow: what they widen under load is not in the model. Bores, width
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,7 +14,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import at_work
-from cranktopo.design.checks.rod import check_rod, least_dimensions, rod_of
+from cranktopo.design.checks.rod import least_dimensions, rod_of
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.rod import Rod
 from cranktopo.design.schema import Scene
@@ -29,8 +31,13 @@ _LOWEST, _HIGHEST = 0.3, 3.0
 """Bounds over the value at the start."""
 _STEP, _EVALUATIONS = 1e-4, 100
 """Step of derivatives and end of the search, over the value at the start."""
-_KEPT = 1e-4
-"""Share by which safeties are kept above those of the start, for the rounding of the dimensions."""
+_KEPT, _ROUNDED = 1e-4, 1e-3
+"""Share by which safeties are kept above those of the start, for the rounding of the dimensions; share that
+a rounded rod may miss of any limit."""
+
+
+Limits = Callable[[Array, RodStrength], Array]
+"""Values that must stay below 0, by dimensions over those of the own rod and the closed form of that rod."""
 
 
 def lighten_rod(
@@ -44,56 +51,123 @@ def lighten_rod(
     Raises:
         CranktopoError: as `check_rod_strength`, or no lighter rod was found.
     """
-    scene = as_scene(design)
+    search = rod_search(as_scene(design), method, least_wall_mm)
+    lighter = search.rod_at(search.best())
+    after = check_rod_strength(lighter, method)
+    if not search.is_better(lighter, after):
+        raise search.nothing_found()
+    return lighter, search.told(lighter, after)
+
+
+@dataclass(frozen=True)
+class RodSearch:
+    """Search for a lighter rod: its free dimensions, as shares of those of the design's own rod.
+
+    Attributes:
+        start_mm, bounds: (dimensions,); the bounds are shares.
+        before: strength of the own rod.
+    """
+
+    scene: Scene
+    method: str
+    names: tuple[str, ...]
+    start_mm: Array
+    bounds: tuple[Array, Array]
+    before: RodStrength
+
+    def within(self, values: Array, reach: float) -> RodSearch:
+        """Return the same search with each dimension at most so far from given ones."""
+        low, high = self.bounds
+        return replace(self, bounds=(np.maximum(low, values - reach), np.minimum(high, values + reach)))
+
+    def best(self, more: Limits | None = None, start: Array | None = None) -> Array:
+        """Return the dimensions of the lightest rod within the limits of the closed form and more.
+
+        Args:
+            start: where the search begins; by default at the own rod.
+        """
+        before = self.before
+
+        @lru_cache(maxsize=512)
+        def judged(shares: tuple[float, ...]) -> Array:
+            """Mass and all that must stay below 0, relative."""
+            values = np.array(shares)
+            tried = _with(self.scene, self.names, values * self.start_mm)
+            found = check_rod_strength(tried, self.method)
+            mass = found.masses.total_kg / before.masses.total_kg
+            beside = np.array([]) if more is None else more(values, found)
+            return np.concatenate([[mass], _excess(tried, found, before), beside])
+
+        def of(values: Array) -> Array:
+            return judged(tuple(map(float, values)))
+
+        def objective(values: Array) -> tuple[float, Array]:
+            return float(of(values)[0]), central_difference(of, values, _STEP)[0]
+
+        def constraints(values: Array) -> tuple[Array, Array]:
+            return of(values)[1:], central_difference(of, values, _STEP)[1:]
+
+        with at_work("searching a lighter rod"):
+            first = np.ones(len(self.names)) if start is None else start
+            return minimise(objective, constraints, self.bounds, first, _STEP, _EVALUATIONS)
+
+    def rod_at(self, values: Array) -> Scene:
+        """Return the design with the rod of these dimensions, rounded to a micrometre, checked."""
+        rounded = zip(self.names, values * self.start_mm, strict=True)
+        return with_values(self.scene, {f"rod.{name}": round(float(value), 3) for name, value in rounded})
+
+    def values_of(self, scene: Scene) -> Array:
+        """Return the dimensions of another design's rod."""
+        return np.array([getattr(scene.rod, name) for name in self.names]) / self.start_mm
+
+    def is_better(self, lighter: Scene, after: RodStrength) -> bool:
+        """Tell whether a rod is lighter than the own one at no less safety in closed form."""
+        kept = float(_excess(lighter, after, self.before).max()) <= _ROUNDED
+        return kept and after.masses.total_kg < self.before.masses.total_kg
+
+    def nothing_found(self, judge: str = "") -> CranktopoError:
+        """Return the error that tells that the search ended without a better rod."""
+        return CranktopoError(
+            f"{self.scene.name}: no lighter rod of this shape at no less safety{judge} was found.",
+            hint="Change rod.shank, or give dimensions that are farther from the limits.",
+        )
+
+    def told(self, lighter: Scene, after: RodStrength) -> LighterRod:
+        """Return what was found."""
+        before, scene = self.before, self.scene
+        dimensions = tuple(
+            FreeDimension(
+                name=name,
+                start_mm=float(start),
+                value_mm=float(getattr(lighter.rod, name)),
+                low_mm=float(low * start),
+                high_mm=float(high * start),
+            )
+            for name, start, low, high in zip(self.names, self.start_mm, *self.bounds, strict=True)
+        )
+        speed, radius = max(before.speeds_rpm), scene.throw.radius_mm
+        return LighterRod(
+            start_kg=before.masses.total_kg,
+            result_kg=after.masses.total_kg,
+            smallest_yield_safety=(min(_safeties(before)[0]), min(_safeties(after)[0])),
+            smallest_fatigue_safety=(min(_safeties(before)[1]), min(_safeties(after)[1])),
+            speed_rpm=speed,
+            crankpin_pull_N=(_pin_pull_N(scene, speed), _pin_pull_N(lighter, speed)),
+            rotating_unbalance_kg_mm=(
+                before.masses.rotating_kg * radius,
+                after.masses.rotating_kg * radius,
+            ),
+            dimensions=dimensions,
+        )
+
+
+def rod_search(scene: Scene, method: str, least_wall_mm: float) -> RodSearch:
+    """Return the search for a lighter rod of a design; raises CranktopoError as `check_rod_strength`."""
     rod, _ = rod_of(scene)
     before = check_rod_strength(scene, method)
     names = (*_FREE, *_SHANK, *(_WALLS if rod.shank != "plain" else ()))
     start = np.array([getattr(rod, name) for name in names])
-    bounds = _bounds(rod, names, start, least_wall_mm)
-
-    @lru_cache(maxsize=512)
-    def judged(values: tuple[float, ...]) -> Array:
-        """Mass and all that must stay below 0, relative."""
-        tried = _with(scene, names, np.array(values) * start)
-        found = check_rod_strength(tried, method)
-        return np.concatenate(
-            [[found.masses.total_kg / before.masses.total_kg], _excess(tried, found, before)]
-        )
-
-    def of(values: Array) -> Array:
-        return judged(tuple(map(float, values)))
-
-    def objective(values: Array) -> tuple[float, Array]:
-        return float(of(values)[0]), central_difference(of, values, _STEP)[0]
-
-    def constraints(values: Array) -> tuple[Array, Array]:
-        return of(values)[1:], central_difference(of, values, _STEP)[1:]
-
-    with at_work("searching a lighter rod"):
-        best = minimise(objective, constraints, bounds, np.ones(len(names)), _STEP, _EVALUATIONS)
-    lighter = with_values(
-        scene, {f"rod.{n}": round(float(v), 3) for n, v in zip(names, best * start, strict=True)}
-    )
-    after = check_rod_strength(lighter, method)
-    if after.masses.total_kg >= before.masses.total_kg or _excess(lighter, after, before).max() > 1e-3:
-        raise CranktopoError(
-            f"{scene.name}: no lighter rod of this shape at no less safety was found.",
-            hint="Change rod.shank, or give dimensions that are farther from the limits.",
-        )
-    return lighter, _told(scene, lighter, before, after, names, bounds)
-
-
-def with_elements(searched: LighterRod, before: RodStrength, after: RodStrength) -> LighterRod:
-    """Return a search with the smallest safeties by finite elements of both rods."""
-    first, last = before.elements, after.elements
-    assert first is not None
-    assert last is not None
-    return searched.model_copy(
-        update={
-            "elements_yield_safety": (first.yield_safety, last.yield_safety),
-            "elements_fatigue_safety": (first.fatigue_safety, last.fatigue_safety),
-        }
-    )
+    return RodSearch(scene, method, names, start, _bounds(rod, names, start, least_wall_mm), before)
 
 
 def _bounds(rod: Rod, names: tuple[str, ...], start: Array, least_wall_mm: float) -> tuple[Array, Array]:
@@ -104,6 +178,9 @@ def _bounds(rod: Rod, names: tuple[str, ...], start: Array, least_wall_mm: float
             low[place] = 1.0
         if name in _WALLS:
             low[place] = min(least_wall_mm / start[place], 1.0)
+        if name == "boss_width_mm":
+            hole_mm = rod.bolt_distance_mm + rod.bolt_hole_mm
+            low[place] = min((hole_mm + 2 * least_wall_mm) / start[place], 1.0)
         if name == "boss_below_mm" and rod.bolt is not None:  # the grip of the bolt stays
             low[place] = high[place] = 1.0
         if name == "boss_above_mm" and rod.bolt is not None:
@@ -135,42 +212,6 @@ def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
     assert rod is not None
     short = [(smallest - getattr(rod, key)) / smallest for key, smallest in least_dimensions(rod)]
     return np.array([*lost, *short])
-
-
-def _told(
-    scene: Scene,
-    lighter: Scene,
-    before: RodStrength,
-    after: RodStrength,
-    names: tuple[str, ...],
-    bounds: tuple[Array, Array],
-) -> LighterRod:
-    check_rod(lighter)
-    first, last = scene.rod, lighter.rod
-    dimensions = tuple(
-        FreeDimension(
-            name=name,
-            start_mm=(start := float(getattr(first, name))),
-            value_mm=float(getattr(last, name)),
-            low_mm=float(low * start),
-            high_mm=float(high * start),
-        )
-        for name, low, high in zip(names, *bounds, strict=True)
-    )
-    speed = max(before.speeds_rpm)
-    return LighterRod(
-        start_kg=before.masses.total_kg,
-        result_kg=after.masses.total_kg,
-        smallest_yield_safety=(min(_safeties(before)[0]), min(_safeties(after)[0])),
-        smallest_fatigue_safety=(min(_safeties(before)[1]), min(_safeties(after)[1])),
-        speed_rpm=speed,
-        crankpin_pull_N=(_pin_pull_N(scene, speed), _pin_pull_N(lighter, speed)),
-        rotating_unbalance_kg_mm=(
-            before.masses.rotating_kg * scene.throw.radius_mm,
-            after.masses.rotating_kg * scene.throw.radius_mm,
-        ),
-        dimensions=dimensions,
-    )
 
 
 def _pin_pull_N(scene: Scene, speed_rpm: float) -> float:

@@ -6,6 +6,9 @@ from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.tasks.bolts.result import JointCheck
 from cranktopo.tasks.rod.pin import PinCheck
 
+_CLOSED_FORM = {"small end": "eye, worst"}
+"""Section in closed form of a place by elements; by default that of its name."""
+
 
 class RodMasses(Result):
     """Masses of the rod from its geometry; those of the ends are what the engine's forces use."""
@@ -76,9 +79,11 @@ class LighterRod(Result):
     """Of all sections and struts."""
     smallest_fatigue_safety: tuple[float, float]
     elements_yield_safety: tuple[float, float] | None = UNLESS_NONE
-    """Smallest by finite elements, with `--fea`."""
+    """Smallest of all places by finite elements, with `--fea`."""
     elements_fatigue_safety: tuple[float, float] | None = UNLESS_NONE
-    """Smallest by finite elements, with `--fea`."""
+    """Smallest of all places by finite elements, with `--fea`."""
+    rods_by_elements: int | None = UNLESS_NONE
+    """Rods that elements have judged until the search was settled, beside the own one, with `--fea`."""
     speed_rpm: float
     """Highest speed, of the next two."""
     crankpin_pull_N: tuple[float, float]
@@ -187,3 +192,8 @@ class RodStrength(Result):
     """Dimensions that `--lighter` changed; the strength is then that of the lighter rod."""
     elements: RodElements | None = UNLESS_NONE
     """With `--fea`."""
+
+    def section_of(self, place: str) -> RodSectionCheck:
+        """Return the section in closed form that stands for a place by elements."""
+        name = _CLOSED_FORM.get(place, place)
+        return next(section for section in self.sections if section.section == name)

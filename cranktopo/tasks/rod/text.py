@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks
@@ -41,9 +39,6 @@ _BUCKLING: tuple[Column[Buckling], ...] = (
     Column("stress_MPa", 1, lambda b: b.stress_MPa),
     Column("yield", 2, lambda b: b.yield_safety),
 )
-
-_CLOSED_FORM = {"small end": "eye, worst"}
-"""Section in closed form of a place; by default that of its name."""
 _EYES: tuple[Column[EyeShape], ...] = (
     Column("bore", 0, lambda e: e.eye),
     Column("under the largest", 0, lambda e: e.load),
@@ -82,7 +77,7 @@ def rod_text(rod: RodStrength) -> str:
         "Shank under the largest push, by Navier and Rankine",
         terminal(tabulate(_BUCKLING, rod.buckling)),
     ]
-    parts += [_elements(rod.elements, rod.sections)] if rod.elements else []
+    parts += [_elements(rod.elements, rod)] if rod.elements else []
     parts += [_pin(rod.pin)] if rod.pin else []
     if rod.bolt:
         parts.append(bolts_text(BoltChecks(design=rod.design, joints=(rod.bolt,))))
@@ -105,12 +100,7 @@ def least_safety(rod: RodStrength) -> str:
     return f"{'' if min(safety for _, safety in told.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
 
 
-def _elements(found: RodElements, sections: Sequence[RodSectionCheck]) -> str:
-    closed = {section.section: section for section in sections}
-
-    def section(place: RodPlace) -> RodSectionCheck | None:
-        return closed.get(_CLOSED_FORM.get(place.place, place.place))
-
+def _elements(found: RodElements, rod: RodStrength) -> str:
     columns: tuple[Column[RodPlace], ...] = (
         Column("place", 0, lambda p: p.place),
         Column("x_mm", 1, lambda p: p.point_mm[0]),
@@ -121,8 +111,8 @@ def _elements(found: RodElements, sections: Sequence[RodSectionCheck]) -> str:
         Column("error_percent", 1, lambda p: p.error_percent),
         Column("yield", 2, lambda p: p.yield_safety),
         Column("fatigue", 2, lambda p: p.fatigue_safety),
-        Column("closed form yield", 2, lambda p: getattr(section(p), "yield_safety", None)),
-        Column("closed form fatigue", 2, lambda p: getattr(section(p), "fatigue_safety", None)),
+        Column("closed form yield", 2, lambda p: rod.section_of(p.place).yield_safety),
+        Column("closed form fatigue", 2, lambda p: rod.section_of(p.place).fatigue_safety),
     )
     size = f"{found.nodes:,} nodes, elements of {found.element_size_mm:.3g} mm"
     pins = "rigid pins touch" if found.contact else "pressure by the cosine"
@@ -159,12 +149,6 @@ def _by_elements(found: LighterRod) -> list[tuple[str, str]]:
     return [(name, "{:.2f} -> {:.2f}".format(*pair)) for name, pair in safeties if pair]
 
 
-def _less_safe(found: LighterRod) -> bool:
-    """Tell whether finite elements were asked and find the lighter rod less safe by more than 1 %."""
-    pairs = (found.elements_yield_safety, found.elements_fatigue_safety)
-    return any(pair is not None and pair[1] < 0.99 * pair[0] for pair in pairs)
-
-
 def _lighter(found: LighterRod) -> str:
     change = 100 * (found.result_kg / found.start_kg - 1)
     rows = (
@@ -179,5 +163,6 @@ def _lighter(found: LighterRod) -> str:
         ),
     )
     changed = terminal(tabulate(_FREE, found.dimensions))
-    lost = " in closed form, but at less by elements" if _less_safe(found) else ""
-    return f"A lighter rod at no less safety{lost}\n\n{labelled(rows)}\n\n{changed}"
+    rods = found.rods_by_elements
+    judged = f", by elements too: {rods} rods were judged" if rods else ""
+    return f"A lighter rod at no less safety{judged}\n\n{labelled(rows)}\n\n{changed}"

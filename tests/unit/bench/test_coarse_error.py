@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import design_text
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.tasks.bench.coarse_error import stated_errors
-from cranktopo.tasks.bench.edits import changed_data
 
 DATA = parse_toml(design_text("mikron-iiic"), "web")
 

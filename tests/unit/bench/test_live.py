@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from cranktopo.design.checks.engine import shaft_warnings
+from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.bench import settled
-from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.loads.stage import loads_at_speeds

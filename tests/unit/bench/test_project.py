@@ -9,6 +9,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.edits import changed_data, changed_text, difference_words
 from cranktopo.design.loading import (
     builtin_designs,
     design_text,
@@ -17,7 +18,6 @@ from cranktopo.design.loading import (
     value_at,
 )
 from cranktopo.design.toml_text import parse_toml
-from cranktopo.tasks.bench.edits import changed_data, changed_text, difference_words
 from cranktopo.tasks.bench.project import Project
 
 TEXT = design_text("mikron-iiic")

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from cranktopo.base.errors import CranktopoError
+from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.tasks.bench.edits import changed_data
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.proposals import counterweight_changes, trace_changes, with_pitch_kept
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping, MutableMapping
-from pathlib import Path
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError, quoted
 from cranktopo.base.units import stem_and_unit
 from cranktopo.design.loading import key_parts
-from cranktopo.design.scene_files import input_files, with_resolved_files
 from cranktopo.design.toml_text import parse_toml
 
 MOST_CHANGES = 200
@@ -66,25 +64,6 @@ def _values(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def _shown(value: Any) -> str:
     return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def check_files_inside(data: Mapping[str, Any], folder: Path, trusted: Mapping[str, Any]) -> None:
-    """Refuse a design that names a file outside the folder, unless the opened design names it as well."""
-    root = folder.resolve()
-    known, given = set(input_files(trusted).values()), input_files(data)
-    for key, name in input_files(with_resolved_files(dict(data), root)).items():
-        if name not in known and not name.is_relative_to(root):
-            raise CranktopoError(
-                f"{key} = {quoted(str(given[key]))}: lies outside the folder of the bench.",
-                hint="Put the file into that folder.",
-            )
-
-
-def changed_files(text: str, folder: Path) -> str:
-    """Return the text of a design with absolute names of the files that it names."""
-    data = parse_toml(text, "design")
-    absolute = {key: str((folder / name).resolve()) for key, name in input_files(data).items()}
-    return changed_text(text, absolute, "design") if absolute else text
 
 
 def _checked(changes: Mapping[str, Any]) -> Mapping[str, Any]:

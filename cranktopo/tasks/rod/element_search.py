@@ -1,0 +1,203 @@
+"""A lighter rod at no less safety by finite elements: the closed form searches, elements correct it.
+
+Each place by elements has a section of the closed form. The ratio of both safeties is known for each rod that
+elements have judged. Between and beyond these rods it is a product of powers of the dimensions, with the
+smallest exponents that meet all of them: the next search knows what the last one has lost without a gradient
+of elements. Where a rod is no better than the best so far all the same, the next one is nearer to that. One
+exponent is known before: the small end carries its push over the width of the shank alone, not over its own.
+
+Source: D. Echeverria, P. W. Hemker, Space mapping and defect correction, CMAM 5, 2005 (manifold mapping).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.files import as_path
+from cranktopo.base.notes import note
+from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.schema import Scene
+from cranktopo.runs.destination import check_folder
+from cranktopo.tasks.rod.element_stage import RodOnElements, rod_on_elements, write_rod_folder
+from cranktopo.tasks.rod.lighter import Limits, RodSearch, rod_search
+from cranktopo.tasks.rod.result import LighterRod, RodElements, RodPlace, RodSectionCheck, RodStrength
+
+Judge = Callable[[Scene], RodOnElements]
+"""Strength of a design's rod with that by elements."""
+_ROUNDS = 8
+"""Most rods that are judged by elements after the own one."""
+_KEPT = 5e-3
+"""Share by which safeties are kept above those of the own rod: rods come from below, and meshes differ."""
+_SETTLED = 5e-3
+"""Share of the mass that one rod saves beside the last one, below which the rounds end."""
+_SHORTER, _LONGER, _NEAREST = 0.5, 2.0, 0.03
+"""Reach of the next search over the distance of a rod that is no better, over the last reach; the least."""
+_NOISE = 0.1
+"""Share of the largest difference of rods below which directions have no slope: meshes differ, too."""
+
+_CARRIED, _WIDTH = "small end", "shank_width_mm"
+
+
+def lighten_rod_by_elements(
+    design: DesignLike,
+    method: str = "lsa",
+    element_size_mm: float | None = None,
+    contact: bool = False,
+    out: Path | str | None = None,
+    least_wall_mm: float = 3.0,
+) -> tuple[Scene, RodStrength]:
+    """Return the design with a lighter rod at no less safety in closed form and by elements; its strength.
+
+    By elements the smallest safety of all places against yield, and that for fatigue, are not below those of
+    the own rod on elements of the same size.
+
+    Args:
+        out: folder for the files of `check_rod_elements`, of the lighter rod.
+
+    Raises:
+        CranktopoError: as `check_rod_elements`, or no lighter rod was found.
+    """
+    scene, out = as_scene(design), as_path(out)
+    if out is not None:
+        check_folder(out)
+    search = rod_search(scene, method, least_wall_mm)
+    lighter, found = corrected_search(
+        search, lambda tried: rod_on_elements(tried, method, element_size_mm, contact)
+    )
+    if out is not None:
+        write_rod_folder(out, scene.name, found)
+    return lighter, found.strength
+
+
+def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnElements]:
+    """Return the lightest rod that a judge finds no less safe than the own one, and how it judged it.
+
+    Raises:
+        CranktopoError: as the judge does, or no lighter rod was found.
+    """
+    own = _Judged(search.scene, np.ones(len(search.names)), judge(search.scene).strength)
+    tried, best, found, reach = [own], own, None, np.inf
+    for number in range(1, _ROUNDS + 1):
+        near = search.within(best.values, reach)
+        lighter = search.rod_at(near.best(_limits(search.names, tried, best), best.values))
+        answer = judge(lighter)
+        last = _Judged(lighter, search.values_of(lighter), answer.strength)
+        tried.append(last)
+        note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
+        lost, least = _lost(search, own, last), np.inf if best is own else _lost(search, own, best)
+        if (lost, last.kg) < (least, best.kg):
+            settled = least == lost == 0 and last.kg > (1 - _SETTLED) * best.kg
+            best, found, reach = last, answer, _LONGER * reach
+        else:
+            reach = _SHORTER * best.distance(last)
+            settled = least == 0 and reach < _NEAREST
+        if settled:
+            break
+    if found is None or _lost(search, own, best) > 0:
+        raise search.nothing_found(" by elements")
+    told = search.told(best.scene, best.strength)
+    return best.scene, found.with_search(_with_elements(told, own, best, len(tried) - 1))
+
+
+def _lost(search: RodSearch, own: _Judged, one: _Judged) -> float:
+    """Share of the safety by elements that a rod has lost; 0 of one that is lighter at no less safety."""
+    lost = max(1 - mine / its for mine, its in zip(one.safeties, own.safeties, strict=True))
+    return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
+
+
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """A rod that elements have judged, with its dimensions over those of the own one."""
+
+    scene: Scene
+    values: Array
+    strength: RodStrength
+
+    @property
+    def kg(self) -> float:
+        return self.strength.masses.total_kg
+
+    @property
+    def elements(self) -> RodElements:
+        assert self.strength.elements is not None
+        return self.strength.elements
+
+    @property
+    def safeties(self) -> tuple[float, float]:
+        """Smallest against yield and for fatigue."""
+        return self.elements.yield_safety, self.elements.fatigue_safety
+
+    def distance(self, other: _Judged) -> float:
+        """Largest change of a dimension from one to the other."""
+        return float(np.abs(self.values - other.values).max())
+
+    def ratios(self) -> dict[str, Array]:
+        """Logarithm of both safeties of each place by elements over those of its section."""
+        return {
+            place.place: np.log(_both(place) / _both(self.strength.section_of(place.place)))
+            for place in self.elements.places
+        }
+
+
+def _both(one: RodPlace | RodSectionCheck) -> Array:
+    """Safety against yield and for fatigue."""
+    return np.array([one.yield_safety, one.fatigue_safety])
+
+
+def _limits(names: Sequence[str], tried: Sequence[_Judged], at: _Judged) -> Limits:
+    """Return the limits by corrected safeties, exact at one rod: values that must stay below 0.
+
+    The first rod that was tried is the own one.
+    """
+    known = [one.ratios() for one in tried]
+    places = [name for name in known[0] if all(name in one for one in known)]
+    ratios = np.array([[one[name] for name in places] for one in known])
+    here, there = ratios[tried.index(at)], np.log(at.values)
+    moves = np.log([one.values for one in tried]) - there
+    # far and near rods count alike, but for those so near that the change of the mesh is in their slope
+    scale = 1 / np.maximum(np.abs(moves).max(axis=1), _NEAREST)
+    slopes = _known_slopes(names, places)
+    missed = ratios - here - np.tensordot(moves, slopes, axes=1)
+    slopes += np.tensordot(
+        np.linalg.pinv(scale[:, None] * moves, _NOISE), scale[:, None, None] * missed, axes=1
+    )
+    least = np.array(tried[0].safeties)
+
+    def limits(values: Array, found: RodStrength) -> Array:
+        closed = np.array([_both(found.section_of(name)) for name in places])
+        ratio = here + np.tensordot(np.log(values) - there, slopes, axes=1)
+        return np.asarray(1 + _KEPT - closed * np.exp(ratio) / least).ravel()
+
+    return limits
+
+
+def _known_slopes(names: Sequence[str], places: Sequence[str]) -> Array:
+    """Exponents of the dimensions in the ratios that are expected, (dimensions, places, 2)."""
+    slopes = np.zeros((len(names), len(places), 2))
+    if _WIDTH in names and _CARRIED in places:
+        slopes[list(names).index(_WIDTH), list(places).index(_CARRIED)] = 1.0
+    return slopes
+
+
+def _line(own: _Judged, one: _Judged) -> str:
+    (stress, fatigue), (own_stress, own_fatigue) = one.safeties, own.safeties
+    return (
+        f"{one.kg:.4f} kg: least safety {stress:.3f} against yield ({own_stress:.3f} before), "
+        f"{fatigue:.3f} for fatigue ({own_fatigue:.3f} before)"
+    )
+
+
+def _with_elements(found: LighterRod, own: _Judged, best: _Judged, rods: int) -> LighterRod:
+    against_yield, for_fatigue = zip(own.safeties, best.safeties, strict=True)
+    return found.model_copy(
+        update={
+            "elements_yield_safety": against_yield,
+            "elements_fatigue_safety": for_fatigue,
+            "rods_by_elements": rods,
+        }
+    )

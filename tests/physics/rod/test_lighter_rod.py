@@ -1,0 +1,98 @@
+"""A lighter rod whose safety a dearer judge decides: the search against a search of a grid, and its end.
+
+The judge is the closed form with a small end that loses safety with the width of the shank below it, which
+the closed form does not know. Finite elements find the same; they take minutes.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.loading import load_scene
+from cranktopo.tasks.rod import element_search
+from cranktopo.tasks.rod.element_search import corrected_search
+from cranktopo.tasks.rod.element_stage import RodOnElements
+from cranktopo.tasks.rod.element_stress import PLACES
+from cranktopo.tasks.rod.lighter import rod_search
+from cranktopo.tasks.rod.result import RodElements, RodPlace
+from cranktopo.tasks.rod.stage import check_rod_strength
+
+OWN = load_scene("mikron-iiic-rod-h")
+FREE = ("shank_small_mm", "shank_width_mm")
+
+
+def search():
+    """Of two dimensions: all others stay."""
+    found = rod_search(OWN, "lsa", 3.0)
+    at = [found.names.index(name) for name in FREE]
+    bounds = tuple(bound[at] for bound in found.bounds)
+    return replace(found, names=FREE, start_mm=found.start_mm[at], bounds=bounds)
+
+
+def told(scene, share_of_place):
+    """A strength with elements that have a share of the closed form's safeties at each place."""
+    strength = check_rod_strength(scene)
+    places = tuple(
+        RodPlace.model_construct(
+            place=name,
+            yield_safety=share_of_place(name) * strength.section_of(name).yield_safety,
+            fatigue_safety=share_of_place(name) * strength.section_of(name).fatigue_safety,
+        )
+        for name in PLACES
+    )
+    elements = RodElements.model_construct(
+        places=places,
+        yield_safety=min(place.yield_safety for place in places),
+        fatigue_safety=min(place.fatigue_safety for place in places),
+    )
+    return RodOnElements(strength.model_copy(update={"elements": elements}), stress=None)
+
+
+def narrow(scene):
+    """The small end loses safety with the width of the shank, faster than by its square root."""
+    width = scene.rod.shank_width_mm / OWN.rod.shank_width_mm
+    return told(scene, lambda place: width**0.7 if place == "small end" else 0.95)
+
+
+def safeties(found):
+    return np.array([found.strength.elements.yield_safety, found.strength.elements.fatigue_safety])
+
+
+def test_the_lightest_rod_of_a_grid_is_found_where_the_closed_form_is_blind():
+    """The grid asks the judge itself, 0.5 mm apart; the closed form alone would end at less safety."""
+    task, least = search(), safeties(narrow(OWN))
+    scene, found = corrected_search(task, narrow)
+    again = narrow(scene)
+    assert (safeties(again) >= least).all()
+    assert safeties(again) == pytest.approx(safeties(found))
+    assert task.is_better(scene, again.strength)
+    blind = task.rod_at(task.best())
+    assert safeties(narrow(blind))[1] < 0.98 * least[1]
+    masses = []
+    for height in np.arange(12.0, 17.1, 0.5):
+        for width in np.arange(6.1, 10.0, 0.5):
+            tried = task.rod_at(np.array([height, width]) / task.start_mm)
+            judged = narrow(tried)
+            if task.is_better(tried, judged.strength) and (safeties(judged) >= least).all():
+                masses.append(judged.strength.masses.total_kg)
+    best = found.strength.masses.total_kg
+    assert len(masses) > 20
+    assert best < min(masses)
+    assert blind.rod.shank_width_mm < scene.rod.shank_width_mm
+    lighter = found.strength.lighter
+    assert lighter.result_kg == pytest.approx(best)
+    assert lighter.elements_fatigue_safety == pytest.approx((least[1], safeties(again)[1]))
+    assert 2 <= lighter.rods_by_elements <= 8
+
+
+def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):
+    """Every change of the rod costs half of the safety, and nothing gives it back."""
+    monkeypatch.setattr(element_search, "_ROUNDS", 2)
+
+    def strict(scene):
+        return told(scene, lambda _: 1.0 if scene == OWN else 0.5)
+
+    with pytest.raises(CranktopoError, match="no lighter rod of this shape at no less safety by elements"):
+        corrected_search(search(), strict)
