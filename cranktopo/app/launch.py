@@ -22,6 +22,9 @@ _COLLECTING = 50_000, 20, 100
 """Objects after which Python looks for some that are not used: loading and tracing make many that stay."""
 _ONE_THREAD = "OPENBLAS_NUM_THREADS", "1"
 """Small matrices gain nothing by more threads, which then wait busily: a fifth of a run's processor time."""
+_ERRORS_ALONE = "TF_CPP_MIN_LOG_LEVEL", "3"
+"""XLA tells of a slow compilation, as on a busy machine, in eight lines of its own that ask for a bug report;
+what fails it raises, and what ends the process it tells all the same."""
 _AGAIN_S = 0.05
 _SAVING_S, _TELLING_S = 7.0, 2.0
 """Seconds that the main thread has to end after a signal, and then another one to say so in its place."""
@@ -31,6 +34,7 @@ def main() -> NoReturn:
     """Load the program, then run it; Ctrl-C and SIGTERM interrupt it alike, so that it saves what it has."""
     gc.set_threshold(*_COLLECTING)
     os.environ.setdefault(*_ONE_THREAD)
+    os.environ.setdefault(*_ERRORS_ALONE)
     ours = [number for number, usual in _ENDING.items() if signal.getsignal(number) is usual]
     for number in ours:
         signal.signal(number, signal.SIG_DFL)

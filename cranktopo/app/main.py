@@ -33,7 +33,7 @@ def _prepare_streams() -> None:
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # takes the smallest free number: this one
     sys.stdout = _Printable(_usable(sys.stdout, 1))
-    sys.stderr = _Notes(_usable(sys.stderr, 2))
+    sys.stderr = _Notes(_on_own_descriptor(_usable(sys.stderr, 2)))
 
 
 def _finish_stdout() -> OSError | None:
@@ -60,6 +60,16 @@ def _usable(stream: Any, number: int) -> Any:
     if isinstance(stream, io.TextIOWrapper):
         stream.reconfigure(errors="backslashreplace")
     return stream
+
+
+def _on_own_descriptor(stream: Any) -> Any:
+    """Return the same stream by another descriptor.
+
+    mmgpy points the usual one at a file while it remeshes, to read what MMG says: lines that other threads
+    wrote meanwhile were lost.
+    """
+    own = os.dup(stream.fileno())
+    return open(own, "w", buffering=1, encoding=stream.encoding, errors="backslashreplace")
 
 
 _OBEYED = re.compile(r"\x1b(?!\[[0-9;]*m)|[\x00-\x08\x0b\x0c\x0e-\x1a\x1c-\x1f\x80-\x9f]")
@@ -104,14 +114,14 @@ class _Notes(_Printable):
         try:
             return super().write(text)
         except OSError:
-            _discard(2)
+            _discard(self.fileno())
             return len(text)
 
     def flush(self) -> None:
         try:
             super().flush()
         except OSError:
-            _discard(2)
+            _discard(self.fileno())
 
 
 _SHOWN_FIRST = (

@@ -90,6 +90,7 @@ class _Stderr(logging.Handler):
                 [*program, str(_LONGEST_S)],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
+                stderr=sys.stderr,  # not the usual descriptor, which a mesher may have taken away
                 bufsize=0,
                 start_new_session=True,  # a terminal sends Ctrl-C to all
             ) as process,

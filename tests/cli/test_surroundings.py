@@ -131,20 +131,49 @@ def test_every_numeric_option_refuses(value: str, capsys: pytest.CaptureFixture[
     assert tried > 15
 
 
+TAKEN_AWAY = """
+import os, sys, threading
+from cranktopo.app import launch, main
+
+def run(arguments):
+    kept, taken = os.dup(2), os.open("taken.txt", os.O_WRONLY | os.O_CREAT)
+    os.dup2(taken, 2)
+    other = threading.Thread(target=lambda: print("solving: 24 s so far", file=sys.stderr))
+    other.start()
+    other.join()
+    os.write(2, b"said by native code")
+    os.dup2(kept, 2)
+    return 0
+
+main._run = run
+launch.main()
+"""
+
+
+def test_lines_come_while_a_mesher_has_taken_stderr_away(tmp_path: Path) -> None:
+    """As mmgpy does, which keeps what MMG says from the terminal and lets other threads run meanwhile."""
+    done = subprocess.run(
+        [sys.executable, "-c", TAKEN_AWAY], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stderr == "solving: 24 s so far\n"
+    assert (tmp_path / "taken.txt").read_text() == "said by native code"
+
+
 LAUNCHED = """
 import os, sys
 from cranktopo.app import launch, main
 assert "numpy" not in sys.modules
-main.main = lambda: print(os.environ["OPENBLAS_NUM_THREADS"])
+main.main = lambda: print(os.environ["OPENBLAS_NUM_THREADS"], os.environ["TF_CPP_MIN_LOG_LEVEL"])
 launch.main()
 """
 
 
 @pytest.mark.parametrize(("asked", "used"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
 def test_threads_that_would_wait_busily(asked: dict[str, str], used: str) -> None:
-    """Small matrices are factorised by one thread, unless the user says otherwise."""
-    own = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    """Small matrices are factorised by one thread, unless the user says otherwise; XLA keeps its log."""
+    ours = "OPENBLAS_NUM_THREADS", "TF_CPP_MIN_LOG_LEVEL"
+    own = {name: value for name, value in os.environ.items() if name not in ours}
     done = subprocess.run(
         [sys.executable, "-c", LAUNCHED], env=own | asked, capture_output=True, text=True, check=True
     )
-    assert done.stdout == f"{used}\n"
+    assert done.stdout == f"{used} 3\n"

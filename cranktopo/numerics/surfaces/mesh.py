@@ -204,7 +204,7 @@ def _piercing_edges(mesh: SurfaceMesh) -> Iterator[list[float]]:
                 yield places[start]
 
 
-_REMEDY = "Extract again at another resolution."
+_REMEDY = "Optimise again on cells of another size, or extract the design of another iteration."
 
 
 def check_manifold(mesh: SurfaceMesh) -> None:
@@ -239,9 +239,7 @@ def check_self_intersection(mesh: SurfaceMesh) -> None:
     places = self_intersections_mm(mesh)
     if len(places):
         where = ", ".join(f"{value:.2f}" for value in places[0])
-        raise surface_refusal(
-            f"it intersects itself near ({where}) mm", "Extract again at another resolution."
-        )
+        raise surface_refusal(f"it intersects itself near ({where}) mm", _REMEDY)
 
 
 def surface_refusal(what: str, remedy: str) -> CranktopoError:

@@ -52,7 +52,7 @@ def check_surface(surface: WebSurface) -> SurfaceReport:
     bodies = int((shells > 0).sum())
     if bodies != 1:
         raise surface_refusal(
-            f"{bodies} separate bodies instead of 1", "Raise the volume fraction or the resolution."
+            f"{bodies} separate bodies instead of 1", "Raise the volume fraction, or take smaller cells."
         )
     error = 100 * (surface.volume_mm3 / surface.target_volume_mm3 - 1)
     if not abs(error) <= _VOLUME_TOLERANCE_PERCENT:

@@ -185,7 +185,7 @@ def _keep_throw(web: Manifold, scene: Scene, sliver_mm: float) -> tuple[Manifold
     if throw is None:
         raise CranktopoError(
             f"surface: the web does not connect journal and crankpin ({len(islands)} separate pieces).",
-            hint="Raise the volume fraction or the resolution, or run more iterations.",
+            hint="Raise the volume fraction, take smaller cells, or run more iterations.",
             code=ExitCode.CRITERION_NOT_MET,
         )
     for hollow in hollows:
