@@ -88,7 +88,7 @@ def lines(name: str) -> list[str]:
         alone, found = shaped(fixed, ("unbalance none",), Path(folder) / "alone")
         before = found["original"]
         follows = followed(alone, before["unbalance"])
-        judged = evaluated_web(follows, True, None, "counterweight follows", Work()).values
+        judged = evaluated_web(follows, "extremes", None, "counterweight follows", Work()).values
         together, both = shaped(scene, (), Path(folder) / "together")
     return [
         row(name, "original", scene, before, before),

@@ -84,7 +84,7 @@ def webs(name: str, goal: str) -> Iterator[tuple[str, dict[str, float], str]]:
         remodel_run(str(run.folder), evaluated=False)
         seconds = time.perf_counter() - began
         remodel = load_scene(str(run.folder / "remodel" / f"{scene.name}-remodel.toml"))
-        found = evaluated_web(remodel, True, None, "re-model", Work()).values
+        found = evaluated_web(remodel, "extremes", None, "re-model", Work()).values
         before = shaped["values"]["original"]
         change = {key: 100 * (found[key] / before[key] - 1) for key in NAMES}
         yield "re-model of a density", change, f"- | - | {seconds:.0f}"

@@ -12,6 +12,7 @@ from cranktopo.base.notes import note, silent
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.needs import check_inputs
@@ -41,7 +42,7 @@ class EvaluatedWeb:
 
 def evaluated_web(
     scene: Scene,
-    fatigue: bool,
+    fatigue: HistoryKind | None,
     element_size_mm: float | None,
     name: str,
     work: Work,
@@ -49,7 +50,8 @@ def evaluated_web(
     """Evaluate a scene's web with its fillets.
 
     Args:
-        fatigue: find the fatigue safety as well, which takes longest.
+        fatigue: load states over which the fatigue safety is found as well, which takes longest; None
+            without it.
         name: under which the work keeps the evaluation.
 
     Raises:
@@ -64,7 +66,9 @@ def evaluated_web(
                 return evaluate(target, element_size_mm).result.as_json()
         # One is meshed while the other is solved; the longer one in this thread, which Ctrl-C ends at once.
         with silent():
-            safety, found = side_by_side(lambda: _safety(target), lambda: evaluate(target, element_size_mm))
+            safety, found = side_by_side(
+                lambda: _safety(target, fatigue), lambda: evaluate(target, element_size_mm)
+            )
         return {**found.result.as_json(), **safety}
 
     began = time.perf_counter()
@@ -73,7 +77,11 @@ def evaluated_web(
 
 
 def evaluated_original(
-    scene: Scene, fatigue: bool, element_size_mm: float | None, work: Work, file: Path | None = None
+    scene: Scene,
+    fatigue: HistoryKind | None,
+    element_size_mm: float | None,
+    work: Work,
+    file: Path | None = None,
 ) -> tuple[EvaluatedWeb, Callable[[], EvaluatedWeb]]:
     """Evaluate a scene's own web, or the body of a file, and find its fatigue safety while others go on.
 
@@ -94,9 +102,9 @@ def evaluated_original(
     found = EvaluationResult.of_json(work.once("original", make), "evaluation 'original'")
     web, safety = EvaluatedWeb(scene, found, time.perf_counter() - began), "original-fatigue"
     with silent():
-        ahead = LazyFuture(lambda: _safety(target))
+        ahead = LazyFuture(lambda: _safety(target, fatigue or "extremes"))
         if fatigue and safety not in work.kept:
-            check_inputs(target, "lsa", "extremes")
+            check_inputs(target, "lsa", fatigue)
             ahead.begin()
 
     def judged() -> EvaluatedWeb:
@@ -123,9 +131,10 @@ def _target(scene: Scene, file: Path | None = None) -> Target:
     return Target(scene.name, planned_scene(scene, kept), file)
 
 
-def _told(target: Target, fatigue: bool) -> str:
+def _told(target: Target, fatigue: HistoryKind | None) -> str:
     return f"{target.name}: evaluation{' and fatigue' if fatigue else ''} on the default mesh"
 
 
-def _safety(target: Target) -> Json:
-    return {"fatigue_safety": float(fatigue_field(with_throw_stiffness(target), "lsa").critical.safety)}
+def _safety(target: Target, loads: HistoryKind) -> Json:
+    found = fatigue_field(with_throw_stiffness(target), "lsa", loads)
+    return {"fatigue_safety": float(found.critical.safety)}

@@ -19,7 +19,8 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import LoadHistory, load_history
+from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.optimisers.gradient_search import central_difference
 from cranktopo.numerics.tetrahedra.elasticity import STIFFNESS_ORDER, Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.mesh import node_points, shape_gradients
@@ -53,9 +54,11 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
-from cranktopo.tasks.fea.condense import Superelement, bending_motion, section_slopes, torsion_motion
-from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
+from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
+from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
 
+_PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
+"""Axis and sign of the unit forces on the pin."""
 _BOTH_HALVES = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 """A component off the diagonal stands at two places of the tensor."""
 
@@ -184,30 +187,42 @@ _STEP = 1e-6
 
 
 class FilletFatigue:
-    """Safety by local stress analysis over the extreme load states of a scene."""
+    """Safety by local stress analysis over the load states of a scene."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Find the load states, which the scene must tell."""
-        enabled, kinds = load_kinds(scene, "extremes")
+    def __init__(self, scene: Scene, loads: HistoryKind = "extremes") -> None:
+        """Find the load states, which the scene must tell: extremes joined, or every angle of the cycle."""
+        enabled, kinds = load_kinds(scene, loads)
         self.scene, self.kinds = scene, kinds
-        self.history: LoadHistory = load_history(scene, "extremes", enabled)
+        self.history: LoadHistory = load_history(scene, loads, enabled)
 
-    @property
-    def spins(self) -> bool:
-        """True where the symmetric condensation needs the centrifugal load, as its only further load."""
-        return "centrifugal" in self.kinds
+    def further(self, lateral: Lateral) -> tuple[LoadKind, ...]:
+        """Return the further loads of a symmetric condensation with that symmetry in x, in their order."""
+        held: dict[Lateral, tuple[LoadKind, ...]] = {"even": ("centrifugal",), "odd": ("tangential",)}
+        return tuple(kind for kind in held.get(lateral, ("tangential", "centrifugal")) if kind in self.kinds)
 
     def safety(
-        self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
+        self,
+        model: Elasticity,
+        scene: Scene,
+        bend: Superelement,
+        twist: Superelement,
+        side: Superelement | None = None,
     ) -> tuple[float, float, Array]:
         """Return the least safety on a mesh, by symmetric and antisymmetric condensation.
+
+        Args:
+            side: the symmetric condensation that is odd in x, where the tangential force acts on a model of
+                one side of x = 0.
 
         Returns:
             The least; 1 over the p-norm of 1 / safety, which is below it by a factor that hardly changes; the
             derivative of the latter by the nodes, (3, nodes).
         """
-        pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
-        by_kind = {**pushed, "torsion": twisted(twist, self.scene)}
+        blocks: dict[FieldKind, Superelement] = dict.fromkeys(self.kinds, bend)
+        blocks["torsion"], blocks["tangential"] = twist, side or bend
+        pushed = [kind for kind in self.kinds if blocks[kind] is bend]
+        by_kind = {**loaded(bend, self.scene, pushed), "torsion": twisted(twist, self.scene)}
+        by_kind |= loaded(side, self.scene, ["tangential"]) if side else {}
         fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)
@@ -224,7 +239,7 @@ class FilletFatigue:
 
         def through(torsion: bool) -> Array:
             chosen = [pair for pair in pairs if (pair[0].kind == "torsion") == torsion]
-            found = (self._through_field(model, bend, twist, *pair) for pair in chosen)
+            found = (self._through_field(model, blocks[field.kind], field, force) for field, force in chosen)
             return sum(found, np.zeros_like(gradients))
 
         one, other = side_by_side(lambda: through(True), lambda: through(False))
@@ -245,16 +260,18 @@ class FilletFatigue:
         masks = {"pin": pin, "journal": journal}
         hard = tuple(treated(scene, name, layer, masks[name]) for name, layer in layers(self.scene).items())
         here, judge = _at(stress, on), self._judge(fillets[on], of_nodes(hard, on))
-        used = np.stack([_used(here, load, judge) for load in loads])
+        ranges = [signed_von_mises_range(here, load) for load in loads]
+        used = np.stack([1 / judge(found.local) for found in ranges])
         worst = used.max()
         powers = (used / worst) ** _POWER
         norm = worst * powers.sum() ** (1 / _POWER)
         weights = -(powers / powers.sum()) * norm / used / norm**2  # d(1 / norm) / d(used)
         adjoint = np.zeros((2, *stress.stress_MPa.shape))
-        for load, weight, power in zip(loads, weights, powers, strict=True):
+        for load, found, weight, power in zip(loads, ranges, weights, powers, strict=True):
             heavy = np.flatnonzero(power > _NEGLIGIBLE)
             own = self._judge(fillets[on[heavy]], of_nodes(hard, on[heavy]))
-            there = partial(_used, loads=load, judge=own)
+            decides = np.union1d(found.highest[heavy], found.lowest[heavy])  # few of the states of a cycle
+            there = partial(_used, loads=load[decides], judge=own)
             gradients = _gradients_by_stress(there, _at(here, heavy))
             adjoint[:, :, on[heavy]] += gradients * weight[heavy, None]
         return float(1 / worst), float(1 / norm), (adjoint[0], adjoint[1])
@@ -275,12 +292,9 @@ class FilletFatigue:
         factors = strength.treatment_factor, self.scene.fatigue.factor_off_fillets
         return replace(strength, treatment_factor=np.where(on_fillet, *factors))
 
-    def _through_field(
-        self, model: Elasticity, bend: Superelement, twist: Superelement, field: UnitField, force: Array
-    ) -> Array:
+    def _through_field(self, model: Elasticity, block: Superelement, field: UnitField, force: Array) -> Array:
         """Return the derivative by the nodes through a field, (3, nodes), whose adjoint is `force`."""
         scene, kind = self.scene, field.kind
-        block = twist if kind == "torsion" else bend
         count = len(block.motions)
         units = block.displacement[:, :count]
         section = block.parts * units.T @ force
@@ -289,12 +303,14 @@ class FilletFatigue:
             motion = torsion_motion(block, scene.supports.torsion, spring, section)
         else:
             spring = support_spring(scene, scene.supports.bending)
-            motion = bending_motion(block, section, scene.supports.bending, spring)
+            turning = kind != "tangential"
+            motion = bending_motion(block, section, scene.supports.bending, spring, turning=turning)
         adjoint = block.solve(force[:, None])[:, 0] + units @ motion
         moved, load = field.displacement_mm, np.zeros(len(adjoint))
         gradients = -work_slopes(model, *self._elastic, moved, adjoint)
-        if kind == "bending":
-            gradients -= mean_slopes(model, 1, scene.web_z_mm[1], adjoint) / (2 * block.parts)
+        if kind in _PUSH:
+            axis, sign = _PUSH[kind]
+            gradients += sign * mean_slopes(model, axis, scene.web_z_mm[1], adjoint) / (2 * block.parts)
         if kind == "centrifugal":
             density = density_tonne_per_mm3(scene.material.density_kg_m3)
             load = centrifugal_force(model, density)

@@ -14,14 +14,15 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
 from cranktopo.tasks.fea.condense import (
@@ -35,7 +36,7 @@ from cranktopo.tasks.fea.condense import (
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
-from cranktopo.tasks.fea.unit_fields import support_spring
+from cranktopo.tasks.fea.unit_fields import support_spring, unit_force
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -84,11 +85,13 @@ class MeshModel:
         values: Array,
         element_size_mm: float,
         fillet_fraction: float | None = None,
+        loads: HistoryKind = "extremes",
     ) -> None:
         """Mesh the web with these values.
 
         Args:
             fillet_fraction: element size on a fillet over its radius; with it the fatigue safety is found.
+            loads: over which load states that is.
         """
         require_equal_halves(scene)
         require_no_recess(scene)
@@ -100,7 +103,7 @@ class MeshModel:
         self._parts = 2 if meshed.mesh.mirrored else 1
         self._unmoved = self._model(self.moved.mesh)
         self._missing = _exact(meshed) - self._parts * moments(self._unmoved)[0]
-        self._fatigue = FilletFatigue(self.scene) if fillet_fraction is not None else None
+        self._fatigue = FilletFatigue(self.scene, loads) if fillet_fraction is not None else None
         self._smoothing = 0.0
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
@@ -137,13 +140,17 @@ class MeshModel:
             asked = quantities is None or {kind, f"{kind}_per_mass"} & set(quantities)
             return self._condensed(model, scene, kind, mirrored) if safety or asked else None
 
-        twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
+        sideways = mirrored and safety is not None and bool(safety.further("odd"))
+        twist, (bend, side) = side_by_side(
+            lambda: block("torsion"),
+            lambda: (block("bending"), block("tangential") if sideways else None),
+        )
         if twist:
             found["torsion"] = _torsion_gradient(model, scene, twist)
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if safety and twist and bend:
-            minimum, smooth, gradients = safety.safety(model, scene, bend, twist)
+            minimum, smooth, gradients = safety.safety(model, scene, bend, twist, side)
             self._smoothing = self._smoothing or minimum / smooth
             found["fatigue_safety"] = self._smoothing * smooth, self._smoothing * gradients
         return found
@@ -151,12 +158,11 @@ class MeshModel:
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
-        side: Lateral = "even" if mirrored else "none"
-        spin = None
-        if self._fatigue is not None and self._fatigue.spins:
-            density = density_tonne_per_mm3(self.scene.material.density_kg_m3)
-            spin = centrifugal_force(model, density)[:, None]
-        return condense(model, scene, "symmetric", side, spin, _RESIDUAL)
+        lateral: Lateral = ("odd" if kind == "tangential" else "even") if mirrored else "none"
+        further = self._fatigue.further(lateral) if self._fatigue else ()
+        forces = [unit_force(model, self.scene, load, "symmetric", lateral) for load in further]
+        more = np.column_stack(forces) if forces else None
+        return condense(model, scene, "symmetric", lateral, more, _RESIDUAL)
 
     def _model(self, mesh: TetMesh) -> Elasticity:
         material = self.scene.material
@@ -220,10 +226,15 @@ class MeshedWebs:
         element_size_mm: float,
         fillet_fraction: float | None = None,
         shares: Mapping[str, float] | None = None,
+        loads: HistoryKind = "extremes",
     ) -> None:
-        """Take the size of the elements, and factors by quantity that bring their numbers to finer ones."""
+        """Take the size of the elements, and factors by quantity that bring their numbers to finer ones.
+
+        Args:
+            loads: load states over which the fatigue safety is found.
+        """
         self.scene, self._limits, self._size = scene, limits, element_size_mm
-        self._fraction, self._shares = fillet_fraction, shares or {}
+        self._fraction, self._shares, self._loads = fillet_fraction, shares or {}, loads
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout, for its bounds and manufacturing constraints."""
@@ -237,5 +248,5 @@ class MeshedWebs:
         Raises:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
         """
-        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction)
+        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction, self._loads)
         return model.responses(values, quantities).scaled(self._shares)

@@ -21,6 +21,7 @@ from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -71,6 +72,7 @@ class ShapeSettings:
         mesh_mm: elements on which trials are judged and gradients taken.
         rounds: most finishes; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
+        loads: load states over which the fatigue safety is judged, as `cranktopo fatigue --loads`.
     """
 
     cell_mm: float = 4.0
@@ -78,6 +80,7 @@ class ShapeSettings:
     rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
+    loads: HistoryKind = "extremes"
 
 
 @dataclass(frozen=True)
@@ -144,7 +147,7 @@ def optimise_shape(
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
     """
     settings, work = settings or ShapeSettings(), work or Work()
-    fatigue = "fatigue_safety" in (goal.quantity, *(limit.quantity for limit in goal.limits))
+    fatigue = settings.loads if wants_safety(goal) else None
     own = None if scene.original is None else Path(scene.original.file)
     before, judged = evaluated_original(scene, fatigue, settings.element_size_mm, work, own)
     cells = web_model(scene, settings.limits, settings.cell_mm)
@@ -173,6 +176,11 @@ def optimise_shape(
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
 
 
+def wants_safety(goal: Goal) -> bool:
+    """Tell whether a goal or one of its limits is the fatigue safety."""
+    return "fatigue_safety" in (goal.quantity, *(limit.quantity for limit in goal.limits))
+
+
 class _LocalRefinement:
     """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
 
@@ -188,7 +196,7 @@ class _LocalRefinement:
         self._cells, self._scene = cells, cells.scene
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
-        self._fatigue = "fatigue_safety" in goal.quantities
+        self._fatigue = settings.loads if "fatigue_safety" in goal.quantities else None
         self._coarse: dict[bytes, LazyFuture[MeshResponses]] = {}
 
     def anchored(self, web: ShapeRound) -> MeshResponses:
@@ -198,7 +206,8 @@ class _LocalRefinement:
     def _on_coarse_mesh(self, values: Array) -> LazyFuture[MeshResponses]:
         """Return the work on a coarse mesh of a web, the same for the same web."""
         fraction = _FILLET_FRACTION if self._fatigue else None
-        webs = MeshedWebs(self._scene, self._settings.limits, self._settings.mesh_mm, fraction)
+        settings = self._settings
+        webs = MeshedWebs(self._scene, settings.limits, settings.mesh_mm, fraction, loads=settings.loads)
         work = LazyFuture(lambda: webs.responses(webs.web(self._layout), values))
         return self._coarse.setdefault(values.tobytes(), work)
 

@@ -146,6 +146,67 @@ def test_fatigue_safety_is_that_of_the_assessment_on_the_same_mesh(case: Case) -
     assert case.found.values["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-9)
 
 
+@dataclass(frozen=True)
+class CycleCase:
+    """A throw with its tangential force: the quarter with three condensations, or the half with two."""
+
+    model: MeshModel
+    values: Array
+
+
+@pytest.fixture(
+    scope="module", params=["on", pytest.param("off", marks=pytest.mark.slow)], ids=["quarter", "half"]
+)
+def cycle(request: pytest.FixtureRequest) -> CycleCase:
+    scene, layout, values = die_web()
+    on = {"tangential": "on", "centrifugal": "on", "lateral_symmetry": request.param}
+    scene = scene.model_copy(update={"effects": scene.effects.model_copy(update=on)})
+    return CycleCase(MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, "cycle"), values)
+
+
+def test_the_safety_over_the_cycle_is_that_of_the_assessment(cycle: CycleCase) -> None:
+    scene, mesh = cycle.model.scene, cycle.model.moved.mesh
+    elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    model = assemble(mesh, *elastic)
+    enabled, kinds = load_kinds(scene, "cycle")
+    assert "tangential" in kinds
+    fields = unit_fields(model, scene, mesh.mirrored, kinds)
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), *elastic)
+    planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mesh.mirrored else [])
+    surface = outer_surface(model, found.elements, tuple(planes))
+    on = [fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")]
+    assessed = safety_field(
+        StressModel(
+            "",
+            scene,
+            1.0,
+            kinds,
+            surface,
+            surface_stress(model, surface, found),
+            images_of(fields, mesh.mirrored),
+            on[0],
+            on[1],
+            Quality(1.0, 1.0, 1, 0.0, 0.0, 0.0, 0.0),
+        ),
+        "lsa",
+        load_history(scene, "cycle", enabled),
+    )
+    by_model = cycle.model.responses(cycle.values).values["fatigue_safety"]
+    assert by_model == pytest.approx(assessed.critical.safety, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_the_gradient_over_the_cycle_is_what_differences_say(cycle: CycleCase) -> None:
+    model, values, step = cycle.model, cycle.values, 1e-3
+    direction = np.random.default_rng(7).standard_normal(len(values))
+    found = model.responses(values, ("fatigue_safety",)).gradients["fatigue_safety"] @ direction
+    above, below = (
+        model.responses(values + s * step * direction, ("fatigue_safety",)).values["fatigue_safety"]
+        for s in (1, -1)
+    )
+    assert found == pytest.approx((above - below) / (2 * step), rel=1e-4)
+
+
 def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:
     mesh, random = case.model.moved.mesh, np.random.default_rng(3)
     field = random.standard_normal(mesh.points_mm.size)

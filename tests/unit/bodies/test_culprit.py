@@ -19,6 +19,7 @@ from tests.physics.throw.test_drillings import STRAIGHT, mikron
 HOLE = {"shape": "cylinder", "diameter_mm": 6.0}
 
 
+@pytest.fixture(scope="module")
 def featured() -> Scene:
     """Two pockets, a counterweight, two drillings, one of them with rounded outlets."""
     data: dict[str, Any] = mikron().model_dump(mode="json", exclude_none=True)
@@ -44,8 +45,8 @@ WRONG: dict[str, Callable[[Scene], bool]] = {
 
 
 @pytest.mark.parametrize("told", WRONG)
-def test_the_first_wrong_feature_is_named(told: str) -> None:
-    found = culprit(featured(), lambda scene: 2.0 * WRONG[told](scene))
+def test_the_first_wrong_feature_is_named(told: str, featured: Scene) -> None:
+    found = culprit(featured, lambda scene: 2.0 * WRONG[told](scene))
     assert found.told == told
     assert "by 0.1 mm" in found.hint
 
@@ -53,16 +54,16 @@ def test_the_first_wrong_feature_is_named(told: str) -> None:
 @pytest.mark.parametrize(
     ("largest_mm", "hint"), [(1.0, "Reduce it: 0.95 mm is made right."), (0.0, "Reduce it, or")]
 )
-def test_a_rounding_that_the_kernel_makes_is_advised(largest_mm: float, hint: str) -> None:
+def test_a_rounding_that_the_kernel_makes_is_advised(largest_mm: float, hint: str, featured: Scene) -> None:
     """It is one that was tried."""
-    scene, tried = featured(), list[float]()
+    tried = list[float]()
 
     def misfit(part: Scene) -> float:
         radius = max((one.outlet_radius_mm for one in part.throw.drilling), default=0.0)
         tried.append(radius)
         return 5.0 if radius > largest_mm else 0.5
 
-    found = culprit(scene, misfit)
+    found = culprit(featured, misfit)
     assert found.told == "throw.drilling[1].outlet_radius_mm = 2"
     assert found.hint.startswith(hint)
     assert not largest_mm or any(f"{radius:g} mm" in found.hint for radius in tried)

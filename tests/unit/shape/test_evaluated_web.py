@@ -42,13 +42,13 @@ def test_the_search_need_not_wait_for_the_safety(
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     monkeypatch.setattr(module, "fatigue_field", safety)
     work = Work()
-    web, judged = evaluated_original(scene, True, None, work)
+    web, judged = evaluated_original(scene, "extremes", None, work)
     assert begun.wait(600.0)
     assert web.values["torsion"] > 0
     assert "fatigue_safety" not in web.values
     let.set()
     assert judged().values == {**web.values, "fatigue_safety": 1.25}
-    _, again = evaluated_original(scene, True, None, work)
+    _, again = evaluated_original(scene, "extremes", None, work)
     assert again().values["fatigue_safety"] == 1.25
     assert len(found) == 1
 
@@ -59,4 +59,4 @@ def test_what_the_safety_needs_is_told_before_the_search(
     monkeypatch.setattr(module, "evaluate", lambda *_: evaluation)
     weak = scene.model_copy(update={"material": scene.material.model_copy(update={"ultimate_MPa": None})})
     with pytest.raises(CranktopoError, match="ultimate_MPa"):
-        evaluated_original(weak, True, None, Work())
+        evaluated_original(weak, "extremes", None, Work())
