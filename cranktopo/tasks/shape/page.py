@@ -37,6 +37,7 @@ from cranktopo.tasks.shape.text import (
     named_first,
     rounds_table,
     shape_headline,
+    stress_loads,
     value_words,
     worst_case_table,
 )
@@ -100,11 +101,12 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
 def _wanted(found: ShapeResult) -> Section:
     goal, doubt = found.goal, multiplier_doubt(found)
     sense = "minimise" if goal.minimise else "maximise"
+    judged = stress_loads(found)
     return Section(
         "goal",
         f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",
-        f"{found.stop_reason.capitalize()}. What limits, rules and bounds cost is in percent of the "
-        f"original's, to first order{'; ' * bool(doubt)}{doubt}.",
+        f"{found.stop_reason.capitalize()}{'; ' * bool(judged)}{judged}. What limits, rules and bounds cost "
+        f"is in percent of the original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
             ("Original and result, fillets included", changes_table(found)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),
