@@ -92,7 +92,8 @@ def largest_stress(_: Scene, judged: JudgedSurface) -> SmoothValue:
     adjoint = np.zeros((2, *judged.stress.stress_MPa.shape))
     for loads, own, by_size, many, here in zip(judged.states, acting, slopes, counted, size, strict=True):
         heavy = np.flatnonzero(many.any(axis=0))
-        share = (by_size / here)[:, heavy, None] * (own[:, heavy] @ DEVIATOR)
+        by_square = by_size / np.maximum(here, np.finfo(float).tiny)  # a state may be without load
+        share = by_square[:, heavy, None] * (own[:, heavy] @ DEVIATOR)
         adjoint[0][:, nodes[heavy]] += np.einsum("snc,sf->fnc", share, loads)
     return SmoothValue(largest, norm, (adjoint[0], adjoint[1]))
 

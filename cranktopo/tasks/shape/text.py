@@ -172,8 +172,7 @@ def shape_headline(found: ShapeResult) -> str:
 
 def _failing(found: ShapeResult) -> str:
     """Return the sentence that the web fails by fatigue, whatever its limit; empty where it does not."""
-    key = SAFETY.key
-    safety, original = found.values.result.get(key), found.values.original.get(key)
+    safety, original = (of.get("fatigue_safety") for of in (found.values.result, found.values.original))
     if safety is None or safety >= 1:
         return ""
     alike = f", as the original does with {original:.3f}" if original is not None and original < 1 else ""
