@@ -219,6 +219,7 @@ TABLE: dict[str, dict[str, Case]] = {
         **_RULES,
         **_OUT,
         "--minimise": Acts(MIKRON, "--minimise inertia"),
+        "--loads": Acts(MIKRON, "--loads cycle"),
         "--no-bound": Acts(MIKRON, "--no-bound"),
         "--json": Shown("cli/test_shape.py::test_the_design_evaluates_as_it_says"),
     },

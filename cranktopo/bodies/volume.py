@@ -72,6 +72,13 @@ def half_throw_volume_mm3(scene: Scene) -> float:
     return total + _fillet_volume(scene, throw.crankpin, throw.radius_mm, end)
 
 
+def outlet_roundings_mm3(scene: Scene) -> float:
+    """Return what the roundings of drillings' outlets take out of a half throw, mm3."""
+    sharp = tuple(one.model_copy(update={"outlet_radius_mm": 0.0}) for one in scene.throw.drilling)
+    bare = scene.model_copy(update={"throw": scene.throw.model_copy(update={"drilling": sharp})})
+    return drilled(scene).volume - drilled(bare).volume
+
+
 def throw_volume_mm3(scene: Scene) -> float:
     """Return the volume of the throw between its two mid-main-journal planes, mm3."""
     return sum(of_halves(scene, half_throw_volume_mm3))

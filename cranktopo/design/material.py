@@ -201,8 +201,9 @@ class Fatigue(SceneTable):
     additional_stress_MPa: float = Field(default=10.0, ge=0, le=1e4)
     """Additional bending stress of IACS UR M53: 10 for trunk piston engines."""
     m53_factors: M53Factors = "lower"
-    """Concentration factors that govern at the fillets by IACS UR M53: those of its polynomials, those of
-    elements (Appendix III), or those with the lower acceptability where the polynomials are valid."""
+    """Concentration factors that govern by IACS UR M53, at fillets and outlets of oil bores: those of its
+    polynomials, those of elements (Appendices III and VI), or those with the lower acceptability where the
+    polynomials are valid."""
     hardening: Hardening | None = Field(default=None, exclude_if=not_given)
     """Hardened, nitrided or rolled fillets by hardness and residual stress over depth."""
     journal_hardening: CaseHardening | None = Field(default=None, exclude_if=not_given)

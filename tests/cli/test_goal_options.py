@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.writing import toml_text
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
@@ -72,3 +75,22 @@ def test_a_volume_fraction_beside_a_goal_is_refused(capsys: pytest.CaptureFixtur
     code, _, err = run(capsys, "optimise", "--minimise", "mass", "--volume-fraction", "0.3")
     assert code == 2
     assert "--volume-fraction excludes a goal: limit the mass instead" in err
+
+
+def test_load_states_of_stresses_that_nobody_wants_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    goal = ["--minimise", "mass", "--limit", "fatigue_safety none"]
+    assert main(["shape", "mikron-iiic", *goal, "--loads", "cycle"]) == 2
+    assert "--loads is of fatigue safety and stress, and neither is wanted" in capsys.readouterr().err
+
+
+def test_a_cycle_that_the_design_does_not_tell_is_refused_before_anything_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    data = load_scene("mikron-iiic").model_dump(mode="json", exclude_none=True)
+    del data["engine"]["gas"]
+    data["engine"] |= {"max_gas_force_N": 35000.0, "max_torque_Nm": 400.0}
+    Path("given.toml").write_text(toml_text(scene_from_dict(data), "Given loads."), encoding="utf-8")
+    assert main(["shape", "given.toml", "--loads", "cycle", "--out", "here"]) == 3
+    assert "engine.gas: is missing, so there is no cycle to follow" in capsys.readouterr().err
+    assert not Path("here").exists()

@@ -10,7 +10,8 @@ import jax.numpy as jnp
 
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.cells.grid import CellGrid
-from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.bodies.solid.checked import solid_properties
+from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.loading import load_scene, scene_from_dict

@@ -10,13 +10,9 @@ from numpy.typing import NDArray
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import Parity, Span
-from cranktopo.bodies.solid.throw import (
-    DimTags,
-    SolidProperties,
-    add_full_throw,
-    add_half_throw,
-    solid_properties,
-)
+from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
+from cranktopo.bodies.solid.shapes import DimTags
+from cranktopo.bodies.solid.throw import add_full_throw, add_half_throw
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.crank_throws import refuse_flying_web
 from cranktopo.design.halves import difference, halves, may_mirror, usual_scale, web_asymmetry

@@ -7,9 +7,10 @@ from typing import Any
 
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
+from cranktopo.bodies.solid.checked import ClosedForm, check_body
+from cranktopo.bodies.solid.shapes import DimTags, cut
 from cranktopo.bodies.solid.step import import_solid
-from cranktopo.bodies.solid.throw import DimTags, add_full_throw, check_body, cut
-from cranktopo.bodies.volume import throw_volume_mm3
+from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.schema import Scene
@@ -35,8 +36,10 @@ def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
         bodies += _add_piece(occ, piece)
     if len(bodies) > 1:
         bodies, _ = occ.fuse(bodies[:1], bodies[1:])
-    volume = sum(throw_volume_mm3(throw) for throw in throws)
-    check_body(occ, bodies, volume + sum(piece.moments.volume for piece in pieces), "crankshaft")
+    forms = [throw_form(throw) for throw in throws]
+    volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
+    expected = ClosedForm(volume, sum(form.roundings_mm3 for form in forms))
+    check_body(occ, bodies, expected, "crankshaft")
     return bodies
 
 
@@ -46,7 +49,8 @@ def add_end(occ: Any, scene: Scene, side: Side) -> DimTags:
     bodies = [pair for piece in pieces for pair in _add_piece(occ, piece)]
     if len(bodies) > 1:
         bodies, _ = occ.fuse(bodies[:1], bodies[1:])
-    check_body(occ, bodies, sum(piece.moments.volume for piece in pieces), f"{side} end of the crank")
+    volume = sum(piece.moments.volume for piece in pieces)
+    check_body(occ, bodies, ClosedForm(volume), f"{side} end of the crank")
     return bodies
 
 

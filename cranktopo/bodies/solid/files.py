@@ -15,21 +15,14 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
+from cranktopo.bodies.solid.checked import VOLUME_TOLERANCE, ClosedForm
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
 from cranktopo.bodies.solid.plugs import add_plugs, plug_names
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
+from cranktopo.bodies.solid.shapes import DimTags, cut
 from cranktopo.bodies.solid.step import StepLabel, closed_surface, kernel_surface, label_step
-from cranktopo.bodies.solid.throw import (
-    VOLUME_TOLERANCE,
-    DimTags,
-    add_drillings,
-    add_full_throw,
-    add_half_throw,
-    add_web,
-    check_body,
-    cut,
-)
+from cranktopo.bodies.solid.throw import add_drillings, add_full_throw, add_half_throw, add_web, built
 from cranktopo.bodies.volume import web_volume_mm3
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.crank import Side
@@ -204,9 +197,11 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
 
 def _web(occ: Any, half: Scene) -> DimTags:
     check_solid(half)
-    body = cut(occ, add_web(occ, half), add_drillings(occ, half))
-    check_body(occ, body, web_volume_mm3(half), "web")
-    return body
+    return built(occ, half, "web", _drilled_web, lambda part: ClosedForm(web_volume_mm3(part)))
+
+
+def _drilled_web(occ: Any, half: Scene) -> DimTags:
+    return cut(occ, add_web(occ, half), add_drillings(occ, half))
 
 
 def _remove_loose(occ: Any) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.throw import DimTags, add_solid
+from cranktopo.bodies.solid.shapes import DimTags, add_solid
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.throw.counterweight.holes import Plug

@@ -7,7 +7,8 @@ from itertools import pairwise
 from typing import Any
 
 from cranktopo.bodies.raw_part import forging_of, raw_half_volume_mm3
-from cranktopo.bodies.solid.throw import DimTags, add_solid, check_body, cut
+from cranktopo.bodies.solid.checked import ClosedForm, check_body
+from cranktopo.bodies.solid.shapes import DimTags, add_solid, cut
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.throw.primitives import Extrusion, LineSegment, Point
@@ -23,7 +24,7 @@ def add_raw_throw(occ: Any, scene: Scene) -> DimTags:
     half, other = (add_raw_half(occ, one) for one in (first, mirror_image(second)))
     occ.rotate(other, 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     body, _ = occ.fuse(half, other)
-    check_body(occ, body, sum(map(raw_half_volume_mm3, (first, second))), "raw part")
+    check_body(occ, body, ClosedForm(sum(map(raw_half_volume_mm3, (first, second)))), "raw part")
     return list(body)
 
 
@@ -35,7 +36,7 @@ def add_raw_half(occ: Any, scene: Scene) -> DimTags:
         occ, web, [pair for tool in half.cuts for solid in tool.solids() for pair in add_solid(occ, solid)]
     )
     body = _fused(occ, [web, *(_raw_body(occ, one) for one in half.journals)])
-    check_body(occ, body, raw_half_volume_mm3(scene), "raw half throw")
+    check_body(occ, body, ClosedForm(raw_half_volume_mm3(scene)), "raw half throw")
     return body
 
 

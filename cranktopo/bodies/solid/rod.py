@@ -6,7 +6,8 @@ from itertools import pairwise
 from typing import Any
 
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.bodies.solid.throw import DimTags, check_body, cut
+from cranktopo.bodies.solid.checked import ClosedForm, check_body
+from cranktopo.bodies.solid.shapes import DimTags, cut
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import fillet, rod_mass
@@ -37,7 +38,7 @@ def add_rod(occ: Any, scene: Scene) -> DimTags:
     body = cut(occ, body, holes)
     material = rod.material or scene.material
     density = density_kg_per_mm3(material.density_kg_m3)
-    check_body(occ, body, rod_mass(rod, length, material).body_kg / density, "rod")
+    check_body(occ, body, ClosedForm(rod_mass(rod, length, material).body_kg / density), "rod")
     return list(body)
 
 

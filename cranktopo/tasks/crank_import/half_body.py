@@ -10,7 +10,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.throw import SolidProperties
+from cranktopo.bodies.solid.checked import SolidProperties
 from cranktopo.tasks.crank_import.faces import Faces
 from cranktopo.tasks.crank_import.found_crank import FoundCrank, FoundHalf
 from cranktopo.tasks.crank_import.solids import FoundSolid

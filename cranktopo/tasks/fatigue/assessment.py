@@ -18,6 +18,7 @@ from cranktopo.tasks.fatigue.result import (
     FilletAcceptance,
     JudgedQuality,
     OutletAcceptance,
+    OutletElementsAcceptance,
     RuleFactors,
     RuleFatigue,
     RuleFillets,
@@ -164,10 +165,31 @@ def _acceptances(checks: dict[str, FilletCheck]) -> dict[str, FilletAcceptance]:
 
 
 def _outlet_acceptance(outlet: OutletCheck) -> OutletAcceptance:
-    own = {name: value for name, value in vars(outlet).items() if name not in ("check", "outside")}
     return OutletAcceptance(
-        **own,
-        **vars(outlet.check),
+        key=outlet.key,
+        angle_deg=outlet.angle_deg,
+        gamma_bending=outlet.gamma_bending,
+        gamma_torsion=outlet.gamma_torsion,
+        bending_MPa=outlet.bending_MPa,
+        torsion_MPa=outlet.torsion_MPa,
+        equivalent_MPa=outlet.check.equivalent_MPa,
+        strength_MPa=outlet.check.strength_MPa,
         acceptability=outlet.acceptability,
         outside_validity=outlet.outside,
+        elements=_by_elements(outlet),
+        governed_by=outlet.governed_by,
+    )
+
+
+def _by_elements(outlet: OutletCheck) -> OutletElementsAcceptance | None:
+    found, check = outlet.elements, outlet.by_elements
+    if found is None or check is None:
+        return None
+    return OutletElementsAcceptance(
+        gamma_bending=found.gamma_bending,
+        gamma_torsion=found.gamma_torsion,
+        equivalent_MPa=check.equivalent_MPa,
+        acceptability=check.acceptability,
+        **vars(found.checks),
+        proven=not outlet.unproven,
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cranktopo.base.arrays import Array
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.outlet import DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import FilletSection
@@ -126,10 +127,18 @@ def _by_outlet(half: Scene, points_mm: Array) -> Iterator[tuple[DrillOutlet, flo
     """Yield the outlets on journals, how far around each one counts, mm, and which points (3, n) that are."""
     for bore in drill_bores(half):
         for outlet in bore.outlets:
-            reach = 1.5 * bore.radius_mm / math.cos(math.radians(outlet.obliquity_deg)) + outlet.rounding_mm
             if not outlet.in_bore:
-                away = np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0)
-                yield outlet, reach, away < reach
+                yield outlet, _reach_mm(bore, outlet), at_outlet(bore, outlet, points_mm)
+
+
+def at_outlet(bore: DrillBore, outlet: DrillOutlet, points_mm: Array) -> NDArray[np.bool_]:
+    """Return which points (3, n) lie at an outlet of a bore, (n,)."""
+    away = np.linalg.norm(points_mm - np.array(outlet.point_mm)[:, None], axis=0)
+    return np.asarray(away < _reach_mm(bore, outlet))
+
+
+def _reach_mm(bore: DrillBore, outlet: DrillOutlet) -> float:
+    return 1.5 * bore.radius_mm / math.cos(math.radians(outlet.obliquity_deg)) + outlet.rounding_mm
 
 
 def _section(scene: Scene, fillet: Fillet, points: Array) -> tuple[Array, Array, FilletSection]:

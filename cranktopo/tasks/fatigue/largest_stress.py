@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
-from cranktopo.engine.histories import load_history
+from cranktopo.engine.histories import HistoryKind, load_history
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import FatigueField, unit_loads
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
@@ -14,14 +14,14 @@ from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
 
 
-def largest_stress_MPa(target: Target) -> float:
-    """Return the largest stress over the extreme load states of a throw that stands alone.
+def largest_stress_MPa(target: Target, kind: HistoryKind = "extremes") -> float:
+    """Return the largest stress over the load states of a throw that stands alone.
 
     Raises:
         CranktopoError: missing loads, sharp fillets, or a failed solve.
     """
-    enabled, kinds = load_kinds(target.scene, "extremes")
-    loads = unit_loads(load_history(target.scene, "extremes", enabled), kinds)
+    enabled, kinds = load_kinds(target.scene, kind)
+    loads = unit_loads(load_history(target.scene, kind, enabled), kinds)
     model = solve_stresses(target, kinds)
     found = signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
     return max(_largest(one.local.amplitude_MPa, one.local.mean_MPa, model.judged) for one in found)

@@ -1,23 +1,29 @@
 """Outlets of oil bores in the crankpin by the crankshaft rule IACS UR M53: the third place that it checks.
 
 Source: IACS, Unified Requirement M53: moments at the outlet M53.2.1.1.2 and 2.1.2.2, stresses 2.1.4 and
-2.2.3, factors M53.3.4, equivalent stress M53.5.2, strength M53.6. The factors are those of a radial bore.
+2.2.3, factors M53.3.4, equivalent stress M53.5.2, strength M53.6. The factors are those of a radial bore; of
+any other there are those of elements (`outlet_elements`).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
+from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
 from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history, tangential_range_N
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
+from cranktopo.tasks.fatigue.outlet_elements import OutletFactors, element_outlet_factors
+from cranktopo.tasks.fatigue.stress_model import StressModel
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.outlet import DrillOutlet
 from cranktopo.throw.drilling.table import drill_bores
 
+GoverningFactors = Literal["polynomials", "elements"]
 _LARGEST_BORE = 0.2
 """Largest bore over the pin's diameter for which the factors are given."""
 _RADIAL_DEG = 1.0
@@ -35,6 +41,9 @@ class OutletCheck:
         bending_MPa, torsion_MPa: nominal alternating stresses.
         check: equivalent alternating stress and fatigue strength.
         outside: what lies outside the validity of the factors, in words.
+        elements: factors of finite elements; None where the model has no such bore.
+        sharp: the outlet has no rounding, so that its largest stress is that of an edge.
+        wanted: set of factors that the scene lets govern.
     """
 
     key: str
@@ -45,6 +54,57 @@ class OutletCheck:
     torsion_MPa: float
     check: FilletCheck
     outside: tuple[str, ...]
+    elements: OutletFactors | None = None
+    sharp: bool = False
+    wanted: M53Factors = "lower"
+
+    @property
+    def by_elements(self) -> FilletCheck | None:
+        """The outlet with the factors of elements."""
+        if self.elements is None:
+            return None
+        stress = outlet_equivalent_MPa(
+            self.elements.gamma_bending * self.bending_MPa, self.elements.gamma_torsion * self.torsion_MPa
+        )
+        return FilletCheck(stress, self.check.strength_MPa)
+
+    @property
+    def unproven(self) -> str:
+        """Why the elements prove nothing here; empty where they do."""
+        if self.elements is None:
+            return "the half throw that is modelled has no such bore"
+        if self.sharp:
+            return "the outlet is sharp (outlet_radius_mm = 0)"
+        return "" if self.elements.checks.within_limits else self.elements.checks.shortfall
+
+    @property
+    def governed_by(self) -> GoverningFactors | None:
+        """The set of factors that governs, the lower one by default; None where none is valid or proven."""
+        found: dict[GoverningFactors, FilletCheck] = {}
+        if not self.outside and (self.wanted != "elements" or self.elements is None):
+            found["polynomials"] = self.check
+        if self.by_elements and not self.unproven and self.wanted != "polynomials":
+            found["elements"] = self.by_elements
+        if not found:
+            return None
+        lower: GoverningFactors = min(found, key=lambda name: found[name].acceptability)
+        return lower
+
+    @property
+    def judged(self) -> FilletCheck | None:
+        """The outlet with the factors that govern; None where it is not judged."""
+        return {"polynomials": self.check, "elements": self.by_elements, None: None}[self.governed_by]
+
+    @property
+    def not_judged(self) -> str:
+        """Why the outlet is not judged, with what the elements say; empty where it is."""
+        if self.judged is not None:
+            return ""
+        found = self.by_elements
+        if found is None:
+            return "; ".join(self.outside)
+        why = self.unproven or "fatigue.m53_factors is 'polynomials'"
+        return f"{'; '.join([*self.outside, why])} (Q {found.acceptability:.3f} by these elements)"
 
     @property
     def acceptability(self) -> float | None:
@@ -78,6 +138,7 @@ def check_outlets(
     torque_Nmm: float,
     half: Scene | None = None,
     share: float = 0.5,
+    model: StressModel | None = None,
 ) -> tuple[OutletCheck, ...]:
     """Return every outlet of an oil drilling on the crankpin; none where the scene has no drilling.
 
@@ -87,24 +148,36 @@ def check_outlets(
         torque_Nmm: alternating torque.
         half: the throw of two webs as on this side, where they differ; its drillings are checked.
         share: of the force on the pin that the bearing on this side takes.
+        model: unit stresses of the half throw, for the factors of elements.
 
     Raises:
         CranktopoError: the scene does not tell the loads.
     """
     half = half or scene
-    outlets = [
+    outlets = pin_outlets(half)
+    if not outlets:
+        return ()
+    history = load_history(scene, kind, enabled | {"tangential"})
+    tangential = tangential_range_N(scene, enabled) if kind == "extremes" else None
+    found = (
+        _check(half, share, channel, mouth, (history, tangential), torque_Nmm) for channel, mouth in outlets
+    )
+    if model is None:
+        return tuple(found)
+    return tuple(
+        replace(one, elements=element_outlet_factors(model, *outlet))
+        for one, outlet in zip(found, outlets, strict=True)
+    )
+
+
+def pin_outlets(half: Scene) -> list[tuple[DrillBore, DrillOutlet]]:
+    """Return the drillings of a half throw with each of their outlets on the crankpin's surface."""
+    return [
         (channel, mouth)
         for channel in drill_bores(half)
         for mouth in channel.outlets
         if mouth.journal == "crankpin" and not mouth.in_bore
     ]
-    if not outlets:
-        return ()
-    history = load_history(scene, kind, enabled | {"tangential"})
-    tangential = tangential_range_N(scene, enabled) if kind == "extremes" else None
-    return tuple(
-        _check(half, share, channel, mouth, (history, tangential), torque_Nmm) for channel, mouth in outlets
-    )
 
 
 def _check(
@@ -129,7 +202,17 @@ def _check(
     stress = outlet_equivalent_MPa(gamma[0] * bending, gamma[1] * torsion)
     check = FilletCheck(stress, strength)
     angle = math.degrees(math.atan2(mouth.normal[0], mouth.normal[1]))
-    return OutletCheck(channel.key, angle, *gamma, bending, torsion, check, _outside(bore / size, mouth))
+    return OutletCheck(
+        channel.key,
+        angle,
+        *gamma,
+        bending,
+        torsion,
+        check,
+        _outside(bore / size, mouth),
+        sharp=not mouth.rounding_mm,
+        wanted=settings.m53_factors,
+    )
 
 
 def unchecked_journal_outlets(scene: Scene) -> dict[str, str]:

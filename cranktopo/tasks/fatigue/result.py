@@ -14,28 +14,11 @@ NORMAL_LIMIT_PERCENT, JUMP_LIMIT_PERCENT = 3.0, 5.0
 """Quality limits of IACS UR M53 for surface-normal stress and jump between elements."""
 
 
-@dataclass(frozen=True)
-class Quality:
-    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
+class _RuleChecks:
+    """Both checks of the rule on a mesh, beside their limits."""
 
-    Attributes:
-        fillet_size_mm: element size asked for in the finer fillet.
-        longest_edge: longest element edge in the fillets over the fillet's (least) radius.
-        nodes: nodes of the mesh.
-        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
-        jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
-            worst.
-        mesh_seconds: time for the mesh.
-        solve_seconds: time for the unit loads.
-    """
-
-    fillet_size_mm: float
-    longest_edge: float
-    nodes: int
     normal_percent: float
     jump_percent: float
-    mesh_seconds: float
-    solve_seconds: float
 
     @property
     def within_limits(self) -> bool:
@@ -61,6 +44,38 @@ class Quality:
         return tuple(
             (f"{name} {value:.1f} % (at most {most:g} %)", value <= most) for name, value, most in entries
         )
+
+
+@dataclass(frozen=True)
+class MeshChecks(_RuleChecks):
+    """The rule's checks of a mesh at one place: surface-normal stress, and jump between elements, %."""
+
+    normal_percent: float
+    jump_percent: float
+
+
+@dataclass(frozen=True)
+class Quality(_RuleChecks):
+    """Mesh and the rule's quality checks where each unit load stresses each fillet most.
+
+    Attributes:
+        fillet_size_mm: element size asked for in the finer fillet.
+        longest_edge: longest element edge in the fillets over the fillet's (least) radius.
+        nodes: nodes of the mesh.
+        normal_percent: surface-normal stress over the largest principal stress of the same node, worst.
+        jump_percent: departure of an element's von Mises stress from that of the nodal mean over the latter,
+            worst.
+        mesh_seconds: time for the mesh.
+        solve_seconds: time for the unit loads.
+    """
+
+    fillet_size_mm: float
+    longest_edge: float
+    nodes: int
+    normal_percent: float
+    jump_percent: float
+    mesh_seconds: float
+    solve_seconds: float
 
 
 @dataclass(frozen=True)
@@ -267,6 +282,25 @@ class RuleFillets(Result):
     """With the factors of finite elements."""
 
 
+class OutletElementsAcceptance(Result):
+    """An outlet of an oil bore with the concentration factors of finite elements."""
+
+    gamma_bending: float
+    """Concentration factor in bending, in the plane through the pin's axis and the outlet."""
+    gamma_torsion: float
+    """Concentration factor in torsion."""
+    equivalent_MPa: float
+    """Equivalent alternating stress."""
+    acceptability: float
+    """Strength over equivalent stress."""
+    normal_percent: float
+    """Surface-normal stress over the largest principal stress at the peak; the rule allows 3 %."""
+    jump_percent: float
+    """Jump between elements at the peak; the rule allows 5 %."""
+    proven: bool
+    """True if the mesh keeps both checks and the outlet is rounded."""
+
+
 class OutletAcceptance(Result):
     """An outlet of an oil bore in the crankpin against the rule."""
 
@@ -290,6 +324,10 @@ class OutletAcceptance(Result):
     """Strength over equivalent stress; null where the rule's factors are not valid."""
     outside_validity: tuple[str, ...]
     """What lies outside the validity of the factors."""
+    elements: OutletElementsAcceptance | None
+    """The same with the factors of finite elements; null where the model has no such bore."""
+    governed_by: str | None
+    """Factors that govern, "polynomials" or "elements"; null where the outlet is not judged."""
 
 
 class RuleFatigue(_TargetFatigue):
@@ -302,7 +340,7 @@ class RuleFatigue(_TargetFatigue):
     governing_factors: dict[str, str]
     """Factors that govern at each fillet, "polynomials" or "elements", as `fatigue.m53_factors` has it."""
     not_judged: dict[str, str]
-    """Outlets outside the validity of the rule's factors, and why."""
+    """Places that neither the rule's polynomials nor proven elements judge, and why."""
     least_acceptability: float
     """Acceptability factor that the rule asks for."""
     alternating: AlternatingLoads

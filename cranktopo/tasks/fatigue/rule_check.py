@@ -33,13 +33,20 @@ from cranktopo.tasks.fatigue.m53 import (
     pin_equivalent_MPa,
 )
 from cranktopo.tasks.fatigue.m53_hardening import journal_stresses, pin_stresses, treated_check
-from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, check_outlets, unchecked_journal_outlets
+from cranktopo.tasks.fatigue.m53_outlet import (
+    GoverningFactors,
+    OutletCheck,
+    check_outlets,
+    pin_outlets,
+    unchecked_journal_outlets,
+)
 from cranktopo.tasks.fatigue.needs import check_method, load_kinds
+from cranktopo.tasks.fatigue.outlet_elements import off_plane
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import FieldKind
 
-GoverningFactors = Literal["polynomials", "elements"]
 Verdict = Literal["accepted", "not accepted", "not judged"]
 
 
@@ -90,7 +97,8 @@ class RuleCheck:
         """Every place that is judged: fillets with the factors that govern, outlets that the rule covers."""
         sets = {"polynomials": self.rule_checks, "elements": self.fem_checks}
         fillets = {fillet: sets[name][fillet] for fillet, name in self.governing.items()}
-        return fillets | {outlet.place: outlet.check for outlet in self.outlets if not outlet.outside}
+        outlets = ((outlet.place, outlet.judged) for outlet in self.outlets)
+        return fillets | {place: found for place, found in outlets if found is not None}
 
     @property
     def not_judged(self) -> dict[str, str]:
@@ -107,9 +115,9 @@ class RuleCheck:
 
     @property
     def uncovered(self) -> dict[str, str]:
-        """Outlets that the rule's factors do not cover, and why."""
-        leaning = {outlet.place: "; ".join(outlet.outside) for outlet in self.outlets if outlet.outside}
-        return leaning | dict(self.journal_outlets)
+        """Outlets that neither the rule's polynomials nor elements cover, and why."""
+        open_ones = {outlet.place: outlet.not_judged for outlet in self.outlets if outlet.not_judged}
+        return open_ones | dict(self.journal_outlets)
 
     @property
     def safety(self) -> float:
@@ -191,9 +199,10 @@ def _check(
     moment = force * share * web_lever_mm(scene)
     nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
     note(f"{target.name}: four-point bending, three-point bending and torsion")
-    model = solve_stresses(
-        _held_by_rule(target), ("moment", "bending", "torsion"), fillet_fraction, by_rule=True
-    )
+    kinds: list[FieldKind] = ["moment", "bending", "torsion"]
+    if any(off_plane(mouth) for _, mouth in pin_outlets(scene)):
+        kinds.append("side_moment")
+    model = solve_stresses(_held_by_rule(target), kinds, fillet_fraction, by_rule=True)
     scf_rule, scf_fem = concentration_factors(size), element_factors(model)
     return RuleCheck(
         target.name,
@@ -207,7 +216,7 @@ def _check(
         fillet_checks(scene, size, scf_rule, nominal),
         fillet_checks(scene, size, scf_fem, nominal),
         model.quality,
-        check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share),
+        check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share, model),
         web,
         scene.fatigue.m53_factors,
         unchecked_journal_outlets(half),
@@ -239,10 +248,12 @@ def element_factors(model: StressModel) -> Factors:
     principal stresses; shear: what three-point bending adds to the journal fillet over its moment.
 
     Args:
-        model: fields "moment", "bending", "torsion" in this order.
+        model: with the fields "moment", "bending" and "torsion".
     """
     size = dimensions(model.scene)
-    moment, radial, twist = model.stress.stress_MPa
+    moment, radial, twist = (
+        model.stress.stress_MPa[model.kinds.index(kind)] for kind in ("moment", "bending", "torsion")
+    )
     lever = web_lever_mm(model.scene)
     pure, three = nominal_stresses(size, 1.0, 0.0, 1.0), nominal_stresses(size, lever / 2, 0.5, 0.0)
     principal = principal_stresses(twist)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
-from cranktopo.tasks.fatigue.m53 import Dimensions, Ratio, ratios
+from cranktopo.tasks.fatigue.m53 import Dimensions, FilletCheck, Ratio, ratios
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
 from cranktopo.tasks.fatigue.result import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.text import outlet_table
@@ -110,20 +112,31 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
                 }
             )
     for outlet in check.outlets:
-        found = outlet.check
-        rows.append(
-            {
-                "fillet": outlet.place,
-                "factors_by": "polynomials (not valid here)" if outlet.outside else "polynomials",
-                "equivalent_MPa": found.equivalent_MPa,
-                "strength_MPa": found.strength_MPa,
-                "Q": outlet.acceptability,
-                "plus_or_minus": None,
-                "accepted": "not judged" if outlet.outside else _yes(found.accepted),
-            }
-        )
+        rows += _outlet_rows(outlet)
     columns = {"fillet": 0, "factors_by": 0, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3}
     return ResultTable(columns | {"plus_or_minus": 3, "accepted": 0}, tuple(rows))
+
+
+def _outlet_rows(outlet: OutletCheck) -> Iterator[dict[str, Cell]]:
+    """Yield an outlet with the factors of elements, where there are any, and with those of the rule."""
+    sets: list[tuple[str, FilletCheck, float | None, str]] = []
+    if (found := outlet.by_elements) and outlet.elements:
+        scatter = found.acceptability * outlet.elements.checks.jump_percent / 100
+        by = "elements (prove nothing here)" if outlet.unproven else "elements"
+        sets.append((by, found, scatter, "not judged" if outlet.unproven else _yes(found.accepted)))
+    by = "polynomials (not valid here)" if outlet.outside else "polynomials"
+    sets.append((by, outlet.check, None, "not judged" if outlet.outside else _yes(outlet.check.accepted)))
+    for by, check, band, answer in sets:
+        valid = by.startswith("elements") or not outlet.outside
+        yield {
+            "fillet": outlet.place,
+            "factors_by": by,
+            "equivalent_MPa": check.equivalent_MPa,
+            "strength_MPa": check.strength_MPa,
+            "Q": check.acceptability if valid else None,
+            "plus_or_minus": band,
+            "accepted": answer,
+        }
 
 
 def quality_table(check: RuleCheck) -> ResultTable:

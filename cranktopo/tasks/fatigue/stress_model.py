@@ -49,7 +49,7 @@ _ACROSS_WEB = 6
 """Elements through the web: the same rule."""
 _RESIDUAL = 1e-4
 """Accepted of the unit loads; solves aim at a hundredth of it, which changes the safety by 5e-7."""
-_NEAR_PEAK = 0.98
+NEAR_PEAK = 0.98
 """Fraction of the largest stress from which a node counts as the place where the rule checks the mesh."""
 
 
@@ -205,6 +205,12 @@ def stress_model(
         _where(scene, meshed.whole, partial(_on_fillet, fillet), surface.points_mm)
         for fillet in ("journal", "pin")
     )
+    at_fillets = [
+        index for index, field in enumerate(fields) if field.kind != "side_moment"
+    ]  # no factor there
+    judged = SurfaceStress(
+        stress.stress_MPa[at_fillets], stress.depth_MPa_per_mm[at_fillets], stress.jump_MPa[at_fillets]
+    )
     fitted = serves_polynomials(fillet_fraction) and not by_rule
     if fitted:
         on = journal | pin | _where(scene, meshed.whole, rounded_outlet_nodes, surface.points_mm)
@@ -221,7 +227,7 @@ def stress_model(
         images_of(fields, meshed.mesh.mirrored, whole=meshed.whole),
         journal,
         pin,
-        _quality(scene, surface, stress, (journal, pin), fillet_fraction, model.nodes_mm.shape[1]),
+        _quality(scene, surface, judged, (journal, pin), fillet_fraction, model.nodes_mm.shape[1]),
         meshed.whole,
         fitted,
     )
@@ -335,7 +341,7 @@ def _quality(
         raise CranktopoError(
             "mesh: no nodes on the fillets.", hint="Report this design.", code=ExitCode.INTERNAL
         )
-    normal = np.abs(_normal_stress(stress.stress_MPa, surface.normals))
+    normal = np.abs(normal_stress(stress.stress_MPa, surface.normals))
     largest = np.abs(principal_stresses(stress.stress_MPa)).max(axis=-1)
     equivalent = von_mises(stress.stress_MPa)
     where = _examined(equivalent, fillets)
@@ -356,12 +362,12 @@ def _examined(stress: Array, fillets: tuple[NDArray[np.bool_], NDArray[np.bool_]
     where = np.zeros(stress.shape, dtype=bool)
     for on in fillets:
         inside = np.where(on, stress, 0.0)
-        where |= inside >= _NEAR_PEAK * inside.max(axis=1, keepdims=True)
+        where |= inside >= NEAR_PEAK * inside.max(axis=1, keepdims=True)
     return where
 
 
-def _normal_stress(stress: Array, normals: Array) -> Array:
-    """Stress on the surface's own plane, normal to it, shape (fields, n)."""
+def normal_stress(stress: Array, normals: Array) -> Array:
+    """Return the stress on the surface's own plane, normal to it, (..., n) of (..., n, 6)."""
     x, y, z = normals.T
     weights = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x], axis=1)
     return np.asarray((stress * weights).sum(axis=-1))

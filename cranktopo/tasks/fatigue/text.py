@@ -108,7 +108,10 @@ def rule_table(checks: Sequence[RuleCheck], baseline: int | None) -> ResultTable
 
 
 def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
-    """Outlets of oil bores by the rule, one row each; no rows where there are none."""
+    """Outlets of oil bores by the rule, one row each; no rows where there are none.
+
+    Equivalent stresses are those with the rule's own factors, FE those of elements.
+    """
     rows: tuple[dict[str, Cell], ...] = tuple(
         {
             "target": check.name,
@@ -116,19 +119,24 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
             "angle_deg": outlet.angle_deg,
             "gamma_B": outlet.gamma_bending,
             "gamma_T": outlet.gamma_torsion,
+            "gamma_B_FE": outlet.elements.gamma_bending if outlet.elements else None,
+            "gamma_T_FE": outlet.elements.gamma_torsion if outlet.elements else None,
             "bending_MPa": outlet.bending_MPa,
             "torsion_MPa": outlet.torsion_MPa,
             "equivalent_MPa": outlet.check.equivalent_MPa,
             "strength_MPa": outlet.check.strength_MPa,
             "Q": outlet.acceptability,
+            "Q_FE": outlet.by_elements.acceptability if outlet.by_elements else None,
+            "governed_by": outlet.governed_by or "not judged",
             "not_valid": "; ".join(outlet.outside) or "-",
         }
         for check in checks
         for outlet in check.outlets
     )
     stresses = dict.fromkeys(("bending_MPa", "torsion_MPa", "equivalent_MPa", "strength_MPa"), 1)
-    factors = {"gamma_B": 3, "gamma_T": 3}
-    columns = {"target": 0, "outlet": 0, "angle_deg": 0, **factors, **stresses, "Q": 3, "not_valid": 0}
+    factors = dict.fromkeys(("gamma_B", "gamma_T", "gamma_B_FE", "gamma_T_FE"), 3)
+    columns = {"target": 0, "outlet": 0, "angle_deg": 0, **factors, **stresses}
+    columns |= {"Q": 3, "Q_FE": 3, "governed_by": 0, "not_valid": 0}
     return ResultTable(columns, rows)
 
 
@@ -146,12 +154,31 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
         for place, why in check.unproven.items()
     ]
     lines += [f"{check.name}, {line}." for check in checks for line in check.departures]
+    lines += [f"{check.name}, {line}." for check in checks for line in _outlet_remarks(check)]
     lines += [
         f"{check.name}, finite elements: {check.quality.shortfall}; a smaller --fillet-fraction helps."
         for check in checks
         if not (check.quality.within_limits or check.unproven)
     ]
     return lines + [line for check in checks for line in _rule_hardening(check)]
+
+
+def _outlet_remarks(check: RuleCheck) -> list[str]:
+    """Return outlets that elements judge, and lower numbers of elements that prove nothing."""
+    found = []
+    for outlet in check.outlets:
+        told = outlet.by_elements
+        if told is None:
+            continue
+        if outlet.governed_by == "elements" and outlet.outside:
+            found.append(f"{outlet.place}: judged by elements, {'; '.join(outlet.outside)}")
+        if outlet.governed_by == "polynomials" and told.acceptability < outlet.check.acceptability:
+            why = outlet.unproven or "fatigue.m53_factors is 'polynomials'"
+            found.append(
+                f"{outlet.place}: Q {outlet.check.acceptability:.3f} by polynomials govern, elements have "
+                f"{told.acceptability:.3f}: {why}"
+            )
+    return found
 
 
 def field_remarks(fields: Sequence[FatigueField]) -> list[str]:

@@ -27,6 +27,7 @@ from cranktopo.numerics.tetrahedra.solver import RESIDUAL_LIMIT
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, von_mises
 from cranktopo.tasks.fea.condense import (
     RX,
+    RY,
     Lateral,
     Superelement,
     bending_motion,
@@ -38,9 +39,9 @@ from cranktopo.tasks.fea.condense import (
 from cranktopo.tasks.fea.evaluation import mesh_target
 from cranktopo.tasks.fea.targets import Target
 
-FieldKind = LoadKind | Literal["moment", "shaft"]
-_KINDS: tuple[FieldKind, ...] = ("moment", "bending", "tangential", "torsion", "centrifugal")
-_ODD = ("tangential", "torsion")
+FieldKind = LoadKind | Literal["moment", "side_moment", "shaft"]
+_KINDS: tuple[FieldKind, ...] = ("moment", "side_moment", "bending", "tangential", "torsion", "centrifugal")
+_ODD = ("side_moment", "tangential", "torsion")
 """Loads that the mirror x -> -x turns around."""
 _LEFT_OUT: dict[Span, FieldKind] = {"symmetric": "torsion", "whole": "moment"}
 """The load that a condensation does not hold."""
@@ -52,10 +53,10 @@ class UnitField:
 
     Attributes:
         kind: "moment" 1 N mm about +x on the near section and its opposite on the far one (four-point
-            bending); "bending" 1 N on the pin along -y; "tangential" 1 N on the pin along +x, against torque
-            at both sections; "torsion" 1 N mm about +z on the near section and its opposite on the far one;
-            "centrifugal" 1 rad2/s2 about the crank axis; "shaft" what neighbouring throws do to both
-            sections, or a load with these held.
+            bending); "side_moment" the same about +y; "bending" 1 N on the pin along -y; "tangential" 1 N on
+            the pin along +x, against torque at both sections; "torsion" 1 N mm about +z on the near section
+            and its opposite on the far one; "centrifugal" 1 rad2/s2 about the crank axis; "shaft" what
+            neighbouring throws do to both sections, or a load with these held.
         sign_x, sign_z: +1 if the load is its own mirror image in x or the mid-pin plane, -1 if its opposite.
     """
 
@@ -76,7 +77,8 @@ def unit_fields(
 ) -> tuple[UnitField, ...]:
     """Return the displacement fields of the load kinds that are asked for; the others cost no solve.
 
-    In the order moment, bending, tangential, torsion, centrifugal; of a whole throw no moment is asked.
+    In the order moment, side_moment, bending, tangential, torsion, centrifugal; of a whole throw no moment is
+    asked.
 
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
@@ -128,7 +130,7 @@ def _loaded(
 ) -> dict[FieldKind, UnitField]:
     """Fields of some loads from one condensation, which holds the radial load already."""
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
-    forces = [_force(model, scene, kind, span, lateral) for kind in further]
+    forces = [unit_force(model, scene, kind, span, lateral) for kind in further]
     block = condense(model, scene, span, lateral, np.column_stack(forces) if forces else None, residual)
     found = loaded(block, scene, [kind for kind in kinds if kind != "torsion"])
     if "torsion" in kinds:
@@ -142,8 +144,11 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
     Those of `tangential` and `centrifugal` are the block's further loads, in this order.
     """
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
-    turn = np.array([1.0 if m == RX else 0.0 for m in block.motions])
-    cases: dict[FieldKind, tuple[Array, Array]] = {"moment": (np.zeros(len(block.displacement)), turn)}
+    turns: dict[FieldKind, int] = {"moment": RX, "side_moment": RY}
+    cases: dict[FieldKind, tuple[Array, Array]] = {
+        kind: (np.zeros(len(block.displacement)), np.array([float(m == turn) for m in block.motions]))
+        for kind, turn in turns.items()
+    }
     if "bending" in kinds:
         field = block.displacement[:, len(block.motions)]
         cases["bending"] = (field / (block.copies * block.parts), block.load / block.copies)
@@ -158,12 +163,15 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
         # Held, the half takes its half of the torque; a whole throw that may turn takes equal ones.
         turning = not sideways or block.copies == 1
         motion = bending_motion(block, force, scene.supports.bending, spring, turning=turning)
-        found[kind] = UnitField(kind, fixed + _units(block) @ motion, -1 if sideways else 1, 1)
+        found[kind] = UnitField(kind, fixed + _units(block) @ motion, -1 if kind in _ODD else 1, 1)
     return found
 
 
-def _force(model: Elasticity, scene: Scene, kind: FieldKind, span: Span, lateral: Lateral) -> Array:
-    """Nodal forces on the model of a unit load of the full throw, which models like it make up."""
+def unit_force(model: Elasticity, scene: Scene, kind: FieldKind, span: Span, lateral: Lateral) -> Array:
+    """Return nodal forces on the model of a unit tangential or centrifugal load of the full throw.
+
+    Models like it make up the throw, and share the force on the pin.
+    """
     if kind == "centrifugal":
         return centrifugal_force(model, density_tonne_per_mm3(scene.material.density_kg_m3))
     models = (1 if span == "whole" else 2) * (1 if lateral == "none" else 2)

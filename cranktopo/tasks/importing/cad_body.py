@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
-from cranktopo.bodies.solid.throw import DimTags
+from cranktopo.bodies.solid.shapes import DimTags
 
 _NO_TURN_RAD = 1e-15
 

@@ -15,9 +15,10 @@ from cranktopo.base.frames import Z
 from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
+from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
 from cranktopo.bodies.solid.files import half_surfaces, surface_of
+from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel, kernel_surface, step_solid
-from cranktopo.bodies.solid.throw import DimTags, SolidProperties, solid_properties
 from cranktopo.design.halves import difference
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session

@@ -19,9 +19,11 @@ from cranktopo.cli.options import (
     designs_and_runs,
     goal_options,
     limit_options,
+    loads_option,
     refuse_beside_resume,
     run_options,
     throw_option,
+    typed,
     web_option,
     with_bound_option,
     with_goal_options,
@@ -30,6 +32,7 @@ from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
     from cranktopo.design.loading import WebName
+    from cranktopo.engine.histories import HistoryKind
 
 
 @click.command("shape")
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
 @throw_option
 @goal_options
 @limit_options
+@loads_option
 @bound_option
 @run_options("Continue an interrupted optimisation; finished searches are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print shape.json.")
@@ -49,6 +53,7 @@ def command(
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
+    loads: HistoryKind,
     out: Path | None,
     resume: str | None,
     as_json: bool,
@@ -63,14 +68,17 @@ def command(
 
     The web can be made: walls, radii and draft are kept. Limits hold by the body-fitted evaluation, fillets
     included, or the result says that they are not met. Without a goal the lightest web is sought that is no
-    softer and no less safe. Writes the scene, STEP, STL, a drawing and shape.json.
+    softer and no less safe. With --loads cycle safety and stress are those of every angle of the cycle,
+    tangential forces included, as by `fatigue --loads cycle`. Writes the scene, STEP, STL, a drawing and
+    shape.json.
 
     Example: cranktopo shape mikron-iiic --minimise mass --limit "bending >= 95 %"
     """
     if resume:
         refuse_beside_resume()
     from cranktopo.tasks.refit.fit import usual_limits
-    from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_settings
+    from cranktopo.tasks.shape.run import resume_shape, shape_design, shape_goal, shape_settings
+    from cranktopo.tasks.shape.stage import stresses_in
     from cranktopo.tasks.shape.text import shape_summary
 
     if resume:
@@ -85,7 +93,9 @@ def command(
         if scene.goal is None and minimise is None and maximise is None:
             minimise = "mass"
         scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
-        settings = shape_settings(scene, usual_limits(scene, **rules))
+        if "--loads" in typed() and not stresses_in(shape_goal(scene).quantities):
+            raise click.UsageError("--loads is of fatigue safety and stress, and neither is wanted")
+        settings = shape_settings(scene, usual_limits(scene, **rules), loads)
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, found.begun)
     click.echo(json.dumps(run.result.as_json()) if as_json else shape_summary(run.result, run.folder))

@@ -13,6 +13,7 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
@@ -49,12 +50,14 @@ def evaluated_web(
     element_size_mm: float | None,
     name: str,
     work: Work,
+    loads: HistoryKind = "extremes",
 ) -> EvaluatedWeb:
     """Evaluate a scene's web with its fillets.
 
     Args:
         stressed: quantities of the stresses to be found as well, which takes longest.
         name: under which the work keeps the evaluation.
+        loads: load states over which `stressed` are found.
 
     Raises:
         CranktopoError: impossible geometry, or a failed solve.
@@ -68,7 +71,7 @@ def evaluated_web(
                 return _evaluated(target, element_size_mm)
             # One is meshed while the other is solved; the longer one is here, where Ctrl-C ends it at once.
             safety, found = side_by_side(
-                lambda: _stressed(target, stressed), lambda: _evaluated(target, element_size_mm)
+                lambda: _stressed(target, stressed, loads), lambda: _evaluated(target, element_size_mm)
             )
         return {**found, **safety}
 
@@ -83,8 +86,12 @@ def evaluated_original(
     element_size_mm: float | None,
     work: Work,
     file: Path | None = None,
+    loads: HistoryKind = "extremes",
 ) -> tuple[EvaluatedWeb, Callable[[], EvaluatedWeb]]:
     """Evaluate a scene's own web, or the body of a file, and find its stresses while others go on.
+
+    Args:
+        stressed, loads: as of `evaluated_web`.
 
     Returns:
         The web without `stressed` quantities, and what waits for those and returns the web with them; that
@@ -103,9 +110,9 @@ def evaluated_original(
     found = EvaluationResult.of_json(work.once("original", make), "evaluation 'original'")
     web, safety = EvaluatedWeb(scene, found, time.perf_counter() - began), "original-fatigue"
     with silent():
-        ahead = LazyFuture(lambda: _stressed(target, stressed))
+        ahead = LazyFuture(lambda: _stressed(target, stressed, loads))
         if stressed and safety not in work.kept:
-            _check(target, stressed)
+            _check(target, stressed, loads)
             ahead.begin()
 
     def judged() -> EvaluatedWeb:
@@ -148,18 +155,18 @@ def _evaluated(target: Target, element_size_mm: float | None) -> Json:
     return found.as_json()
 
 
-def _check(target: Target, stressed: Collection[str]) -> None:
+def _check(target: Target, stressed: Collection[str], loads: HistoryKind) -> None:
     if "fatigue_safety" in stressed:
-        check_inputs(target, "lsa", "extremes")
+        check_inputs(target, "lsa", loads)
     else:
-        check_loads(target, "extremes")
+        check_loads(target, loads)
 
 
-def _stressed(target: Target, stressed: Collection[str]) -> Json:
+def _stressed(target: Target, stressed: Collection[str], loads: HistoryKind) -> Json:
     """Return the quantities of the stresses as an evaluation has them; of both one mesh is solved."""
     target = with_throw_stiffness(target)
     if "fatigue_safety" not in stressed:
-        return {"stress_MPa": largest_stress_MPa(target)}
-    field = fatigue_field(target, "lsa")
+        return {"stress_MPa": largest_stress_MPa(target, loads)}
+    field = fatigue_field(target, "lsa", loads)
     more = {"stress_MPa": largest_of_field_MPa(field)} if "stress" in stressed else {}
     return {"fatigue_safety": float(field.critical.safety), **more}

@@ -14,14 +14,15 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
-from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3, density_tonne_per_mm3
+from cranktopo.base.units import MPA_PER_GPA, density_kg_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_throw
 from cranktopo.bodies.volume import bolted_mass
 from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, centrifugal_force
+from cranktopo.engine.histories import HistoryKind
+from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
 from cranktopo.tasks.fea.condense import (
@@ -35,7 +36,7 @@ from cranktopo.tasks.fea.condense import (
     torsion_motion,
     torsional_stiffness_Nm_per_rad,
 )
-from cranktopo.tasks.fea.unit_fields import support_spring
+from cranktopo.tasks.fea.unit_fields import support_spring, unit_force
 from cranktopo.tasks.refit.family import Layout, exact_web_of, scene_at
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -87,12 +88,14 @@ class MeshModel:
         element_size_mm: float,
         fillet_fraction: float | None = None,
         stressed: Collection[str] = ("fatigue_safety",),
+        loads: HistoryKind = "extremes",
     ) -> None:
         """Mesh the web with these values.
 
         Args:
             fillet_fraction: element size on a fillet over its radius; with it stresses are found.
             stressed: quantities to be read off them.
+            loads: over which load states these are found.
         """
         require_equal_halves(scene)
         require_no_recess(scene)
@@ -104,7 +107,7 @@ class MeshModel:
         self._parts = 2 if meshed.mesh.mirrored else 1
         self._unmoved = self._model(self.moved.mesh)
         self._missing = _exact(meshed) - self._parts * moments(self._unmoved)[0]
-        self._stress = None if fillet_fraction is None else MeshStress(self.scene, stressed)
+        self._stress = None if fillet_fraction is None else MeshStress(self.scene, stressed, loads)
         self._smoothing: dict[str, float] = {}
 
     def responses(self, values: Array, quantities: Collection[str] | None = None) -> MeshResponses:
@@ -145,13 +148,18 @@ class MeshModel:
             asked = quantities is None or {kind, f"{kind}_per_mass"} & needed_for(quantities)
             return self._condensed(model, scene, kind, mirrored) if stress or asked else None
 
-        twist, bend = side_by_side(lambda: block("torsion"), lambda: block("bending"))
+        sideways = mirrored and stress is not None and bool(stress.further("odd"))
+        twist, (bend, side) = side_by_side(
+            lambda: block("torsion"),
+            lambda: (block("bending"), block("tangential") if sideways else None),
+        )
         if twist:
             found["torsion"] = _torsion_gradient(model, scene, twist)
         if bend:
             found["bending"] = _bending_gradient(model, scene, bend)
         if stress and twist and bend:
-            for name, (extreme, smooth, gradients) in stress.responses(model, scene, bend, twist).items():
+            told = stress.responses(model, scene, bend, twist, side)
+            for name, (extreme, smooth, gradients) in told.items():
                 factor = self._smoothing.setdefault(name, extreme / smooth)
                 found[name] = factor * smooth, factor * gradients
         return found
@@ -159,12 +167,11 @@ class MeshModel:
     def _condensed(self, model: Elasticity, scene: Scene, kind: str, mirrored: bool) -> Superelement:
         if kind == "torsion":
             return condense(model, scene, "antisymmetric", "odd" if mirrored else "none", None, _RESIDUAL)
-        side: Lateral = "even" if mirrored else "none"
-        spin = None
-        if self._stress is not None and self._stress.spins:
-            density = density_tonne_per_mm3(self.scene.material.density_kg_m3)
-            spin = centrifugal_force(model, density)[:, None]
-        return condense(model, scene, "symmetric", side, spin, _RESIDUAL)
+        lateral: Lateral = ("odd" if kind == "tangential" else "even") if mirrored else "none"
+        further = self._stress.further(lateral) if self._stress else ()
+        forces = [unit_force(model, self.scene, load, "symmetric", lateral) for load in further]
+        more = np.column_stack(forces) if forces else None
+        return condense(model, scene, "symmetric", lateral, more, _RESIDUAL)
 
     def _model(self, mesh: TetMesh) -> Elasticity:
         material = self.scene.material
@@ -229,10 +236,12 @@ class MeshedWebs:
         fillet_fraction: float | None = None,
         shares: Mapping[str, float] | None = None,
         stressed: Collection[str] = ("fatigue_safety",),
+        loads: HistoryKind = "extremes",
     ) -> None:
         """Take what `MeshModel` takes, and factors by quantity that bring its numbers to finer ones."""
         self.scene, self._limits, self._size = scene, limits, element_size_mm
-        self._fraction, self._shares, self._stressed = fillet_fraction, shares or {}, stressed
+        self._fraction, self._shares = fillet_fraction, shares or {}
+        self._stressed, self._loads = stressed, loads
 
     def web(self, layout: Layout) -> ParametricWeb:
         """Return a web of the layout, for its bounds and manufacturing constraints."""
@@ -246,5 +255,6 @@ class MeshedWebs:
         Raises:
             CranktopoError: no sound web, no valid mesh, or a failed solve.
         """
-        model = MeshModel(self.scene, web.layout, values, self._size, self._fraction, self._stressed)
+        stresses = self._fraction, self._stressed, self._loads
+        model = MeshModel(self.scene, web.layout, values, self._size, *stresses)
         return model.responses(values, quantities).scaled(self._shares)

@@ -6,7 +6,7 @@ by the stresses at the surface back to the nodes.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -14,48 +14,63 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import LoadHistory, load_history
+from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import unit_loads
 from cranktopo.tasks.fatigue.stress_model import images_of
-from cranktopo.tasks.fea.condense import Superelement, bending_motion, section_slopes, torsion_motion
-from cranktopo.tasks.fea.unit_fields import UnitField, loaded, support_spring, twisted
+from cranktopo.tasks.fea.condense import Lateral, Superelement, bending_motion, section_slopes, torsion_motion
+from cranktopo.tasks.fea.unit_fields import FieldKind, UnitField, loaded, support_spring, twisted
 from cranktopo.tasks.shape.smooth_safety import least_safety
 from cranktopo.tasks.shape.smooth_stress import judged_surface, largest_stress
 from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 
 _SMOOTH = {"fatigue_safety": least_safety, "stress": largest_stress}
+_PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
+"""Axis and sign of the unit forces on the pin."""
 
 
 class MeshStress:
-    """Quantities over the extreme load states of a scene, by name."""
+    """Quantities over the load states of a scene, by name."""
 
-    def __init__(self, scene: Scene, names: Collection[str]) -> None:
-        """Find the load states, which the scene must tell."""
-        enabled, kinds = load_kinds(scene, "extremes")
+    def __init__(self, scene: Scene, names: Collection[str], loads: HistoryKind = "extremes") -> None:
+        """Find the load states, which the scene must tell: extremes joined, or every angle of the cycle."""
+        enabled, kinds = load_kinds(scene, loads)
         self.scene, self.kinds = scene, kinds
-        self.history: LoadHistory = load_history(scene, "extremes", enabled)
+        self.history: LoadHistory = load_history(scene, loads, enabled)
         self.names = tuple(name for name in _SMOOTH if name in names)
 
-    @property
-    def spins(self) -> bool:
-        """True where the symmetric condensation needs the centrifugal load, as its only further load."""
-        return "centrifugal" in self.kinds
+    def further(self, lateral: Lateral) -> tuple[LoadKind, ...]:
+        """Return the further loads of a symmetric condensation with that symmetry in x, in their order."""
+        held: dict[Lateral, tuple[LoadKind, ...]] = {"even": ("centrifugal",), "odd": ("tangential",)}
+        return tuple(kind for kind in held.get(lateral, ("tangential", "centrifugal")) if kind in self.kinds)
 
     def responses(
-        self, model: Elasticity, scene: Scene, bend: Superelement, twist: Superelement
+        self,
+        model: Elasticity,
+        scene: Scene,
+        bend: Superelement,
+        twist: Superelement,
+        side: Superelement | None = None,
     ) -> dict[str, tuple[float, float, Array]]:
         """Return each quantity on a mesh, by symmetric and antisymmetric condensation.
+
+        Args:
+            side: the symmetric condensation that is odd in x, where the tangential force acts on a model of
+                one side of x = 0.
 
         Returns:
             Its extreme value; a smooth one, beside it by a factor that hardly changes; the derivative of the
             latter by the nodes, (3, nodes).
         """
-        pushed = loaded(bend, self.scene, [kind for kind in self.kinds if kind != "torsion"])
-        by_kind = {**pushed, "torsion": twisted(twist, self.scene)}
+        blocks: dict[FieldKind, Superelement] = dict.fromkeys(self.kinds, bend)
+        blocks["torsion"], blocks["tangential"] = twist, side or bend
+        pushed = [kind for kind in self.kinds if blocks[kind] is bend]
+        by_kind = {**loaded(bend, self.scene, pushed), "torsion": twisted(twist, self.scene)}
+        by_kind |= loaded(side, self.scene, ["tangential"]) if side else {}
         fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)
@@ -69,7 +84,7 @@ class MeshStress:
         for name in self.names:
             smooth = _SMOOTH[name](self.scene, judged)
             forces, gradients = stress_adjoint(model, surface, found, moved, smooth.adjoint, self._elastic)
-            gradients += self._through_fields(model, bend, twist, fields, forces)
+            gradients += self._through_fields(model, blocks, fields, forces)
             told[name] = smooth.extreme, smooth.value, gradients
         return told
 
@@ -80,8 +95,7 @@ class MeshStress:
     def _through_fields(
         self,
         model: Elasticity,
-        bend: Superelement,
-        twist: Superelement,
+        blocks: Mapping[FieldKind, Superelement],
         fields: list[UnitField],
         forces: Array,
     ) -> Array:
@@ -90,18 +104,15 @@ class MeshStress:
 
         def through(torsion: bool) -> Array:
             chosen = [pair for pair in pairs if (pair[0].kind == "torsion") == torsion]
-            found = (self._through_field(model, bend, twist, *pair) for pair in chosen)
+            found = (self._through_field(model, blocks[field.kind], field, force) for field, force in chosen)
             return sum(found, np.zeros(model.nodes_mm.shape))
 
         one, other = side_by_side(lambda: through(True), lambda: through(False))
         return one + other
 
-    def _through_field(
-        self, model: Elasticity, bend: Superelement, twist: Superelement, field: UnitField, force: Array
-    ) -> Array:
+    def _through_field(self, model: Elasticity, block: Superelement, field: UnitField, force: Array) -> Array:
         """Return the derivative by the nodes through a field, (3, nodes), whose adjoint is `force`."""
         scene, kind = self.scene, field.kind
-        block = twist if kind == "torsion" else bend
         count = len(block.motions)
         units = block.displacement[:, :count]
         section = block.parts * units.T @ force
@@ -110,12 +121,14 @@ class MeshStress:
             motion = torsion_motion(block, scene.supports.torsion, spring, section)
         else:
             spring = support_spring(scene, scene.supports.bending)
-            motion = bending_motion(block, section, scene.supports.bending, spring)
+            turning = kind != "tangential"
+            motion = bending_motion(block, section, scene.supports.bending, spring, turning=turning)
         adjoint = block.solve(force[:, None])[:, 0] + units @ motion
         moved, load = field.displacement_mm, np.zeros(len(adjoint))
         gradients = -work_slopes(model, *self._elastic, moved, adjoint)
-        if kind == "bending":
-            gradients -= mean_slopes(model, 1, scene.web_z_mm[1], adjoint) / (2 * block.parts)
+        if kind in _PUSH:
+            axis, sign = _PUSH[kind]
+            gradients += sign * mean_slopes(model, axis, scene.web_z_mm[1], adjoint) / (2 * block.parts)
         if kind == "centrifugal":
             density = density_tonne_per_mm3(scene.material.density_kg_m3)
             load = centrifugal_force(model, density)

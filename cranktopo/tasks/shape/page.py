@@ -23,7 +23,7 @@ from cranktopo.report.viewer.scene3d import Scene3D, ShownBody, gallery_picture
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.extraction.text import release_text, release_verdict
 from cranktopo.tasks.fea.error_bound import difference_bound_percent
-from cranktopo.tasks.fea.quantities import SAFETY, Quantity
+from cranktopo.tasks.fea.quantities import SAFETY
 from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
@@ -37,6 +37,7 @@ from cranktopo.tasks.shape.text import (
     named_first,
     rounds_table,
     shape_headline,
+    stress_loads,
     value_words,
     worst_case_table,
 )
@@ -50,7 +51,7 @@ def shape_page(
         title=f"Best dimensions of the crank web of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
         headline=shape_headline(found),
-        facts=(*(_fact(found, QUANTITIES_TOLD[key], key) for key in named_first(found)), release_fact(found)),
+        facts=(*(quantity_fact(found, key) for key in named_first(found)), release_fact(found)),
         sections=(
             _wanted(found),
             *bound_sections(found.bound, "the body-fitted evaluation"),
@@ -65,13 +66,15 @@ def shape_page(
     )
 
 
-def _fact(found: ShapeResult, quantity: Quantity, key: str) -> Fact:
+def quantity_fact(found: ShapeResult, key: str) -> Fact:
+    """Return the change of a quantity, by its key in shape.json; red where the web fails by fatigue."""
+    quantity = QUANTITIES_TOLD[key]
     change, error = found.change_percent[key], _change_error_percent(found, key)
     original, result, unit = value_words(found, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
     shown = f"{change:+z.1f} %" if not error else f"{change:+z.1f} +-{error:.1g} %"
-    if key == SAFETY.key and found.values.result[key] < 1:
+    if quantity is SAFETY and found.values.result[key] < 1:
         return Fact(label, shown, f"{note}; below 1: it fails", "bad")
     if abs(change) <= error:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
@@ -100,11 +103,12 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
 def _wanted(found: ShapeResult) -> Section:
     goal, doubt = found.goal, multiplier_doubt(found)
     sense = "minimise" if goal.minimise else "maximise"
+    judged = stress_loads(found)
     return Section(
         "goal",
         f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",
-        f"{found.stop_reason.capitalize()}. What limits, rules and bounds cost is in percent of the "
-        f"original's, to first order{'; ' * bool(doubt)}{doubt}.",
+        f"{found.stop_reason.capitalize()}{'; ' * bool(judged)}{judged}. What limits, rules and bounds cost "
+        f"is in percent of the original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
             ("Original and result, fillets included", changes_table(found)),
             ("Limits, by the body-fitted evaluation", limits_table(goal)),

@@ -33,6 +33,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
+from cranktopo.engine.histories import HistoryKind, load_history
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
@@ -74,7 +75,7 @@ from cranktopo.tasks.shape.result import (
 from cranktopo.tasks.shape.rules import rule_unit, rules_at
 from cranktopo.tasks.shape.search_goal import quantity_on_cells
 from cranktopo.tasks.shape.sensitivities import active_constraints, dimension_sensitivities, sensitivity_table
-from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
+from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape, stresses_in
 from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
@@ -95,11 +96,18 @@ class ShapedRun:
     result: ShapeResult
 
 
-def shape_settings(scene: DesignLike, limits: ManufacturingLimits | None = None) -> ShapeSettings:
-    """Return settings that suit a throw of any size."""
+def shape_settings(
+    scene: DesignLike, limits: ManufacturingLimits | None = None, loads: HistoryKind = "extremes"
+) -> ShapeSettings:
+    """Return settings that suit a throw of any size.
+
+    Args:
+        loads: load states over which fatigue safety and stress are judged.
+    """
     scene = as_scene(scene, whole=False)
     usual, scale = ShapeSettings(), usual_scale(scene)
-    return ShapeSettings(usual.cell_mm / scale, usual.mesh_mm / scale, limits=limits or usual_limits(scene))
+    cell_mm, mesh_mm = usual.cell_mm / scale, usual.mesh_mm / scale
+    return ShapeSettings(cell_mm, mesh_mm, limits=limits or usual_limits(scene), loads=loads)
 
 
 def shape_design(
@@ -126,11 +134,14 @@ def shape_design(
     check_destination(out)
     check_device()
     check_original(scene)
-    plan(scene, goal=_goal(scene))
+    goal = shape_goal(scene)
+    plan(scene, goal=goal)
     if scene.envelope is None:
         raise invalid("envelope", None, "a shape optimisation needs one", "Add an [envelope] table.")
     settings = settings or shape_settings(scene)
     stress = plan_for_stress(scene)
+    if stresses_in(goal.quantities):
+        load_history(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
     note_left_off(scene.name, scene, stress)
     note_strength(scene.name, scene)
     if "continuous_shaft" in stress.enabled:
@@ -178,12 +189,13 @@ def _remodelled(run: RunStore, limits: ManufacturingLimits) -> Scene:
     return load_scene(str(Path(made.folder or ".") / made.files["design"]))
 
 
-def _goal(scene: Scene) -> Goal:
+def shape_goal(scene: Scene) -> Goal:
+    """Return the goal of a scene with its limits, those by default among them."""
     return require_goal(scene, "shape optimisation", "torsion_per_mass")
 
 
 def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead) -> ShapedRun:
-    began, goal = time.perf_counter(), _goal(scene)
+    began, goal = time.perf_counter(), shape_goal(scene)
     with working_in(run, "finished searches are kept") as check, double_precision():
         work = Work(StageCache(run.path / _KEPT), check)
         optimum = optimise_shape(scene, goal, settings, work, start)
@@ -196,7 +208,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
         seconds["total"] = time.perf_counter() - began
         layout, values = with_free(start.layout, start.values, scene, free_dimensions(scene), start.sizes)
         begin = dict(zip(layout.names, map(float, values), strict=True))
-        found = _assembled(scene, optimum, begin, seconds)
+        found = _assembled(scene, optimum, begin, seconds, settings.loads)
         reached = {"reached_percent": found.goal.reached_percent}
         more = {
             "bound": bound and bound.model_copy(update=reached),
@@ -253,7 +265,11 @@ _PER_UNIT = {"mm": 1.0, "deg": 1.0, "%": 100.0}
 
 
 def _assembled(
-    scene: Scene, optimum: ShapeOptimum, start: dict[str, float], seconds: dict[str, float]
+    scene: Scene,
+    optimum: ShapeOptimum,
+    start: dict[str, float],
+    seconds: dict[str, float],
+    loads: HistoryKind,
 ) -> ShapeResult:
     """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
     goal, result, original = optimum.goal, optimum.result, optimum.original
@@ -289,6 +305,7 @@ def _assembled(
         evaluations=sum(trial.evaluations for trial in optimum.trials)
         + sum(found.evaluations for found in optimum.rounds),
         seconds=seconds,
+        loads=loads if stresses_in(goal.quantities) else None,
     )
 
 

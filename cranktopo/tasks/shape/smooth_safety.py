@@ -32,12 +32,14 @@ def least_safety(design: Scene, judged: JudgedSurface) -> SmoothValue:
     masks = judged.on_fillet
     hard = tuple(treated(judged.scene, name, layer, masks[name]) for name, layer in layers(design).items())
     here, judge = judged.at(judged.nodes), _judge(design, judged, hard, judged.nodes)
-    used = np.stack([_used(here, loads, judge) for loads in judged.states])
+    ranges = [signed_von_mises_range(here, loads) for loads in judged.states]
+    used = np.stack([1 / judge(found.local) for found in ranges])
     largest, norm, slopes, counted = power_norm(used)
     adjoint = np.zeros((2, *judged.stress.stress_MPa.shape))
-    for loads, slope, many in zip(judged.states, slopes, counted, strict=True):
+    for loads, found, slope, many in zip(judged.states, ranges, slopes, counted, strict=True):
         heavy = judged.nodes[many]
-        there = partial(_used, loads=loads, judge=_judge(design, judged, hard, heavy))
+        decides = np.union1d(found.highest[many], found.lowest[many])  # few of the states of a cycle
+        there = partial(_used, loads=loads[decides], judge=_judge(design, judged, hard, heavy))
         adjoint[:, :, heavy] -= _gradients_by_stress(there, judged.at(heavy)) * slope[many, None] / norm**2
     return SmoothValue(1 / largest, 1 / norm, (adjoint[0], adjoint[1]))
 

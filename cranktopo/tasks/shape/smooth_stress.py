@@ -15,6 +15,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import DEVIATOR, Surface, SurfaceStress, von_mises
 from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes, fillet_nodes
+from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 
 _POWER = 40.0
 _NEGLIGIBLE = 1e-8
@@ -83,13 +84,22 @@ def power_norm(values: Array) -> tuple[float, float, Array, NDArray[np.bool_]]:
 
 def largest_stress(_: Scene, judged: JudgedSurface) -> SmoothValue:
     """Return the largest von Mises stress over all nodes, states and images, MPa."""
-    stress = judged.stress.stress_MPa[:, judged.nodes]
+    nodes = judged.nodes[_near_largest(judged)]
+    stress = judged.stress.stress_MPa[:, nodes]
     acting = np.stack([np.einsum("fnc,sf->snc", stress, loads) for loads in judged.states])
     size = von_mises(acting)  # (images, states, n)
     largest, norm, slopes, counted = power_norm(size)
     adjoint = np.zeros((2, *judged.stress.stress_MPa.shape))
     for loads, own, by_size, many, here in zip(judged.states, acting, slopes, counted, size, strict=True):
         heavy = np.flatnonzero(many.any(axis=0))
-        share = (by_size / here)[:, heavy, None] * (own[:, heavy] @ DEVIATOR)
-        adjoint[0][:, judged.nodes[heavy]] += np.einsum("snc,sf->fnc", share, loads)
+        by_square = by_size / np.maximum(here, np.finfo(float).tiny)  # a state may be without load
+        share = by_square[:, heavy, None] * (own[:, heavy] @ DEVIATOR)
+        adjoint[0][:, nodes[heavy]] += np.einsum("snc,sf->fnc", share, loads)
     return SmoothValue(largest, norm, (adjoint[0], adjoint[1]))
+
+
+def _near_largest(judged: JudgedSurface) -> NDArray[np.bool_]:
+    """Return which judged nodes count in the norm: all nodes in all states of a cycle would fill memory."""
+    ranges = signed_von_mises_ranges(judged.at(judged.nodes), judged.states)
+    top = np.max([one.local.amplitude_MPa + np.abs(one.local.mean_MPa) for one in ranges], axis=0)
+    return np.asarray(top > top.max() * _NEGLIGIBLE ** (1 / _POWER))

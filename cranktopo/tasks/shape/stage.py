@@ -7,7 +7,7 @@ limits, and each finish is a short search beside the evaluated web, by the gradi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -19,9 +19,10 @@ from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture
 from cranktopo.design.goal.limit import Goal, goal_text
-from cranktopo.design.goal.quantities import QUANTITIES, quantity_named
+from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -73,6 +74,7 @@ class ShapeSettings:
         mesh_mm: elements on which trials are judged and gradients taken.
         rounds: most finishes; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
+        loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`.
     """
 
     cell_mm: float = 4.0
@@ -80,6 +82,7 @@ class ShapeSettings:
     rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
+    loads: HistoryKind = "extremes"
 
 
 @dataclass(frozen=True)
@@ -146,9 +149,9 @@ def optimise_shape(
         CranktopoError: no envelope, no web that keeps limits and rules, or a failed solve.
     """
     settings, work = settings or ShapeSettings(), work or Work()
-    stressed = frozenset(name for name in goal.quantities if QUANTITIES[name].of_stress)
+    stressed = stresses_in(goal.quantities)
     own = None if scene.original is None else Path(scene.original.file)
-    before, judged = evaluated_original(scene, stressed, settings.element_size_mm, work, own)
+    before, judged = evaluated_original(scene, stressed, settings.element_size_mm, work, own, settings.loads)
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases, chosen_for = cells.model.cases, goal_on_cells(goal, before.values, lambda: judged().values)
     if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
@@ -175,6 +178,11 @@ def optimise_shape(
     return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
 
 
+def stresses_in(quantities: Collection[str]) -> frozenset[str]:
+    """Return those of some quantities that are read off stresses, over the load states."""
+    return frozenset(name for name in quantities if quantity_named(name).of_stress)
+
+
 class _LocalRefinement:
     """Webs of one layout on body-fitted elements, and what the default mesh says of them."""
 
@@ -190,7 +198,7 @@ class _LocalRefinement:
         self._cells, self._scene = cells, cells.scene
         self._goal, self._layout = goal, layout
         self._original, self._settings, self._work = original, settings, work
-        self._stressed = frozenset(name for name in goal.quantities if quantity_named(name).of_stress)
+        self._stressed = stresses_in(goal.quantities)
         self._coarse: dict[bytes, LazyFuture[MeshResponses]] = {}
 
     def anchored(self, web: ShapeRound) -> MeshResponses:
@@ -199,8 +207,15 @@ class _LocalRefinement:
 
     def _on_coarse_mesh(self, values: Array) -> LazyFuture[MeshResponses]:
         """Return the work on a coarse mesh of a web, the same for the same web."""
-        fraction, mesh_mm = _FILLET_FRACTION if self._stressed else None, self._settings.mesh_mm
-        webs = MeshedWebs(self._scene, self._settings.limits, mesh_mm, fraction, stressed=self._stressed)
+        settings, fraction = self._settings, _FILLET_FRACTION if self._stressed else None
+        webs = MeshedWebs(
+            self._scene,
+            settings.limits,
+            settings.mesh_mm,
+            fraction,
+            stressed=self._stressed,
+            loads=settings.loads,
+        )
         work = LazyFuture(lambda: webs.responses(webs.web(self._layout), values))
         return self._coarse.setdefault(values.tobytes(), work)
 
@@ -287,7 +302,7 @@ class _LocalRefinement:
         name = f"evaluation-{number}"
         if name not in self._work.kept:
             self._on_coarse_mesh(values).begin()
-        web = evaluated_web(scene, self._stressed, size, name, self._work)
+        web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.loads)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         note(_round_text(number, found, self._original, self._goal))
         return found

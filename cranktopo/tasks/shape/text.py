@@ -172,8 +172,7 @@ def shape_headline(found: ShapeResult) -> str:
 
 def _failing(found: ShapeResult) -> str:
     """Return the sentence that the web fails by fatigue, whatever its limit; empty where it does not."""
-    key = SAFETY.key
-    safety, original = found.values.result.get(key), found.values.original.get(key)
+    safety, original = (of.get("fatigue_safety") for of in (found.values.result, found.values.original))
     if safety is None or safety >= 1:
         return ""
     alike = f", as the original does with {original:.3f}" if original is not None and original < 1 else ""
@@ -185,7 +184,8 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
     lines = [
         shape_headline(found),
         found.stop_reason,
-        *([] if found.held else [f"go on from this web: {shlex.join(['cranktopo', 'shape', str(folder)])}"]),
+        *([judged] if (judged := stress_loads(found)) else []),
+        *([] if found.held else [f"go on from this web: {shlex.join(_going_on(found, folder))}"]),
         *(
             [f"die releases it: {release_verdict(found.undercuts)}, {release_text(found.undercuts)}"]
             if found.undercuts
@@ -205,6 +205,17 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
         *(str(folder / name) for name in found.files.values()),
     ]
     return "\n".join(lines)
+
+
+def stress_loads(found: ShapeResult) -> str:
+    """Return the load states of what stresses tell in words; empty for joined extremes, the default."""
+    told = [QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in found.values.result]
+    return f"{' and '.join(told)} over every angle of the cycle" if found.loads == "cycle" else ""
+
+
+def _going_on(found: ShapeResult, folder: Path) -> list[str]:
+    loads = ["--loads", found.loads] if found.loads == "cycle" else []
+    return ["cranktopo", "shape", str(folder), *loads]
 
 
 def multiplier_text(found: ShapeResult) -> list[str]:

@@ -84,6 +84,11 @@ class DrillOutlet:
         """Angle between the drilling and the normal of the surface; above 90 it lies outside the material."""
         return math.degrees(math.acos(float(np.clip(self.normal @ np.array(self.outward), -1, 1))))
 
+    def mirrored(self) -> DrillOutlet:
+        """Return its mirror image in x = 0."""
+        (x, y, z), (dx, dy, dz) = self.point_mm, self.outward
+        return replace(self, point_mm=(-x, y, z), outward=(-dx, dy, dz))
+
     def in_second_half(self, pitch_mm: float) -> DrillOutlet:
         """Return it as one of the half throw beyond the crankpin, in the frame of the throw of that pitch."""
         (x, y, z), (dx, dy, dz) = self.point_mm, self.outward

@@ -7,9 +7,21 @@ import math
 import numpy as np
 import pytest
 
+from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.engine.histories import load_history
+from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
-from cranktopo.tasks.fatigue.m53_outlet import check_outlets, outlet_equivalent_MPa, outlet_factors
+from cranktopo.tasks.fatigue.m53_outlet import (
+    check_outlets,
+    outlet_equivalent_MPa,
+    outlet_factors,
+    pin_outlets,
+)
+from cranktopo.tasks.fatigue.outlet_elements import element_outlet_factors
+from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fea.condense import plane_nodes
+from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import unit_fields
 from tests.physics.fatigue.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion
 from tests.physics.fatigue.stepped_shaft import AXIAL, BENDING, TORSION
 from tests.physics.throw.test_drillings import STRAIGHT, drilling, mikron
@@ -110,6 +122,59 @@ def test_factors_beside_elements(ratio: float) -> None:
     assert bending == pytest.approx(peaks[BENDING][1], rel=0.1)
     assert torsion == pytest.approx(peaks[TORSION][1], rel=0.1)
     assert 3.0 < peaks[AXIAL][1] < 3.7
+
+
+@pytest.mark.parametrize("mirrored", [True, False], ids=["quarter", "half"])
+def test_unit_moments_are_in_equilibrium(mirrored: bool) -> None:
+    """Forces on the near section are the moment about x or y that the field is named after."""
+    scene = mikron()
+    mesh = mesh_throw(scene, 14.0, quarter=mirrored).mesh
+    assert mesh.mirrored == mirrored
+    model = assemble(mesh, 2.1e5, 0.3)
+    section = plane_nodes(model.nodes_mm, 2, 0.0)
+    x, y, _ = model.nodes_mm[:, section]
+    for field, about in zip(
+        unit_fields(model, scene, mirrored, ("moment", "side_moment")), (0, 1), strict=True
+    ):
+        forces = (model.stiffness @ field.displacement_mm).reshape(-1, 3)[section]
+        moments = float(y @ forces[:, 2]), float(-x @ forces[:, 2])
+        assert (1 + mirrored) * moments[about] == pytest.approx(1.0, rel=1e-6), field.kind
+        if not mirrored:
+            assert moments[1 - about] == pytest.approx(0.0, abs=1e-5), field.kind
+        assert (field.sign_x, field.sign_z) == ((1, 1), (-1, 1))[about]
+
+
+@pytest.mark.slow
+def test_factors_of_elements_are_those_of_the_study_and_of_a_plate() -> None:
+    """`pytest -m slow` of this file, minutes. At 30 deg half of the bending is across the crank's plane."""
+    for outlet in OUTLETS[:2]:
+        scene = outlet.scene()
+        kinds = ("moment", "side_moment", "torsion") if outlet.angle_deg else ("moment", "torsion")
+        model = solve_stresses(Target(outlet.throw, scene), kinds, 0.5, by_rule=True)
+        (channel, mouth), *_ = pin_outlets(scene)
+        found = element_outlet_factors(model, channel, mouth)
+        assert found is not None
+        _, by_plate = without_bore(outlet)
+        assert found.gamma_torsion == pytest.approx(by_plate[1], rel=0.1)
+        if not outlet.angle_deg:
+            assert found.gamma_bending == pytest.approx(by_plate[0], rel=0.1)
+
+
+@pytest.mark.slow
+def test_factors_of_a_leaning_outlet_are_about_those_of_an_ellipse() -> None:
+    """A plate with the elliptical hole in which the bore meets the pin, in the stresses that a throw without
+    the bore has there (`without_bore` has them for radial ones): -0.667 and 0.103 of the nominal stress along
+    and around in bending, a shear of 1.153 in torsion. Five minutes: `pytest -m slow` of this file.
+    """
+    scene = mikron(STRAIGHT)
+    ((channel, mouth),) = pin_outlets(scene)
+    model = solve_stresses(Target("leaning", scene), ("moment", "torsion"), 0.3, by_rule=True)
+    found = element_outlet_factors(model, channel, mouth)
+    longer = 1 / math.cos(math.radians(mouth.obliquity_deg))
+    assert found is not None
+    assert found.gamma_bending == pytest.approx(0.667 * (1 + 2 / longer) + 0.103, rel=0.15)
+    assert found.gamma_torsion == pytest.approx(1.153 * (1 + longer) ** 2 / longer, rel=0.15)
+    assert found.gamma_torsion > 1.2 * outlet_factors(5.0, 42.0)[1]  # a radial bore's would flatter
 
 
 @pytest.mark.slow

@@ -7,7 +7,8 @@ import math
 import pytest
 
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
-from cranktopo.bodies.solid.throw import SolidProperties, add_half_throw, solid_properties
+from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
+from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.gmsh_session import cad_session

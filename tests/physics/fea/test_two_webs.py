@@ -14,8 +14,9 @@ from scipy.spatial import cKDTree
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
+from cranktopo.bodies.solid.checked import solid_properties
 from cranktopo.bodies.solid.files import surface_of
-from cranktopo.bodies.solid.throw import add_full_throw, solid_properties
+from cranktopo.bodies.solid.throw import add_full_throw
 from cranktopo.design.halves import difference, halves
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene

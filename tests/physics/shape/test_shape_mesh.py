@@ -47,6 +47,7 @@ WEBS = {
 SLOW = ("drafted-pockets", "round-floors", "solid-journals")
 
 ELASTIC = 2e5, 0.3
+STRESSED = "fatigue_safety", "stress"
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Case:
 def case(request: pytest.FixtureRequest) -> Case:
     scene, layout, values = WEBS[request.param]()
     scene = with_goal(scene, minimise="mass", limits=("natural_frequency >= 90 %", "stress <= 110 %"))
-    model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, ("fatigue_safety", "stress"))
+    model = MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, STRESSED)
     # Thin walls beside pockets scatter more.
     size_mm = COARSE_MM / 2 if request.param in ("drafted-pockets", "round-floors") else COARSE_MM
     return Case(scene, layout, model, values, model.responses(values), size_mm)
@@ -148,6 +149,67 @@ def test_safety_and_stress_are_those_of_the_assessment_on_the_same_mesh(case: Ca
     )
     assert case.found.values["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-9)
     assert case.found.values["stress"] == pytest.approx(largest_of_field_MPa(assessed), rel=1e-9)
+
+
+@dataclass(frozen=True)
+class CycleCase:
+    """A throw with its tangential force: the quarter with three condensations, or the half with two."""
+
+    model: MeshModel
+    values: Array
+
+
+@pytest.fixture(
+    scope="module", params=["on", pytest.param("off", marks=pytest.mark.slow)], ids=["quarter", "half"]
+)
+def cycle(request: pytest.FixtureRequest) -> CycleCase:
+    scene, layout, values = die_web()
+    on = {"tangential": "on", "centrifugal": "on", "lateral_symmetry": request.param}
+    scene = scene.model_copy(update={"effects": scene.effects.model_copy(update=on)})
+    return CycleCase(MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, STRESSED, "cycle"), values)
+
+
+def test_safety_and_stress_over_the_cycle_are_those_of_the_assessment(cycle: CycleCase) -> None:
+    scene, mesh = cycle.model.scene, cycle.model.moved.mesh
+    elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson
+    model = assemble(mesh, *elastic)
+    enabled, kinds = load_kinds(scene, "cycle")
+    assert "tangential" in kinds
+    fields = unit_fields(model, scene, mesh.mirrored, kinds)
+    found = nodal_stress(model, np.stack([f.displacement_mm for f in fields]), *elastic)
+    planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mesh.mirrored else [])
+    surface = outer_surface(model, found.elements, tuple(planes))
+    on = [fillet_nodes(scene, name, surface.points_mm) for name in ("journal", "pin")]
+    assessed = safety_field(
+        StressModel(
+            "",
+            scene,
+            1.0,
+            kinds,
+            surface,
+            surface_stress(model, surface, found),
+            images_of(fields, mesh.mirrored),
+            on[0],
+            on[1],
+            Quality(1.0, 1.0, 1, 0.0, 0.0, 0.0, 0.0),
+        ),
+        "lsa",
+        load_history(scene, "cycle", enabled),
+    )
+    by_model = cycle.model.responses(cycle.values).values
+    assert by_model["fatigue_safety"] == pytest.approx(assessed.critical.safety, rel=1e-5)
+    assert by_model["stress"] == pytest.approx(largest_of_field_MPa(assessed), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_the_gradients_over_the_cycle_are_what_differences_say(cycle: CycleCase) -> None:
+    model, values, step = cycle.model, cycle.values, 1e-3
+    direction = np.random.default_rng(7).standard_normal(len(values))
+    found = model.responses(values, STRESSED).gradients
+    above, below = (model.responses(values + s * step * direction, STRESSED).values for s in (1, -1))
+    for name in STRESSED:
+        measured = (above[name] - below[name]) / (2 * step)
+        assert found[name] @ direction == pytest.approx(measured, rel=1e-4), name
 
 
 def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:

@@ -13,7 +13,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.prisms import journal_halves, segments, web_bores
-from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.bodies.solid.checked import solid_properties
+from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.design.halves import envelope_asymmetry, mirror_image, web_asymmetry
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene

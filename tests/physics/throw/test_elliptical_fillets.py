@@ -7,7 +7,8 @@ import pytest
 
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.mesh.solid_mesh import mesh_throw
-from cranktopo.bodies.solid.throw import add_half_throw, solid_properties
+from cranktopo.bodies.solid.checked import solid_properties
+from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.bodies.volume import half_throw_volume_mm3
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene

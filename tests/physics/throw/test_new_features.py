@@ -15,7 +15,7 @@ import pytest
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.spans import Span, holds
-from cranktopo.bodies.solid.throw import add_bodies
+from cranktopo.bodies.solid.shapes import add_bodies
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.throw.feature import Body

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -16,8 +17,9 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     outside_validity,
 )
-from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, unchecked_journal_outlets
-from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, Quality
+from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, outlet_equivalent_MPa, unchecked_journal_outlets
+from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
+from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table
 from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table, verdicts
@@ -122,6 +124,63 @@ def test_an_outlet_outside_the_rule_is_told_by_no_number_and_leaves_the_throw_un
     assert replace(found, outlets=(low,)).safety == pytest.approx(1.0)
     good = replace(wide, check=FilletCheck(200.0, 300.0), outside=())
     assert replace(found, outlets=(good,)).verdict == "accepted"
+
+
+def leaning(gammas: tuple[float, float], jump_percent: float = 1.0, **more: Any) -> OutletCheck:
+    """An outlet under 20 and 10 MPa with a strength of 300 MPa, and the factors that elements have there."""
+    found = OutletFactors(*gammas, MeshChecks(1.0, jump_percent))
+    check = FilletCheck(outlet_equivalent_MPa(3.0 * 20.0, 4.0 * 10.0), 300.0)
+    outlet = OutletCheck("throw.drilling[0]", 0.0, 3.0, 4.0, 20.0, 10.0, check, ("leans 27 deg",), found)
+    return replace(outlet, **more)
+
+
+def test_elements_judge_a_leaning_outlet_if_their_mesh_proves_it() -> None:
+    sound, weak = leaning((4.0, 5.0)), leaning((12.0, 14.0))
+    stress = outlet_equivalent_MPa(4.0 * 20.0, 5.0 * 10.0)
+    assert sound.governed_by == "elements"
+    assert sound.judged == FilletCheck(stress, 300.0)
+    accepted, refused = (replace(check(ALLOWED, ALLOWED), outlets=(one,)) for one in (sound, weak))
+    assert (accepted.verdict, refused.verdict) == ("accepted", "not accepted")
+    assert refused.safety == pytest.approx(300.0 / outlet_equivalent_MPa(12.0 * 20.0, 14.0 * 10.0))
+    assert "judged by elements, leans 27 deg" in rule_remarks([accepted])[0]
+    coarse, sharp = leaning((4.0, 5.0), jump_percent=7.0), leaning((4.0, 5.0), sharp=True)
+    for one, why in ((coarse, "jump between elements 7.0 %"), (sharp, "outlet_radius_mm = 0")):
+        found = replace(check(ALLOWED, ALLOWED), outlets=(one,))
+        assert found.verdict == "not judged"
+        assert why in found.not_judged[one.place]
+        assert f"Q {300.0 / stress:.3f} by these elements" in found.not_judged[one.place]
+        assert outlet_table([found]).rows[0]["governed_by"] == "not judged"
+
+
+@pytest.mark.parametrize(
+    ("wanted", "gammas", "governs"),
+    [
+        ("lower", (4.0, 5.0), "elements"),
+        ("lower", (2.0, 3.0), "polynomials"),
+        ("elements", (2.0, 3.0), "elements"),
+        ("polynomials", (4.0, 5.0), "polynomials"),
+    ],
+)
+def test_the_lower_set_governs_at_a_radial_outlet(
+    wanted: Any, gammas: tuple[float, float], governs: str
+) -> None:
+    radial = leaning(gammas, outside=(), wanted=wanted)
+    assert radial.governed_by == governs
+    found = replace(check(ALLOWED, ALLOWED), outlets=(radial,))
+    rows = acceptability_table(found).rows[-2:]
+    assert [row["factors_by"] for row in rows] == ["elements", "polynomials"]
+    assert radial.judged is not None
+    assert radial.judged.acceptability in [row["Q"] for row in rows]
+    lines = [line for line in rule_remarks([found]) if "polynomials govern" in line]
+    assert bool(lines) == (wanted == "polynomials")
+
+
+def test_lower_numbers_of_elements_that_prove_nothing_are_said() -> None:
+    coarse = leaning((4.0, 5.0), jump_percent=7.0, outside=())
+    assert coarse.governed_by == "polynomials"
+    (line,) = rule_remarks([replace(check(ALLOWED, ALLOWED), outlets=(coarse,))])
+    assert "by polynomials govern, elements have" in line
+    assert "jump between elements 7.0 %" in line
 
 
 def test_an_outlet_on_a_thin_main_journal_is_not_judged() -> None:

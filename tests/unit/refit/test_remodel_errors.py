@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.solid.throw import add_half_throw, check_body
+from cranktopo.bodies.solid.checked import ClosedForm, check_body
+from cranktopo.bodies.solid.throw import add_half_throw
 from cranktopo.design.loading import builtin_designs, load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
@@ -113,8 +114,8 @@ def test_wrong_volume_and_loose_parts_are_noticed() -> None:
     with cad_session("boxes") as gmsh:
         occ = gmsh.model.occ
         near, far = (3, occ.addBox(0, 0, 0, 1, 1, 1)), (3, occ.addBox(5, 0, 0, 1, 1, 1))
-        check_body(occ, [near], 1.0, "box")
+        check_body(occ, [near], ClosedForm(1.0), "box")
         with pytest.raises(CranktopoError, match="closed form is"):
-            check_body(occ, [near], 1.0001, "box")
+            check_body(occ, [near], ClosedForm(1.0001), "box")
         with pytest.raises(CranktopoError, match="2 bodies"):
-            check_body(occ, [near, far], 2.0, "box")
+            check_body(occ, [near, far], ClosedForm(2.0), "box")

@@ -174,11 +174,14 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
     )
     target = Target("web", load_scene("mikron-iiic-plain"))
     monkeypatch.setattr(module, "fatigue_field", lambda *_: field)
-    monkeypatch.setattr(module, "largest_stress_MPa", lambda _: 123.0)
+    monkeypatch.setattr(module, "largest_stress_MPa", lambda *_: 123.0)
     stressed = module._stressed
-    assert stressed(target, {"fatigue_safety", "stress"}) == {"fatigue_safety": 1.2, "stress_MPa": 75.0}
-    assert stressed(target, {"fatigue_safety"}) == {"fatigue_safety": 1.2}
-    assert stressed(target, {"stress"}) == {"stress_MPa": 123.0}
+    assert stressed(target, {"fatigue_safety", "stress"}, "cycle") == {
+        "fatigue_safety": 1.2,
+        "stress_MPa": 75.0,
+    }
+    assert stressed(target, {"fatigue_safety"}, "cycle") == {"fatigue_safety": 1.2}
+    assert stressed(target, {"stress"}, "cycle") == {"stress_MPa": 123.0}
 
 
 def test_a_stress_alone_needs_no_strength(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,9 +189,9 @@ def test_a_stress_alone_needs_no_strength(monkeypatch: pytest.MonkeyPatch) -> No
     weak = scene.model_copy(
         update={"material": scene.material.model_copy(update={"fatigue_bending_MPa": None})}
     )
-    module._check(Target("web", weak), {"stress"})
+    module._check(Target("web", weak), {"stress"}, "extremes")
     with pytest.raises(CranktopoError, match="fatigue_bending_MPa"):
-        module._check(Target("web", weak), {"stress", "fatigue_safety"})
+        module._check(Target("web", weak), {"stress", "fatigue_safety"}, "extremes")
 
 
 def test_a_limit_moves_with_the_error_of_the_model() -> None:

@@ -9,9 +9,15 @@ import numpy as np
 import pytest
 
 from cranktopo.report.plot import picture
-from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit
+from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit, quantity_fact
 from cranktopo.tasks.shape.result import ShapeResult
-from cranktopo.tasks.shape.text import multiplier_table, multiplier_text, shape_summary
+from cranktopo.tasks.shape.text import (
+    multiplier_table,
+    multiplier_text,
+    shape_headline,
+    shape_summary,
+    stress_loads,
+)
 from tests.unit.shape.shape_results import goal, invented_data
 
 
@@ -34,6 +40,43 @@ def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:
     ]
     told = [f"{row['a_move_of']} {row['the_goal']}" for row in multiplier_table(_found(data)).rows]
     assert told == multiplier_text(_found(data))
+
+
+@pytest.mark.parametrize(
+    ("original", "result", "said"),
+    [
+        (
+            0.95,
+            0.98,
+            " IT FAILS by fatigue: the safety of 0.980 is below 1, as the original does with 0.950.",
+        ),
+        (1.2, 0.98, " IT FAILS by fatigue: the safety of 0.980 is below 1."),
+        (0.95, 1.02, "original web."),
+    ],
+)
+def test_a_web_that_fails_by_fatigue_says_so_though_every_limit_holds(
+    data: dict[str, Any], original: float, result: float, said: str
+) -> None:
+    values = {"original": {"fatigue_safety": original}, "result": {"fatigue_safety": result}}
+    change = {"fatigue_safety": 100 * (result / original - 1)}
+    found = _found(data | {"values": values, "change_percent": change})
+    assert shape_headline(found).startswith("Every limit holds: ")
+    assert shape_headline(found).endswith(said)
+    fact = quantity_fact(found, "fatigue_safety")
+    assert (fact.status == "bad", "it fails" in fact.note) == (result < 1, result < 1)
+
+
+def test_the_load_states_of_a_cycle_are_named_with_what_they_tell(data: dict[str, Any]) -> None:
+    both = {"original": {}, "result": {"stress": 300.0, "fatigue_safety": 1.5}}
+    for values, told in (
+        (both, "fatigue safety and largest von Mises stress over every angle of the cycle"),
+        (
+            {"original": {}, "result": {"stress": 300.0}},
+            "largest von Mises stress over every angle of the cycle",
+        ),
+    ):
+        assert stress_loads(_found(data | {"values": values, "loads": "cycle"})) == told
+    assert stress_loads(_found(data | {"values": both, "loads": "extremes"})) == ""
 
 
 def test_a_limit_that_is_missed_is_not_told_as_one_that_does_not_decide(data: dict[str, Any]) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.tetrahedra.stress import SurfaceStress
+from cranktopo.numerics.tetrahedra.stress import SurfaceStress, von_mises
 from cranktopo.tasks.shape.smooth_stress import JudgedSurface, largest_stress
 
 
@@ -55,3 +55,23 @@ def test_derivatives_by_every_stress_are_those_of_differences(scene: Scene) -> N
         for s in (1, -1)
     )
     assert (adjoint * way).sum() == pytest.approx((ahead.value - back.value) / (2 * step), rel=1e-7)
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_cycle_counts_in_all_nodes_and_in_a_state_without_load(scene: Scene, turns: int) -> None:
+    """Nodes far below the largest are left out: they add nothing that six digits show."""
+    random, angle = np.random.default_rng(11), np.linspace(0.0, 2 * np.pi * turns, 360)
+    stress = random.normal(0, 1, (3, 40, 6)) * np.geomspace(0.01, 1.0, 40)[:, None]
+    cycle = np.stack([1 - np.cos(angle), np.sin(angle), np.sin(angle / 2)], axis=1)
+    states = cycle, cycle * np.array([1.0, -1.0, 1.0])
+    assert not cycle[0].any()
+    found = largest_stress(scene, judged(scene, stress, states, list(range(40))))
+    size = von_mises(np.stack([np.einsum("fnc,sf->snc", stress, loads) for loads in states]))
+    assert found.extreme == pytest.approx(size.max(), rel=1e-12)
+    assert found.value == pytest.approx((size**40).sum() ** (1 / 40), rel=1e-7)
+    way, step = random.normal(0, 1, stress.shape), 1e-6
+    ahead, back = (
+        largest_stress(scene, judged(scene, stress + s * step * way, states, list(range(40)))).value
+        for s in (1, -1)
+    )
+    assert (found.adjoint[0] * way).sum() == pytest.approx((ahead - back) / (2 * step), rel=1e-6)

@@ -1,0 +1,218 @@
+"""OCC solids of the primitives that bodies are made of, and what they leave of each other.
+
+`occ` is `gmsh.model.occ` of the open session. The rounding of an outlet is the kernel's own fillet, made on a
+plain piece of the cylinder: what that piece loses is the tool, whatever else the throw has there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import solver_error
+from cranktopo.throw.feature import Body
+from cranktopo.throw.primitives import (
+    Arc,
+    Bezier,
+    Box,
+    Cylinder,
+    EllipseCurve,
+    Extrusion,
+    Frustum,
+    LineSegment,
+    Loft,
+    Point,
+    Rectangle,
+    Revolution,
+    RoundedOutlet,
+    Solid,
+)
+
+DimTags = list[tuple[int, int]]
+_PIECE = 2.5
+"""Radius of the piece of a cylinder over that of the outlet with its rounding."""
+_ON_EDGE_MM = 1e-3
+_ROUND_MM = 1e-9
+"""Sides of a rounded rectangle that are shorter are none."""
+
+
+def add_solid(occ: Any, solid: Solid) -> DimTags:
+    """Add one primitive body; return its gmsh (dimension, tag) pairs."""
+    match solid:
+        case Cylinder(start, axis, radius):
+            return [(3, occ.addCylinder(*start, *axis, radius))]
+        case Box(low, size):
+            return [(3, occ.addBox(*low, *size))]
+        case Frustum(floor, mouth, corner_radii):
+            return [(3, _frustum(occ, floor, mouth) if not any(corner_radii) else _rounded(occ, solid))]
+        case Extrusion(contour, path):
+            made = occ.extrude([(2, _Contour(occ).face(contour))], *path)
+            return [(dim, tag) for dim, tag in made if dim == 3]
+        case Revolution(contour, on_axis):
+            section = (2, _Contour(occ).face(contour))
+            made = occ.revolve([section], *on_axis, 0, 0, 1, 2 * math.pi)
+            occ.remove([section], recursive=True)
+            return [(dim, tag) for dim, tag in made if dim == 3]
+        case Loft(near, far):
+            loops = [_Contour(occ).loop(contour) for contour in (near, far)]
+            made = occ.addThruSections(loops, -1, True, True)
+            return [(dim, tag) for dim, tag in made if dim == 3]
+        case RoundedOutlet():
+            return _rounding(occ, solid)
+
+
+def _rounding(occ: Any, outlet: RoundedOutlet) -> DimTags:
+    piece = _piece(occ, outlet)
+    bored, _ = occ.cut(occ.copy(piece), add_solid(occ, outlet.hole))
+    occ.synchronize()  # curves can be asked for their points only then
+    edges = _edges(bored, outlet)
+    if not edges:
+        raise solver_error(
+            f"{outlet.key}: the CAD kernel finds no edge at the outlet on {outlet.on}.",
+            "Change diameter_mm slightly.",
+        )
+    rounded = occ.fillet([tag for _, tag in bored], edges, [outlet.rounding_mm])
+    return list(occ.cut(piece, rounded)[0])
+
+
+def _piece(occ: Any, outlet: RoundedOutlet) -> DimTags:
+    wide = _PIECE * (outlet.hole.radius + outlet.rounding_mm)
+    outward, point = np.array(outlet.outward), np.array(outlet.at)
+    deep = min(2 * wide, outlet.surface_mm)
+    low = point[2] - 4 * wide
+    journal = 3, occ.addCylinder(0, outlet.y_mm, low, 0, 0, 8 * wide, outlet.surface_mm)
+    around = 3, occ.addCylinder(*(point - deep * outward), *((deep + 2 * wide) * outward), wide)
+    return list(occ.intersect([journal], [around])[0])
+
+
+def _edges(body: DimTags, outlet: RoundedOutlet) -> list[int]:
+    import gmsh
+
+    start, along = np.array(outlet.hole.start), np.array(outlet.outward)
+    found = []
+    for _, face in gmsh.model.getBoundary(body, oriented=False):
+        for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False):
+            (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+            at = gmsh.model.getValue(1, curve, np.linspace(low, high, 7)[1:-1]).reshape(-1, 3)
+            away = np.linalg.norm(np.cross(at - start, along), axis=1) - outlet.hole.radius
+            deep = np.hypot(at[:, 0], at[:, 1] - outlet.y_mm) - outlet.surface_mm
+            if max(np.abs(away).max(), np.abs(deep).max()) < _ON_EDGE_MM:
+                found.append(int(curve))
+    return sorted(set(found))
+
+
+def _frustum(occ: Any, floor: tuple[Point, ...], mouth: tuple[Point, ...]) -> int:
+    rings = [[occ.addPoint(*point) for point in ring] for ring in (floor, mouth)]
+    low, high = ([occ.addLine(a, b) for a, b in pairwise([*ring, ring[0]])] for ring in rings)
+    ribs = [occ.addLine(a, b) for a, b in zip(*rings, strict=True)]
+    loops = [low, high, *([low[i], ribs[(i + 1) % 4], high[i], ribs[i]] for i in range(4))]
+    faces = [occ.addPlaneSurface([occ.addCurveLoop(loop)]) for loop in loops]
+    tag: int = occ.addVolume([occ.addSurfaceLoop(faces, sewing=True)])
+    return tag
+
+
+def _rounded(occ: Any, frustum: Frustum) -> int:
+    """Add planes and quarters of cones between two rectangles with round corners; round the floor's edge."""
+    rings = zip((frustum.floor, frustum.mouth), frustum.corner_radii, strict=True)
+    loops = [_rounded_loop(occ, np.array(ring), radius) for ring, radius in rings]
+    ((_, tag),) = (pair for pair in occ.addThruSections(loops, -1, True, True) if pair[0] == 3)
+    if not frustum.floor_radius:
+        return int(tag)
+    ((_, rounded),) = occ.fillet([tag], _floor_edges(occ, int(tag), frustum.floor), [frustum.floor_radius])
+    return int(rounded)
+
+
+def _floor_edges(occ: Any, tag: int, floor: tuple[Point, ...]) -> list[int]:
+    """Return the edges of a solid that lie in the plane of its floor."""
+    import gmsh
+
+    occ.synchronize()  # curves can be asked for their boxes only then
+    corner, one, other = (np.array(point) for point in floor[:3])
+    normal = np.cross(one - corner, other - corner)
+    edges = gmsh.model.getBoundary([(3, tag)], recursive=False, oriented=False)
+    curves = {curve for face in edges for curve in gmsh.model.getBoundary([face], oriented=False)}
+    found = []
+    for _, curve in sorted(curves):
+        (low,), (high,) = gmsh.model.getParametrizationBounds(1, curve)
+        at = gmsh.model.getValue(1, curve, np.linspace(low, high, 3)).reshape(-1, 3)
+        away = np.abs((at - corner) @ normal) / np.linalg.norm(normal)
+        found += [int(curve)] if away.max() < _ON_EDGE_MM else []
+    return found
+
+
+def _rounded_loop(occ: Any, ring: Array, radius: float) -> int:
+    before, after = (np.roll(ring, shift, axis=0) - ring for shift in (1, -1))
+    start, end = (ring + radius * way / np.linalg.norm(way, axis=1)[:, None] for way in (before, after))
+    points = [[occ.addPoint(*p) for p in arc] for arc in zip(start, start + end - ring, end, strict=True)]
+    straight = np.linalg.norm(np.roll(start, -1, axis=0) - end, axis=1) > _ROUND_MM
+    curves = []
+    for k, arc in enumerate(points):
+        curves.append(occ.addCircleArc(*arc))
+        if straight[k]:
+            curves.append(occ.addLine(arc[2], points[(k + 1) % 4][0]))
+    loop: int = occ.addCurveLoop(curves)
+    return loop
+
+
+class _Contour:
+    def __init__(self, occ: Any) -> None:
+        self._occ = occ
+        self._points: dict[Point, int] = {}
+
+    def face(self, curves: tuple[Any, ...]) -> int:
+        """Return the plane surface inside the loop."""
+        if isinstance(curves[0], Rectangle):
+            rectangle: Rectangle = curves[0]
+            size = rectangle.size_x, rectangle.size_y
+            tag: int = self._occ.addRectangle(*rectangle.low, *size, -1, rectangle.corner_radius)
+            return tag
+        tag = self._occ.addPlaneSurface([self.loop(curves)])
+        return tag
+
+    def loop(self, curves: tuple[Any, ...]) -> int:
+        """Return the loop of curves, each of which begins where the last ends."""
+        tag: int = self._occ.addCurveLoop([self._curve(curve) for curve in curves])
+        return tag
+
+    def _curve(self, curve: LineSegment | Arc | Bezier | EllipseCurve) -> int:
+        tag: int
+        match curve:
+            case LineSegment(start, end):
+                tag = self._occ.addLine(self._point(start), self._point(end))
+            case Arc(start, centre, end):
+                tag = self._occ.addCircleArc(self._point(start), self._point(centre), self._point(end))
+            case Bezier(points):
+                tag = self._occ.addBezier([self._point(point) for point in points])
+            case EllipseCurve(centre, half_x, half_y):
+                # gmsh wants the longer axis first; the local x axis follows it.
+                axis = [1.0, 0.0, 0.0] if half_x > half_y else [0.0, 1.0, 0.0]
+                long, short = max(half_x, half_y), min(half_x, half_y)
+                tag = self._occ.addEllipse(*centre, long, short, -1, 0, 2 * math.pi, [0, 0, 1], axis)
+        return tag
+
+    def _point(self, point: Point) -> int:
+        if point not in self._points:
+            self._points[point] = self._occ.addPoint(*point)
+        return self._points[point]
+
+
+def add_bodies(occ: Any, bodies: Sequence[Body]) -> DimTags:
+    """Add the material that bodies leave; return (dimension, tag) pairs."""
+    web, *more = add_all(occ, [body for body in bodies if body.adds])
+    material = [web] if not more else list(occ.fuse([web], more)[0])
+    return cut(occ, material, add_all(occ, [body for body in bodies if not body.adds]))
+
+
+def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
+    """Take solids away from material; the material itself where there are none."""
+    return list(occ.cut(material, tools)[0]) if tools else material
+
+
+def add_all(occ: Any, bodies: Sequence[Body]) -> DimTags:
+    """Add the exact solids of bodies, whether material or tools."""
+    return [pair for body in bodies for solid in body.solids() for pair in add_solid(occ, solid)]
