@@ -248,6 +248,66 @@ def test_the_finished_web_lies_in_the_raw_one(plain: Scene, outline: str, bevel:
     assert np.median((raw - finished)[finished > 0]) < 1.0
 
 
+WIDE = {"outer_radius_mm": 75.0, "half_angle_deg": 60.0}
+HALF_DISC = {**WIDE, "half_angle_deg": 90.0}
+POCKETED: dict[str, dict[str, Any]] = {
+    "drafted": {"pocket": [POCKET], "counterweight": WIDE},
+    "rounded floor": {
+        "pocket": [{**POCKET, "draft_deg": 5.0, "corner_radius_mm": 3.0, "offset_mm": 0.8}],
+        "counterweight": WIDE,
+        "bevel": [{"face": "journal", "y_mm": 54.0, "depth_mm": 8.0, "crown_mm": 1.0, "draft_deg": 5.0}],
+    },
+    "runs out": {"pocket": [{**POCKET, "y_mm": 50.0, "length_mm": 70.0}], "counterweight": WIDE},
+    "groove": {"pocket": [{**POCKET, "y_mm": 24.0, "length_mm": 130.0}]},
+    "beside a half disc": {
+        "pocket": [{**POCKET, "y_mm": 20.0, "length_mm": 33.0}],
+        "counterweight": HALF_DISC,
+    },
+    "bevel": {
+        "width_mm": 50.0,
+        "bevel": [{"face": "journal", "y_mm": 54.0, "depth_mm": 8.0}],
+        "counterweight": WIDE,
+    },
+}
+
+
+def pocketed(plain: Scene, case: str) -> Scene:
+    web = {"outline": "rectangle", "width_mm": 62.0, "overhang_mm": 30.0, "thickness_mm": 19.0}
+    return forged(roomy_scene(plain), FLUSH, web={**web, **POCKETED[case]})
+
+
+@pytest.mark.parametrize("case", POCKETED)
+def test_side_pockets_leave_the_counterweight(plain: Scene, case: str) -> None:
+    """Widths by the kernel's own order of union and cuts on intervals; the finished web lies in them."""
+    scene = pocketed(plain, case)
+    assert scene.forging is not None
+    half, random = raw_half(scene, scene.forging), np.random.default_rng(3)
+    y, z = random.uniform(*half.y_range_mm, 4000), random.uniform(*scene.web_z_mm, 4000)
+    found, finished = np.zeros(y.shape), web_spans(web_bodies(scene), y, z)
+    for part, cuts in zip(half.web, half.cuts_of, strict=True):
+        left, right = web_spans([part, *cuts], y, z)
+        widest = np.where(right > left, right, 0.0).max(axis=0)
+        assert (right - left).sum(axis=0) == pytest.approx(2 * widest, abs=1e-9)  # the die leaves no hollow
+        found = np.maximum(found, widest)
+    for journal in half.journals:
+        found = np.maximum(found, journal.half_mm(y, z))
+    assert half.half_mm(y, z) == pytest.approx(found, abs=1e-9)
+    assert (found - np.where(finished[1] > finished[0], finished[1], 0.0).max(axis=0)).min() >= -1e-9
+    assert machined_out(scene) == (
+        "throw.main_journal.bore_diameter_mm",
+        "throw.crankpin.bore_diameter_mm",
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", POCKETED)
+def test_the_kernel_builds_side_pockets(plain: Scene, case: str) -> None:
+    scene = pocketed(plain, case)
+    with cad_session(case) as gmsh:
+        body = add_raw_half(gmsh.model.occ, scene)
+        assert gmsh.model.occ.getMass(*body[0]) == pytest.approx(raw_half_volume_mm3(scene), rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "weight", [{**PLAIN, "fillet_mm": 6.0}, {**DISC, "corner_mm": 8.0}], ids=["fillet", "half disc"]
