@@ -265,7 +265,7 @@ def _width_mm(body: Body, y_mm: Array, z_mm: Array) -> Array:
 
 
 def _cut_mm(part: RawBody, cuts: Sequence[Body], y_mm: Array, z_mm: Array) -> Array:
-    """Half-width that cuts leave of a part of the web, which may be wider than they reach where they are not."""
+    """Half-width that cuts leave of a part of the web, which elsewhere may be wider than they reach."""
     half = part.half_mm(y_mm, z_mm)
     for cut in cuts:
         for inner, outer in cut.spans(y_mm, z_mm):

@@ -12,14 +12,15 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.app.main import main
-from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.raw_part import machined_out, raw_half_volume_mm3, raw_mass_kg
+from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.bodies.raw_part import machined_of_half, machined_out, raw_half_volume_mm3, raw_mass_kg
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.bodies.solid.raw_part import add_raw_half
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.throw.moments import body_moments
 from cranktopo.throw.raw_part.bodies import Collar, RawHalf
 from cranktopo.throw.raw_part.drafted_outline import drafted_outline
@@ -391,6 +392,40 @@ def test_what_cannot_be_forged_is_refused_when_it_is_read(
         forged(plain, forging)
 
 
+def test_each_half_names_what_is_machined_out_of_it(plain: Scene) -> None:
+    """By the keys of the scene: the second half's only drilling is not its first one there."""
+    drillings = [
+        {
+            "diameter_mm": 4.0,
+            "web": web,
+            "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 6.0},
+            "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 6.0},
+        }
+        for web in ("first", "second")
+    ]
+    solid = {"main_journal": {"bore_diameter_mm": 0.0}, "crankpin": {"bore_diameter_mm": 0.0}}
+    throw = plain.throw.model_dump(mode="json", exclude_none=True)
+    for name, more in solid.items():
+        throw[name] |= more
+    scene = forged(plain, throw={**throw, "drilling": drillings})
+    assert machined_of_half(scene, "first") == ("throw.drilling[0]",)
+    assert machined_of_half(scene, "second") == ("throw.drilling[1]",)
+    assert machined_out(scene) == ("throw.drilling[0]", "throw.drilling[1]")
+
+
+def test_a_raw_part_that_cannot_be_built_costs_its_sheet_only(
+    plain: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def refused(*_: Any, **__: Any) -> None:
+        raise solver_error("raw half throw: no.", "Change it.")
+
+    monkeypatch.setattr("cranktopo.tasks.drawing.raw_sheet.surface_of", refused)
+    with caplog.at_level("INFO"):
+        assert raw_pages(forged(plain), []) == []
+    assert "the drawing has no sheet of the raw part: raw half throw: no." in caplog.text
+    assert raw_pages(plain, []) == []
+
+
 def test_raw_part_without_forging(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "mikron-iiic-plain", str(tmp_path / "a.step"), "--part", "raw"]) == 3
     assert "[forging] is missing" in capsys.readouterr().err
@@ -419,7 +454,7 @@ def test_the_drawing_has_a_sheet_of_the_raw_part(
     plain: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", str(design_with_forging(tmp_path)), str(tmp_path / "raw.svg")]) == 0
-    assert "below it the raw part" in capsys.readouterr().out
+    assert "2 sheets A3 one below the other, the last of the raw part" in capsys.readouterr().out
     drawn = (tmp_path / "raw.svg").read_text(encoding="utf-8")
     kg = raw_mass_kg(forged(plain))
     for words in (
