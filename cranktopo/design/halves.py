@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.schema import Scene
@@ -17,6 +17,7 @@ from cranktopo.throw.drilling.table import drilling_asymmetry
 from cranktopo.throw.zone import zones_asymmetry
 
 T = TypeVar("T")
+HalfName = Literal["first", "second"]
 _LENGTHS = {"second_main_journal_length_mm": "main_journal", "second_crankpin_length_mm": "crankpin"}
 """Keys of the throw that give a journal another length beyond the crankpin."""
 
@@ -72,20 +73,22 @@ def require_equal_halves(scene: Scene) -> None:
 
 def of_second(error: CranktopoError, scene: Scene) -> CranktopoError:
     """Return what is wrong with the second half, by the keys of the scene that it comes from."""
-    own = [str(i) for i, drilling in enumerate(scene.throw.drilling) if drilling.web != "first"]
-
-    def named(text: str) -> str:
-        if scene.second_web is not None:
-            text = re.sub(r"(?<![\w.])web(?=\.[a-z])", "second_web", text)
-        if scene.throw.second_main_journal is not None:
-            text = text.replace("throw.main_journal", "throw.second_main_journal")
-        return re.sub(r"(?<=throw\.drilling\[)\d+", lambda found: own[int(found[0])], text)
-
-    message = f"{named(error.message).removesuffix('.')} (in the half beyond the crankpin)."
-    return CranktopoError(message, hint=named(error.hint), code=error.code)
+    named = named_in_throw(error.message, scene, "second")
+    message = f"{named.removesuffix('.')} (in the half beyond the crankpin)."
+    return CranktopoError(message, hint=named_in_throw(error.hint, scene, "second"), code=error.code)
 
 
-def _half(scene: Scene, side: str) -> Scene:
+def named_in_throw(text: str, scene: Scene, side: HalfName) -> str:
+    """Return a text about a half with the keys of the scene that the half comes from."""
+    own = [str(i) for i, drilling in enumerate(scene.throw.drilling) if drilling.web in ("both", side)]
+    if side == "second" and scene.second_web is not None:
+        text = re.sub(r"(?<![\w.])web(?=\.[a-z])", "second_web", text)
+    if side == "second" and scene.throw.second_main_journal is not None:
+        text = text.replace("throw.main_journal", "throw.second_main_journal")
+    return re.sub(r"(?<=throw\.drilling\[)\d+", lambda found: own[int(found[0])], text)
+
+
+def _half(scene: Scene, side: HalfName) -> Scene:
     throw = scene.throw
     update: dict[str, Any] = dict.fromkeys((*_LENGTHS, "second_main_journal"))
     update["drilling"] = tuple(drilling for drilling in throw.drilling if drilling.web in ("both", side))

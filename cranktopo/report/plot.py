@@ -79,17 +79,33 @@ def save_figure(figure: Figure, target: Any, **options: Any) -> None:
 
     It is made in memory first: on a full disk the writers of matplotlib fail in ways of their own.
     """
-    from matplotlib.text import Text
-
-    for text in figure.findobj(Text):
-        if "$" in text.get_text() and _OF_TICKS not in text.get_text():
-            text.set_parse_math(False)
+    _names_as_they_are(figure)
     if not isinstance(target, Path):
         figure.savefig(target, **options)
         return
     made = io.BytesIO()
     figure.savefig(made, format=target.suffix.removeprefix("."), **options)
     target.write_bytes(made.getvalue())
+
+
+def save_pages(figures: Sequence[Figure], path: Path, metadata: dict[str, Any]) -> None:
+    """Save figures as the pages of a PDF, as `save_figure` does one."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    made = io.BytesIO()
+    with PdfPages(made, metadata=metadata) as pdf:
+        for figure in figures:
+            _names_as_they_are(figure)
+            pdf.savefig(figure)
+    path.write_bytes(made.getvalue())
+
+
+def _names_as_they_are(figure: Figure) -> None:
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        if "$" in text.get_text() and _OF_TICKS not in text.get_text():
+            text.set_parse_math(False)
 
 
 _OF_TICKS = r"\mathdefault"

@@ -78,13 +78,16 @@ class SidePocket(Feature):
 
     @override
     def forged(self, scene: ThrowView, key: str, forging: ForgingView) -> tuple[Body, ...]:
-        """As it is where its walls have the draft of the die; a groove goes on through the raw ends."""
+        """As it is where its walls have the draft of the die; where it runs out, through the raw end too."""
         if self.draft_deg < forging.draft_deg:
             return ()
         slots, (low, high) = self._slots(scene, key), scene.web.y_range_mm(scene.throw.radius_mm)
-        groove = slots.y_range_mm[0] < low and slots.y_range_mm[1] > high
-        more = forging.fall * scene.web.largest_half_width_mm if groove else 0.0
-        return (replace(slots, half_length_mm=slots.half_length_mm + more),)
+        straight, more = self.length_mm / 2 - self.corner_radius_mm, forging.fall * slots.outer_mm
+        below, above = (
+            more if out else 0.0 for out in (self.y_mm - straight < low, self.y_mm + straight > high)
+        )
+        place, longer = self.y_mm + (above - below) / 2, (above + below) / 2
+        return (replace(slots, y_mm=place, half_length_mm=slots.half_length_mm + longer),)
 
     @override
     def check_alone(self, scene: ThrowView, key: str) -> None:

@@ -18,8 +18,8 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
-from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
-from cranktopo.tasks.drawing.views import Sheet, front_view
+from cranktopo.tasks.drawing.sheet import drawing_figures, throw_sheets, write_drawing
+from cranktopo.tasks.drawing.views import Sheet, front_view, section_x
 from cranktopo.throw.counterweight.table import Counterweight
 from tests.physics.fea.test_two_webs import POCKET, lopsided
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
@@ -40,7 +40,8 @@ def texts(figure: Figure) -> list[str]:
 
 def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
     scene, half = drawn
-    found = "\n".join(texts(drawing_figure([Sheet(scene, solid_of(half))], throw_balance(scene))))
+    (figure,) = drawing_figures([Sheet(scene, solid_of(half))], throw_balance(scene))
+    found = "\n".join(texts(figure))
     throw = scene.throw
     for wanted in (scene.name, scene.material.name, "1:1", "first-angle", "ISO 2768", "Ra"):
         assert wanted in found
@@ -66,7 +67,7 @@ def test_title_block_and_dimensions(drawn: tuple[Scene, SurfaceMesh]) -> None:
 
 def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh]) -> None:
     scene, half = drawn
-    figure = drawing_figure([Sheet(scene, solid_of(half))], throw_balance(scene))
+    (figure,) = drawing_figures([Sheet(scene, solid_of(half))], throw_balance(scene))
     scale = float(next(re.sub(":1", "", t) for t in texts(figure) if re.fullmatch(r"\d+:1", t)))
     assert np.allclose(figure.get_size_inches() * 25.4, A3_MM)
     for axes in figure.axes[:3]:
@@ -79,7 +80,8 @@ def test_views_have_the_scale_of_the_title_block(drawn: tuple[Scene, SurfaceMesh
 def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> None:
     """Middles of all dimension lines, against the cut or outlined area of their view."""
     scene, half = drawn
-    for axes in drawing_figure([Sheet(scene, solid_of(half))], throw_balance(scene)).axes[:3]:
+    (figure,) = drawing_figures([Sheet(scene, solid_of(half))], throw_balance(scene))
+    for axes in figure.axes[:3]:
         path = axes.patches[0].get_path()
         body = CrossSection([p[:-1] for p in path.to_polygons()], FillRule.EvenOdd)
         arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
@@ -90,10 +92,42 @@ def test_no_dimension_lies_over_the_body(drawn: tuple[Scene, SurfaceMesh]) -> No
             assert (spot ^ body).area() == 0.0, (axes.get_title(loc="left"), middle)
 
 
+def test_each_sheet_is_a_page_of_the_pdf(tmp_path: Path) -> None:
+    """Two A3 in one page of 420 x 594 mm cannot be printed; a picture has them one above the other."""
+    scene = load_scene("mikron-iiic-plain")
+    sheets = [Sheet(scene, Manifold.cube((200.0, 200.0, 200.0), center=True), half="first")] * 2
+    files = [tmp_path / name for name in ("drawing.pdf", "drawing.svg")]
+    write_drawing(sheets, throw_balance(scene), files)
+    boxes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", files[0].read_bytes())
+    sizes = [[float(side) / 72 * 25.4 for side in box] for box in boxes]
+    assert np.allclose(sizes, [A3_MM, A3_MM], atol=0.01)
+    assert f'height="{2 * 297 / 25.4 * 72:.3f}'[:14] in files[1].read_text(encoding="utf-8")
+
+
+def largest_sagitta_mm(sheet: Sheet) -> float:
+    """Farthest that a chord of the section x = 0 runs from the arc of the main journal's fillet."""
+    journal, face = sheet.scene.throw.main_journal, sheet.scene.web_z_mm[0]
+    radius = journal.fillet_mm
+    centre, found = np.array([face - radius, journal.radius_mm + radius]), list[float]()
+    for points in section_x(sheet.solid):
+        away = np.hypot(*(points - centre).T)
+        middle = np.hypot(*((points + np.roll(points, -1, axis=0)) / 2 - centre).T)
+        on = (np.abs(away - radius) < 0.02) & (np.abs(np.roll(away, -1) - radius) < 0.02)
+        found += list(radius - middle[on])
+    assert len(found) > 4
+    return max(found)
+
+
+def test_fillets_are_round_in_sections() -> None:
+    """Facets of 1 mm made four chords of a quarter circle of 3 mm, which details show at 5:1."""
+    (sheet,) = throw_sheets(load_scene("mikron-iiic-plain"))
+    assert largest_sagitta_mm(sheet) < 0.02
+
+
 def test_the_notes_of_a_second_sheet_stand_above_the_title() -> None:
     scene = load_scene("mikron-iiic-plain")
     sheet = Sheet(scene, Manifold.cube((200.0, 200.0, 200.0), center=True), half="second")
-    figure = drawing_figure([sheet], throw_balance(scene))
+    (figure,) = drawing_figures([sheet], throw_balance(scene))
     renderer = FigureCanvasAgg(figure).get_renderer()
     boxes = {text.get_text(): text.get_window_extent(renderer) for text in figure.axes[3].texts}
     (notes,) = (text for text in boxes if "Half a turn" in text)
@@ -129,17 +163,18 @@ def test_halves_that_differ_have_a_sheet_each() -> None:
     """The second pocket, at x = +9 of the throw, is at x = -9 of its sheet, in the solid and as a stroke."""
     scene = lopsided()
     sheets, balance = throw_sheets(scene), throw_balance(scene)
+    assert max(map(largest_sagitta_mm, sheets)) < 0.02
     second = sheets[1]
     floor = second.solid.translate((0.0, 0.0, 1.0 - second.scene.web_z_mm[1])).slice(0.0)
     spot = CrossSection.circle(1.0, 8)
     empty, full = ((spot.translate((x, POCKET["y_mm"])) ^ floor).area() for x in (-9.0, 9.0))
     assert empty == 0.0
     assert full == pytest.approx(spot.area())
-    figure = drawing_figure(sheets, balance)
-    assert np.allclose(figure.get_size_inches() * 25.4, (A3_MM[0], 2 * A3_MM[1]))
-    lines = [line.get_xydata() for line in figure.axes[4].lines]
+    figures = drawing_figures(sheets, balance)
+    assert all(np.allclose(figure.get_size_inches() * 25.4, A3_MM) for figure in figures)
+    lines = [line.get_xydata() for line in figures[1].axes[0].lines]
     assert any(np.allclose(line.mean(axis=0), (-9.0, POCKET["y_mm"]), atol=2.0) for line in lines)
-    found = "\n".join(texts(figure))
+    found = "\n".join(text for figure in figures for text in texts(figure))
     kg = f"first web {balance.web_kg:.3f} kg", f"second web {balance.second_web_kg:.3f} kg"
     for wanted in ("sheet 1 of 2", "sheet 2 of 2", "this half 57 long", "this half 70 long", *kg):
         assert wanted in found

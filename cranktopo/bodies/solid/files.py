@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,8 @@ from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import versions
 
 if TYPE_CHECKING:
+    from manifold3d import Manifold
+
     from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 
 
@@ -261,16 +263,12 @@ def _read_back(path: Path, volumes: list[float]) -> None:
         )
 
 
-def half_surfaces(
-    scene: Scene, facet_mm: float | None = None, part: Literal["throw", "raw"] = "throw"
-) -> tuple[SurfaceMesh, SurfaceMesh]:
-    """Return closed triangle meshes of both halves of a throw or its raw part, each in the frame of its half.
+def cut_in_halves(scene: Scene, throw: Manifold) -> tuple[Manifold, Manifold]:
+    """Return both halves of a throw or its raw part, each in the frame of its half.
 
     They are cut out of the whole: a drilling may reach across.
     """
-    from cranktopo.numerics.surfaces.mesh import mesh_of, solid_of
-
-    throw, middle = solid_of(surface_of(scene, part, facet_mm), part), halves(scene)[0].pitch_mm / 2
+    middle, whole = halves(scene)[0].pitch_mm / 2, scene.pitch_mm
     first = throw.trim_by_plane((0.0, 0.0, -1.0), -middle)
     second = throw.trim_by_plane((0.0, 0.0, 1.0), middle).mirror((0.0, 0.0, 1.0))
-    return mesh_of(first), mesh_of(second.translate((0.0, 0.0, scene.pitch_mm)))
+    return first, second.translate((0.0, 0.0, whole))

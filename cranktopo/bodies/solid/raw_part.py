@@ -11,8 +11,9 @@ from cranktopo.bodies.solid.checked import ClosedForm, check_body
 from cranktopo.bodies.solid.shapes import DimTags, add_solid, cut
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
+from cranktopo.throw.feature import Body
 from cranktopo.throw.primitives import Extrusion, LineSegment, Point
-from cranktopo.throw.raw_part.bodies import DraftedPrism, RawBody
+from cranktopo.throw.raw_part.bodies import DraftedPrism, RawBody, RawHalf
 from cranktopo.throw.raw_part.half import raw_half
 
 _BEYOND_MM = 1.0
@@ -31,13 +32,17 @@ def add_raw_throw(occ: Any, scene: Scene) -> DimTags:
 def add_raw_half(occ: Any, scene: Scene) -> DimTags:
     """Return the raw half throw as one checked body."""
     half = raw_half(scene, forging_of(scene))
-    web = _fused(occ, [_prism(occ, part) for part in half.web])
-    web = cut(
-        occ, web, [pair for tool in half.cuts for solid in tool.solids() for pair in add_solid(occ, solid)]
-    )
-    body = _fused(occ, [web, *(_raw_body(occ, one) for one in half.journals)])
+    web = [_web(occ, half, cuts) for cuts in dict.fromkeys(half.cuts_of)]
+    body = _fused(occ, [*web, *(_raw_body(occ, one) for one in half.journals)])
     check_body(occ, body, ClosedForm(raw_half_volume_mm3(scene)), "raw half throw")
     return body
+
+
+def _web(occ: Any, half: RawHalf, cuts: tuple[Body, ...]) -> DimTags:
+    """Return the parts of the web that have the same cuts, without those."""
+    parts = [part for part, own in zip(half.web, half.cuts_of, strict=True) if own == cuts]
+    tools = [pair for tool in cuts for solid in tool.solids() for pair in add_solid(occ, solid)]
+    return cut(occ, _fused(occ, [_prism(occ, part) for part in parts]), tools)
 
 
 def _raw_body(occ: Any, body: RawBody) -> DimTags:

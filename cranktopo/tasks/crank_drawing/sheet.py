@@ -119,7 +119,8 @@ def _distinct(shape: CrankShape) -> list[tuple[str, Sheet]]:
             [k for k, throw in enumerate(shape.throws, 1) if throw.scene == scene], len(scenes) == 1
         )
         if difference(scene):
-            first, second = (replace(sheet, placed=True) for sheet in throw_sheets(scene))
+            pair = throw_sheets(scene, throw=throw_solid(scene))
+            first, second = (replace(sheet, placed=True) for sheet in pair)
             found += [(f"first web of {where}", first), (f"second web of {where}", second)]
         else:
             found.append((f"both webs of {where}", Sheet(scene, throw_solid(scene), placed=True)))

@@ -38,7 +38,7 @@ def command(
 
     The volume is checked against the closed form, and a STEP file is read back before it counts as written.
     The drawing is an A3 sheet at a true scale, dimensions in mm; of halves that differ, one each. With
-    [forging] another one shows the raw part.
+    [forging] another one shows the raw part. A PDF has a page for each sheet.
 
     Example: cranktopo export mikron-iiic throw.step
     """
@@ -71,10 +71,17 @@ def _drawn(scene: Scene, file: Path) -> str:
     from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 
     sheets = throw_sheets(scene)
-    more = raw_pages(scene, sheets) if scene.forging is not None else []
+    more = raw_pages(scene, sheets)
     export_drawing(scene, file, sheets, more)
-    words = ["A3" if len(sheets) == 1 else "A2: two sheets A3, one half each"]
-    return ", ".join([*words, *["below it the raw part"] * bool(more)])
+    return _sheets_in_words(len(sheets), len(more), paged=file.suffix.lower() == ".pdf")
+
+
+def _sheets_in_words(finished: int, raw: int, *, paged: bool) -> str:
+    if finished + raw == 1:
+        return "A3"
+    count = f"{finished + raw} {'pages A3' if paged else 'sheets A3 one below the other'}"
+    last = {0: [], 1: ["the last of the raw part"], 2: ["the last two of the raw part"]}[raw]
+    return ", ".join([count, *["one of each half"] * (finished == 2), *last])
 
 
 def _of_raw(scene: Scene) -> str:

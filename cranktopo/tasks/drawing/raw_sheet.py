@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError
+from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import web_region
-from cranktopo.bodies.raw_part import forging_of, machined_out, raw_mass_kg
-from cranktopo.bodies.solid.files import half_surfaces
+from cranktopo.bodies.raw_part import forging_of, machined_of_half, raw_mass_kg
+from cranktopo.bodies.solid.files import cut_in_halves, surface_of
+from cranktopo.design.halves import HalfName
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import solid_of
@@ -113,9 +116,21 @@ class _RawView:
 
 
 def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:
-    """Return a page of the raw part for each sheet of the finished throw."""
-    meshes = half_surfaces(scene, part="raw")
-    solids = [solid_of(mesh, "raw part") for mesh in meshes[: len(sheets)]]
+    """Return a page of the raw part for each sheet of the finished throw; none without a forging.
+
+    A raw part that the kernel cannot build is told in a line and has none.
+    """
+    if scene.forging is None:
+        return []
+    try:
+        return _pages(scene, sheets)
+    except CranktopoError as error:
+        note(f"the drawing has no sheet of the raw part: {error.message}")
+        return []
+
+
+def _pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:
+    solids = list(cut_in_halves(scene, solid_of(surface_of(scene, "raw"), "raw part"))[: len(sheets)])
     if len(solids) > 1:
         solids[1] = solids[1].mirror((1.0, 0.0, 0.0))
     raw_kg, finished_kg = raw_mass_kg(scene), throw_balance(scene).mass_kg
@@ -123,7 +138,7 @@ def raw_pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:
         SheetPage(
             rooms=view.rooms,
             views=(view.front, view.lengthwise, view.across),
-            lines=[*_lines(view.scene), *_removed(scene)],
+            lines=[*_lines(view.scene), *_removed(scene, sheet.half or "first")],
             title=f"{scene.name}: raw part, {sheet.half or 'half of it'}{' half' * bool(sheet.half)} shown",
             material=scene.material.name,
             mass=f"raw {raw_kg:.3f} kg, finished {finished_kg:.3f} kg, {finished_kg / raw_kg:.0%} of it",
@@ -150,8 +165,9 @@ def _lines(scene: Scene) -> list[str]:
     ]
 
 
-def _removed(scene: Scene) -> list[str]:
-    keys = machined_out(scene)
+def _removed(scene: Scene, side: HalfName) -> list[str]:
+    """Return the keys of what is machined out of the half that is shown."""
+    keys = machined_of_half(scene, side)
     if not keys:
         return []
     wrapped = (textwrap.wrap(key, _COLUMN, initial_indent="   ", subsequent_indent="      ") for key in keys)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from cranktopo.base.files import replacing
 from cranktopo.base.reproducible import time_of_writing
 from cranktopo.base.units import MM_PER_INCH
-from cranktopo.bodies.solid.files import half_surfaces, surface_of
+from cranktopo.bodies.solid.files import cut_in_halves, kernel_surface_of
 from cranktopo.design.drawing import surface_notes
 from cranktopo.design.halves import difference, halves, mirror_image, web_asymmetry
 from cranktopo.design.schema import Scene
@@ -26,11 +26,12 @@ from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
-from cranktopo.report.plot import save_figure
+from cranktopo.report.plot import save_figure, save_pages
 from cranktopo.tasks.drawing.views import Room, Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
 
 if TYPE_CHECKING:
+    from manifold3d import Manifold
     from matplotlib.figure import Figure, SubFigure
 
 
@@ -74,37 +75,37 @@ def write_drawing(
     started: datetime | None = None,
     more: Sequence[SheetPage] = (),
 ) -> None:
-    """Draw a half throw, or both, into files in the format of their ending, dated `started` or today."""
-    pages = [*(_page(sheet, balance) for sheet in sheets), *more]
-    write_pages(pages, sheets[0].scene.name, paths, started)
+    """Draw a half throw, or both, and more pages into files, dated `started` or today."""
+    write_pages([*(_page(sheet, balance) for sheet in sheets), *more], sheets[0].scene.name, paths, started)
 
 
 def write_pages(
     pages: Sequence[SheetPage], name: str, paths: Sequence[Path], started: datetime | None = None
 ) -> None:
-    """Draw pages, one A3 above the other, into files; `name` is that of the design."""
+    """Draw pages into files; `name` is that of the design.
+
+    A PDF has an A3 page for each; SVG and PNG have them one above the other.
+    """
     import matplotlib as mpl
 
     written = time_of_writing(started)
-    figure = pages_figure(pages, written)
     with mpl.rc_context({"svg.hashsalt": name}):  # the same names of parts in every drawing
         for path in paths:
-            date = {".svg": {"Date": written.isoformat()}, ".pdf": {"CreationDate": written}}
-            save_figure(figure, path, dpi=150, metadata=date.get(path.suffix.lower()))
+            suffix = path.suffix.lower()
+            if suffix == ".pdf":
+                save_pages([pages_figure([page], written) for page in pages], path, {"CreationDate": written})
+            else:
+                date = {"Date": written.isoformat()} if suffix == ".svg" else None
+                save_figure(pages_figure(pages, written), path, dpi=150, metadata=date)
 
 
-def drawing_figure(
-    sheets: Sequence[Sheet],
-    balance: ThrowBalance,
-    written: datetime | None = None,
-    more: Sequence[SheetPage] = (),
-) -> Figure:
-    """Return the drawing as a figure, one A3 above the other, more pages last, dated `written` or today."""
-    return pages_figure([*(_page(sheet, balance) for sheet in sheets), *more], time_of_writing(written))
+def drawing_figures(sheets: Sequence[Sheet], balance: ThrowBalance) -> list[Figure]:
+    """Return the sheets of a drawing as figures, each an A3, dated today."""
+    return [pages_figure([_page(sheet, balance)], time_of_writing()) for sheet in sheets]
 
 
 def pages_figure(pages: Sequence[SheetPage], written: datetime) -> Figure:
-    """Return pages as a figure, one A3 above the other."""
+    """Return pages as one figure, one A3 above the other."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(pages) * _HEIGHT_MM / MM_PER_INCH))
@@ -256,20 +257,22 @@ def scale_text(scale: float) -> str:
 def export_drawing(
     scene: Scene, path: Path, sheets: Sequence[Sheet] = (), more: Sequence[SheetPage] = ()
 ) -> None:
-    """Write the sheets of a scene's throw, by default all, and more pages below them (.pdf, .svg or .png)."""
+    """Write the sheets of a scene's throw, by default all, and more pages after them (.pdf, .svg or .png)."""
     with replacing(path) as temporary:
         write_drawing(sheets or throw_sheets(scene), throw_balance(scene), [temporary], more=more)
 
 
-def throw_sheets(scene: Scene, half: SurfaceMesh | None = None) -> list[Sheet]:
+def throw_sheets(scene: Scene, half: SurfaceMesh | None = None, throw: Manifold | None = None) -> list[Sheet]:
     """Return the sheets of a throw: half of it, or both halves where they differ.
 
-    The second half is turned half a turn about the throw direction, so that it too has its main journal on
-    the left and is seen from the crankpin.
+    They have the kernel's triangles, which follow a fillet, unless `half` or a `throw` whose halves differ is
+    at hand. The second half is turned half a turn about the throw direction, so that it too has its main
+    journal on the left and is seen from the crankpin.
     """
     if not difference(scene):
-        return [Sheet(scene, solid_of(half or surface_of(scene, "half"), "half throw"))]
+        return [Sheet(scene, solid_of(half or kernel_surface_of(scene, "half"), "half throw"))]
     near, far = halves(scene)
-    first, second = (solid_of(mesh, "half throw") for mesh in half_surfaces(scene))
+    whole = throw or solid_of(kernel_surface_of(scene, "throw"), "throw")
+    first, second = cut_in_halves(scene, whole)
     turned = second.mirror((1.0, 0.0, 0.0))
     return [Sheet(near, first, half="first"), Sheet(mirror_image(far), turned, half="second")]

@@ -18,7 +18,7 @@ from cranktopo.report.plot import Picture
 from cranktopo.report.report_file import write_report
 from cranktopo.runs.destination import check_file
 from cranktopo.runs.manifest import settings_hash, timestamp, versions
-from cranktopo.tasks.drawing.sheet import drawing_figure, throw_sheets
+from cranktopo.tasks.drawing.sheet import drawing_figures, throw_sheets
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.rule_page import RuleRecord, rule_page
 from cranktopo.tasks.fea.targets import Target
@@ -74,7 +74,7 @@ def write_dossier(found: FatigueAssessment, path: Path, command: Sequence[str] =
         loads=analyse(scene, effects.enabled),
         history=_HISTORY[found.loads],
         assumed=tuple(assumed_json(target.assumed)),
-        drawing=None if target.file else _drawing(target),
+        drawings=() if target.file else _drawings(target),
         scene_sha256=settings_hash(scene.model_dump(mode="json"), {}),
         command=" ".join(command),
         written=timestamp(),
@@ -96,7 +96,10 @@ def _vibration(target: Target) -> VibrationStudy | None:
     return shaft_vibration(target, misfire="worst" if several else ())
 
 
-def _drawing(target: Target) -> Picture:
-    scene = target.scene
-    figure = drawing_figure(throw_sheets(scene), throw_balance(scene))
-    return Picture("drawing", figure, f"Workshop drawing of {target.name} with its dimensions", sheet=True)
+def _drawings(target: Target) -> tuple[Picture, ...]:
+    scene, alt = target.scene, f"Workshop drawing of {target.name} with its dimensions"
+    found = drawing_figures(throw_sheets(scene), throw_balance(scene))
+    return tuple(
+        Picture("drawing" if number == 1 else f"drawing-{number}", figure, alt, sheet=True)
+        for number, figure in enumerate(found, start=1)
+    )

@@ -55,7 +55,7 @@ class RuleRecord:
         loads: None without gas and inertia forces over the cycle.
         history: how the alternating loads follow from the cycle, in words.
         assumed: what the design does not say, as `assumed` of the JSON.
-        drawing: of the half throw; None for a body from CAD.
+        drawings: of the half throw, or of both; none for a body from CAD.
         scene_sha256: of the resolved scene.
         written: when, ISO 8601.
         vibration: of the shaft; None without shaft line or gas data.
@@ -69,7 +69,7 @@ class RuleRecord:
     loads: LoadAnalysis | None
     history: str
     assumed: tuple[Mapping[str, Any], ...]
-    drawing: Picture | None
+    drawings: tuple[Picture, ...]
     scene_sha256: str
     command: str
     written: str
@@ -200,13 +200,12 @@ def _governs(check: RuleCheck) -> str:
 
 
 def _input(record: RuleRecord) -> Section:
-    drawings = () if record.drawing is None else (record.drawing,)
     return Section(
         "input",
         "Input data",
         f"Design {record.name}, SHA-256 of the resolved scene {record.scene_sha256}.",
         (("Material and factors", pairs(_material(record.scene))),),
-        drawings,
+        record.drawings,
     )
 
 

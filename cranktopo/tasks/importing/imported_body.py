@@ -16,7 +16,7 @@ from cranktopo.base.units import MM_PER_INCH
 from cranktopo.bodies.mesh.solid_mesh import MeshedThrow, mesh_body, positive_x, ring_size_mm
 from cranktopo.bodies.prisms import is_mirror_image, web_region
 from cranktopo.bodies.solid.checked import SolidProperties, solid_properties
-from cranktopo.bodies.solid.files import half_surfaces, surface_of
+from cranktopo.bodies.solid.files import cut_in_halves, surface_of
 from cranktopo.bodies.solid.shapes import DimTags
 from cranktopo.bodies.solid.step import STEP_SUFFIXES, by_kernel, kernel_surface, step_solid
 from cranktopo.design.halves import difference
@@ -292,7 +292,8 @@ def _placed(body: Manifold, scene: Scene, path: Path, align: bool) -> tuple[Plac
 def shown_halves(scene: Scene, file: Path | None, facet_mm: float, align: bool = False) -> list[SurfaceMesh]:
     """Return the surface of a half throw, of the scene or the file, or of both where they differ."""
     if difference(scene):
-        return list(half_surfaces(scene, facet_mm))
+        throw = solid_of(surface_of(scene, "throw", facet_mm), "throw")
+        return [mesh_of(half) for half in cut_in_halves(scene, throw)]
     if file is None:
         return [surface_of(scene, "half", facet_mm)]
     return _surfaces(file, scene, align)

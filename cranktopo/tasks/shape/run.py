@@ -52,6 +52,7 @@ from cranktopo.runs.kind import (
 )
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.bound.stage import bound_for_goal
+from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import export_drawing, throw_sheets
 from cranktopo.tasks.extraction.release import shaped_undercuts
 from cranktopo.tasks.film.stage import film_change
@@ -242,7 +243,8 @@ def _write(run: RunStore, scene: Scene, optimum: ShapeOptimum) -> SurfaceMesh:
     export_solid(shaped, "half", run.path / _FILES["step"], started=run.started())
     export_solid(shaped, "half", run.path / _FILES["stl"])
     half = read_stl(run.path / _FILES["stl"])
-    export_drawing(shaped, run.path / _FILES["drawing"], throw_sheets(shaped, half))
+    sheets = throw_sheets(shaped, half)
+    export_drawing(shaped, run.path / _FILES["drawing"], sheets, raw_pages(shaped, sheets))
     return half
 
 

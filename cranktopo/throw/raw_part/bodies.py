@@ -10,7 +10,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 from typing import ClassVar
 
@@ -27,6 +27,8 @@ from cranktopo.throw.raw_part.drafted_outline import DraftedOutline
 _Width = Callable[[Array, Array], Array]
 _BEYOND_MM = 1.0
 """Reach of tools beyond the widest place."""
+_PLACES, _HEIGHTS = 401, 101
+"""Where the reach of a cut is compared with the width of what it cuts."""
 
 
 @dataclass(frozen=True)
@@ -212,10 +214,13 @@ class RawHalf(RawBody):
 
     @override
     def half_mm(self, y_mm: Array, z_mm: Array) -> Array:
-        web = np.max([part.half_mm(y_mm, z_mm) for part in self.web], axis=0)
-        for cut in self.cuts:
-            web = np.minimum(web, _left_mm(cut, y_mm, z_mm))
-        return np.max([web, *(one.half_mm(y_mm, z_mm) for one in self.journals)], axis=0)
+        web = [_cut_mm(part, cuts, y_mm, z_mm) for part, cuts in zip(self.web, self.cuts_of, strict=True)]
+        return np.max([*web, *(one.half_mm(y_mm, z_mm) for one in self.journals)], axis=0)
+
+    @cached_property
+    def cuts_of(self) -> tuple[tuple[Body, ...], ...]:
+        """Cuts of each part of the web: behind what is wider than the tool reaches the die leaves none."""
+        return tuple(tuple(cut for cut in self.cuts if not _hides(part, cut)) for part in self.web)
 
     @property
     @override
@@ -257,6 +262,24 @@ def _apart_mm(one: _Width, other: _Width, y_mm: Array, z_mm: Array) -> Array:
 
 def _width_mm(body: Body, y_mm: Array, z_mm: Array) -> Array:
     return body.half_mm(y_mm, z_mm) if isinstance(body, RawBody) else _left_mm(body, y_mm, z_mm)
+
+
+def _cut_mm(part: RawBody, cuts: Sequence[Body], y_mm: Array, z_mm: Array) -> Array:
+    """Half-width that cuts leave of a part of the web, which elsewhere may be wider than they reach."""
+    half = part.half_mm(y_mm, z_mm)
+    for cut in cuts:
+        for inner, outer in cut.spans(y_mm, z_mm):
+            half = np.where((inner >= 0) & (inner < outer), np.minimum(half, inner), half)
+    return half
+
+
+def _hides(part: RawBody, cut: Body) -> bool:
+    """Tell whether a part is somewhere wider than a cut reaches there."""
+    y, z = np.linspace(*cut.y_range_mm, _PLACES)[:, None], np.linspace(*cut.z_mm, _HEIGHTS)
+    half = part.half_mm(y, z)
+    return any(
+        bool(((inner < outer) & (half > outer) & (outer > 0)).any()) for inner, outer in cut.spans(y, z)
+    )
 
 
 def _left_mm(cut: Body, y_mm: Array, z_mm: Array) -> Array:

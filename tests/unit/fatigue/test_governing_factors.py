@@ -10,6 +10,9 @@ import pytest
 
 from cranktopo import load_scene, with_values
 from cranktopo.base.errors import CranktopoError
+from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
+from cranktopo.design.halves import drilled_alike
+from cranktopo.design.loading import scene_from_dict
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     concentration_factors,
@@ -57,6 +60,29 @@ def test_the_lower_of_two_valid_sets_governs() -> None:
     assert check(ALLOWED, WEAK).governing["pin"] == "elements"
     (row,) = rule_table([found], None).rows
     assert row["governing_Q"] == min(row[key] for key in row if "_Q_" in key)
+
+
+def test_the_mass_is_that_of_the_drilled_throw(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each web is judged in a throw of two such webs without the drilling that goes through one alone."""
+    plain = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    for name in ("main_journal", "crankpin"):
+        plain["throw"][name]["bore_diameter_mm"] = 0.0
+    drilling = {
+        "diameter_mm": 4.0,
+        "web": "first",
+        "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 6.0},
+        "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 6.0},
+    }
+    plain["throw"]["drilling"] = [drilling]
+    scene = scene_from_dict(plain, "drilled", whole=True)
+    monkeypatch.setattr(
+        "cranktopo.tasks.fatigue.rule_check._check", lambda *_: replace(check(ALLOWED, ALLOWED), web="first")
+    )
+    exact = throw_volume_mm3(scene) * scene.material.density_kg_m3 * 1e-9
+    found = check_rule(Target("drilled", scene))
+    assert [one.throw_kg for one in found] == pytest.approx([exact] * 2, rel=1e-6)
+    undrilled = 2 * half_throw_volume_mm3(drilled_alike(scene)) * scene.material.density_kg_m3 * 1e-9
+    assert exact < undrilled * (1 - 1e-3)
 
 
 def test_polynomials_that_are_not_valid_do_not_govern() -> None:

@@ -12,14 +12,15 @@ import pytest
 from manifold3d import Manifold
 
 from cranktopo.app.main import main
-from cranktopo.base.errors import CranktopoError
-from cranktopo.bodies.raw_part import machined_out, raw_half_volume_mm3, raw_mass_kg
+from cranktopo.base.errors import CranktopoError, solver_error
+from cranktopo.bodies.raw_part import machined_of_half, machined_out, raw_half_volume_mm3, raw_mass_kg
 from cranktopo.bodies.solid.files import export_solid, surface_of
 from cranktopo.bodies.solid.raw_part import add_raw_half
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
 from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.throw.moments import body_moments
 from cranktopo.throw.raw_part.bodies import Collar, RawHalf
 from cranktopo.throw.raw_part.drafted_outline import drafted_outline
@@ -248,6 +249,66 @@ def test_the_finished_web_lies_in_the_raw_one(plain: Scene, outline: str, bevel:
     assert np.median((raw - finished)[finished > 0]) < 1.0
 
 
+WIDE = {"outer_radius_mm": 75.0, "half_angle_deg": 60.0}
+HALF_DISC = {**WIDE, "half_angle_deg": 90.0}
+POCKETED: dict[str, dict[str, Any]] = {
+    "drafted": {"pocket": [POCKET], "counterweight": WIDE},
+    "rounded floor": {
+        "pocket": [{**POCKET, "draft_deg": 5.0, "corner_radius_mm": 3.0, "offset_mm": 0.8}],
+        "counterweight": WIDE,
+        "bevel": [{"face": "journal", "y_mm": 54.0, "depth_mm": 8.0, "crown_mm": 1.0, "draft_deg": 5.0}],
+    },
+    "runs out": {"pocket": [{**POCKET, "y_mm": 50.0, "length_mm": 70.0}], "counterweight": WIDE},
+    "groove": {"pocket": [{**POCKET, "y_mm": 24.0, "length_mm": 130.0}]},
+    "beside a half disc": {
+        "pocket": [{**POCKET, "y_mm": 20.0, "length_mm": 33.0}],
+        "counterweight": HALF_DISC,
+    },
+    "bevel": {
+        "width_mm": 50.0,
+        "bevel": [{"face": "journal", "y_mm": 54.0, "depth_mm": 8.0}],
+        "counterweight": WIDE,
+    },
+}
+
+
+def pocketed(plain: Scene, case: str) -> Scene:
+    web = {"outline": "rectangle", "width_mm": 62.0, "overhang_mm": 30.0, "thickness_mm": 19.0}
+    return forged(roomy_scene(plain), FLUSH, web={**web, **POCKETED[case]})
+
+
+@pytest.mark.parametrize("case", POCKETED)
+def test_side_pockets_leave_the_counterweight(plain: Scene, case: str) -> None:
+    """Widths by the kernel's own order of union and cuts on intervals; the finished web lies in them."""
+    scene = pocketed(plain, case)
+    assert scene.forging is not None
+    half, random = raw_half(scene, scene.forging), np.random.default_rng(3)
+    y, z = random.uniform(*half.y_range_mm, 4000), random.uniform(*scene.web_z_mm, 4000)
+    found, finished = np.zeros(y.shape), web_spans(web_bodies(scene), y, z)
+    for part, cuts in zip(half.web, half.cuts_of, strict=True):
+        left, right = web_spans([part, *cuts], y, z)
+        widest = np.where(right > left, right, 0.0).max(axis=0)
+        assert (right - left).sum(axis=0) == pytest.approx(2 * widest, abs=1e-9)  # the die leaves no hollow
+        found = np.maximum(found, widest)
+    for journal in half.journals:
+        found = np.maximum(found, journal.half_mm(y, z))
+    assert half.half_mm(y, z) == pytest.approx(found, abs=1e-9)
+    assert (found - np.where(finished[1] > finished[0], finished[1], 0.0).max(axis=0)).min() >= -1e-9
+    assert machined_out(scene) == (
+        "throw.main_journal.bore_diameter_mm",
+        "throw.crankpin.bore_diameter_mm",
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", POCKETED)
+def test_the_kernel_builds_side_pockets(plain: Scene, case: str) -> None:
+    scene = pocketed(plain, case)
+    with cad_session(case) as gmsh:
+        body = add_raw_half(gmsh.model.occ, scene)
+        assert gmsh.model.occ.getMass(*body[0]) == pytest.approx(raw_half_volume_mm3(scene), rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "weight", [{**PLAIN, "fillet_mm": 6.0}, {**DISC, "corner_mm": 8.0}], ids=["fillet", "half disc"]
@@ -331,6 +392,40 @@ def test_what_cannot_be_forged_is_refused_when_it_is_read(
         forged(plain, forging)
 
 
+def test_each_half_names_what_is_machined_out_of_it(plain: Scene) -> None:
+    """By the keys of the scene: the second half's only drilling is not its first one there."""
+    drillings = [
+        {
+            "diameter_mm": 4.0,
+            "web": web,
+            "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 6.0},
+            "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 6.0},
+        }
+        for web in ("first", "second")
+    ]
+    solid = {"main_journal": {"bore_diameter_mm": 0.0}, "crankpin": {"bore_diameter_mm": 0.0}}
+    throw = plain.throw.model_dump(mode="json", exclude_none=True)
+    for name, more in solid.items():
+        throw[name] |= more
+    scene = forged(plain, throw={**throw, "drilling": drillings})
+    assert machined_of_half(scene, "first") == ("throw.drilling[0]",)
+    assert machined_of_half(scene, "second") == ("throw.drilling[1]",)
+    assert machined_out(scene) == ("throw.drilling[0]", "throw.drilling[1]")
+
+
+def test_a_raw_part_that_cannot_be_built_costs_its_sheet_only(
+    plain: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def refused(*_: Any, **__: Any) -> None:
+        raise solver_error("raw half throw: no.", "Change it.")
+
+    monkeypatch.setattr("cranktopo.tasks.drawing.raw_sheet.surface_of", refused)
+    with caplog.at_level("INFO"):
+        assert raw_pages(forged(plain), []) == []
+    assert "the drawing has no sheet of the raw part: raw half throw: no." in caplog.text
+    assert raw_pages(plain, []) == []
+
+
 def test_raw_part_without_forging(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "mikron-iiic-plain", str(tmp_path / "a.step"), "--part", "raw"]) == 3
     assert "[forging] is missing" in capsys.readouterr().err
@@ -359,7 +454,7 @@ def test_the_drawing_has_a_sheet_of_the_raw_part(
     plain: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", str(design_with_forging(tmp_path)), str(tmp_path / "raw.svg")]) == 0
-    assert "below it the raw part" in capsys.readouterr().out
+    assert "2 sheets A3 one below the other, the last of the raw part" in capsys.readouterr().out
     drawn = (tmp_path / "raw.svg").read_text(encoding="utf-8")
     kg = raw_mass_kg(forged(plain))
     for words in (
