@@ -47,7 +47,7 @@ def _prices(told: dict[str, Any]) -> list[str]:
     return [
         f"1 % of {price['quantity']} {price['sense']} costs {price['goal_percent_per_percent']:.2f} % {goal}"
         for price in told["prices"]
-        if abs(price["goal_percent_per_percent"]) >= 0.005  # as it is rounded
+        if abs(price["goal_percent_per_percent"] or 0.0) >= 0.005  # as it is rounded
     ]
 
 
