@@ -88,7 +88,7 @@ class LimitPrice(Result):
     quantity: QuantityName
     sense: LimitSense
     goal_percent_per_percent: float | None
-    """None where it is not known: zero by the fit, of a limit that is missed or that the fit does not explain."""
+    """None where it is not known: zero by a fit that explains too little, or of a limit that is missed."""
 
     def outcomes(self, limits: Sequence[LimitOutcome]) -> tuple[LimitOutcome, ...]:
         """Return the goal's limits that it is of; one of a displacement is that of its stiffness."""
