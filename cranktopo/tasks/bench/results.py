@@ -56,7 +56,8 @@ def _fatigue_words(told: dict[str, Any]) -> list[str]:
     if told["method"] != "m53":
         return [f"least safety {found['safety']:.3g}: {found['critical']['place']}"]
     names = {"polynomials": "closed_form", "elements": "finite_elements"}
-    lines = [
+    lines = [found["not_covered"]] if found.get("not_covered") else []
+    lines += [
         f"UR M53: {found['verdict']}, {found['safety']:.3g} of at least {found['least_acceptability']:.3g}"
     ]
     for fillet, governs in found["governing_factors"].items():

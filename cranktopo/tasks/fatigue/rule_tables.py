@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
-from cranktopo.tasks.fatigue.m53 import Dimensions, Ratio, ratios
+from cranktopo.tasks.fatigue.m53 import Dimensions, FilletCheck, Ratio, ratios
 from cranktopo.tasks.fatigue.result import JUMP_LIMIT_PERCENT, NORMAL_LIMIT_PERCENT
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.text import outlet_table
@@ -106,7 +106,7 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
                     "strength_MPa": found.strength_MPa,
                     "Q": found.acceptability,
                     "plus_or_minus": band,
-                    "accepted": _yes(found.accepted) if valid else "-",
+                    "accepted": _accepted(check, found) if valid else "-",
                 }
             )
     for outlet in check.outlets:
@@ -119,11 +119,15 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
                 "strength_MPa": found.strength_MPa,
                 "Q": outlet.acceptability,
                 "plus_or_minus": None,
-                "accepted": "not judged" if outlet.outside else _yes(found.accepted),
+                "accepted": "not judged" if outlet.outside else _accepted(check, found),
             }
         )
     columns = {"fillet": 0, "factors_by": 0, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3}
     return ResultTable(columns | {"plus_or_minus": 3, "accepted": 0}, tuple(rows))
+
+
+def _accepted(check: RuleCheck, found: FilletCheck) -> str:
+    return "not covered" if check.not_covered else _yes(found.accepted)
 
 
 def quality_table(check: RuleCheck) -> ResultTable:
