@@ -45,6 +45,7 @@ _SHOWN = {
     "first": "first half, sheet 1 of 2",
     "second": "second half, sheet 2 of 2",
 }
+_REDUCED = " on A3; reduced on this page, not to scale"
 _TURNED = "Half a turn about the throw from where sheet 1 is drawn."
 
 
@@ -90,15 +91,19 @@ def drawing_figure(
     balance: ThrowBalance,
     written: datetime | None = None,
     more: Sequence[SheetPage] = (),
+    reduced: bool = False,
 ) -> Figure:
-    """Return the drawing as a figure, one A3 above the other, more pages last, dated `written` or today."""
+    """Return the drawing as a figure, one A3 above the other, more pages last, dated `written` or today.
+
+    One that is shown `reduced`, on a page of a report, says so beside its scale.
+    """
     from matplotlib.figure import Figure
 
     date, pages = time_of_writing(written), [*(_page(sheet, balance) for sheet in sheets), *more]
     figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(pages) * _HEIGHT_MM / MM_PER_INCH))
     parts = figure.subfigures(len(pages), 1, squeeze=False)[:, 0]
     for part, page in zip(parts, pages, strict=True):
-        _draw(part, page, date)
+        _draw(part, page, date, _REDUCED * reduced)
     return figure
 
 
@@ -128,7 +133,7 @@ def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any
     view(axes, sheet, scale)
 
 
-def _draw(figure: SubFigure, page: SheetPage, written: datetime) -> None:
+def _draw(figure: SubFigure, page: SheetPage, written: datetime, beside_scale: str) -> None:
     scale = _scale(page.rooms)
     front, long, across = sizes = [room.size_mm(scale) for room in page.rooms]
     # the views stand in the middle of their room
@@ -146,7 +151,7 @@ def _draw(figure: SubFigure, page: SheetPage, written: datetime) -> None:
     paper.axis("off")
     frame(paper, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
     _table(paper, page.lines)
-    _title_block(paper, page, scale, written)
+    _title_block(paper, page, scale_text(scale) + beside_scale, written)
 
 
 def _scale(rooms: Sequence[Room]) -> float:
@@ -209,14 +214,14 @@ def _outline_lines(scene: Scene) -> list[str]:
     ]
 
 
-def _title_block(paper: Any, page: SheetPage, scale: float, written: datetime) -> None:
+def _title_block(paper: Any, page: SheetPage, scale: str, written: datetime) -> None:
     """Draw the fields of ISO 7200 in the lower right corner, the notes above them."""
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
     rows = (
         ("Title", page.title),
         ("Material", page.material),
         ("Mass", page.mass),
-        ("Scale", scale_text(scale)),
+        ("Scale", scale),
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )

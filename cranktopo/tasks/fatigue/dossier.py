@@ -98,5 +98,5 @@ def _vibration(target: Target) -> VibrationStudy | None:
 
 def _drawing(target: Target) -> Picture:
     scene = target.scene
-    figure = drawing_figure(throw_sheets(scene), throw_balance(scene))
+    figure = drawing_figure(throw_sheets(scene), throw_balance(scene), reduced=True)
     return Picture("drawing", figure, f"Workshop drawing of {target.name} with its dimensions", sheet=True)
