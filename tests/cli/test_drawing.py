@@ -21,6 +21,7 @@ from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.tasks.drawing.sheet import drawing_figures, throw_sheets, write_drawing
 from cranktopo.tasks.drawing.views import Sheet, front_view, section_x
 from cranktopo.throw.counterweight.table import Counterweight
+from cranktopo.throw.profile import ProfileWeb
 from tests.physics.fea.test_two_webs import POCKET, lopsided
 from tests.unit.refit.remodel_cases import WHOLE, known_scene
 
@@ -133,6 +134,36 @@ def test_the_notes_of_a_second_sheet_stand_above_the_title() -> None:
     (notes,) = (text for text in boxes if "Half a turn" in text)
     assert notes.count("\n") >= 6
     assert boxes[notes].y0 > boxes["Title"].y1
+
+
+def test_stations_are_numbered_beside_a_counterweight_and_apart() -> None:
+    """At 1:5 the stations of the ends are nearer to each other than lines of text."""
+    plain = load_scene("mikron-iiic-plain")
+    added = Counterweight(outer_radius_mm=80.0, half_angle_deg=60.0)
+    web = ProfileWeb(
+        outline="profile",
+        thickness_mm=19.0,
+        stations_mm=(-30.0, -22.0, 24.0, 64.0, 78.0),
+        half_widths_mm=(0.0, 20.0, 30.0, 20.0, 0.0),
+        counterweight=added,
+    )
+    sheet = Sheet(plain.model_copy(update={"web": web}), Manifold.cube())
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    front_view(axes, sheet, 0.2)
+    labels = [text for text in axes.texts if ":  y " in text.get_text()]
+    assert len(labels) == len(web.stations_mm)
+    assert all(text.get_position()[0] > sheet.half_width_mm > 60.0 for text in labels)
+    assert np.diff([text.get_position()[1] for text in labels]).min() > 15.0
+
+
+def test_a_drawing_on_a_page_of_a_report_says_that_it_is_reduced() -> None:
+    scene = load_scene("mikron-iiic-plain")
+    sheet = Sheet(scene, Manifold.cube())
+    balance = throw_balance(scene)
+    ((plain,), (reduced,)) = (drawing_figures([sheet], balance, reduced=small) for small in (False, True))
+    assert "1:1" in texts(plain)
+    (line,) = (text for text in texts(reduced) if text.startswith("1:1"))
+    assert line == "1:1 on A3; reduced on this page, not to scale"
 
 
 def test_heights_end_where_the_counterweight_has_its_edge() -> None:

@@ -18,6 +18,7 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     outside_validity,
 )
+from cranktopo.tasks.fatigue.m53_material import uncovered_material
 from cranktopo.tasks.fatigue.result import AlternatingLoads, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fea.targets import Target
@@ -41,7 +42,7 @@ def checked(target: Target, *_: object) -> tuple[RuleCheck, ...]:
     check = RuleCheck(
         target.name, 1.6, size, loads, outside, factors, factors, nominal, fillets, fillets, QUALITY
     )
-    return (check,)
+    return (replace(check, not_covered=uncovered_material(target.scene)),)
 
 
 @pytest.fixture
@@ -73,6 +74,27 @@ def test_a_dossier_says_first_that_a_throw_is_not_accepted(tmp_path: Path) -> No
     assert row(text, "torsional vibration")[1] == "off"
     assert "signature" in text
     assert list((tmp_path / "dossier-pictures").glob("drawing.png"))
+
+
+def test_a_material_that_the_rule_does_not_cover_is_said_first_and_not_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every number is allowed."""
+    strong = {name: FilletCheck(200.0, 400.0) for name in ("pin", "journal")}
+
+    def check(target: Target, *_: object) -> tuple[RuleCheck, ...]:
+        return tuple(replace(one, rule_checks=strong, fem_checks=strong) for one in checked(target))
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawing", lambda _: None)
+    design, path = tmp_path / "iron.toml", tmp_path / "dossier.md"
+    text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+    design.write_text(text.replace('name = "31CrMoV9"', 'name = "EN-GJS-700-2"'), encoding="utf-8")
+    assert main(["fatigue", str(design), "--method", "m53", "--report", str(path), "--quiet"]) == 6
+    assert capsys.readouterr().out.startswith("mikron-iiic-plain: NOT COVERED by the rule, and not accepted")
+    told = path.read_text(encoding="utf-8").replace("\\", "")
+    assert "The throw is NOT COVERED by the rule (EN-GJS-700-2 is nodular cast iron; UR M53, 1.2," in told
+    assert row(told, "journal")[-1] == "not covered"
 
 
 def test_only_a_check_that_the_mesh_misses_is_told_as_missed() -> None:

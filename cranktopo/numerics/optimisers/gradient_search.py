@@ -57,18 +57,28 @@ class Multipliers:
     remainder: float
 
 
+NEAR_LIMIT = 2e-3
+"""Relative distance from a limit that counts as active."""
+_NEAR_MM = 0.05
+"""The same from a rule or bound, mm or degrees."""
+
+
 def multipliers(
-    gradient: Array, limits: tuple[Array, Array], rules: tuple[Array, Array], bounds: tuple[Array, Array]
+    gradient: Array,
+    limits: tuple[Array, Array],
+    rules: tuple[Array, Array],
+    bounds: tuple[Array, Array],
+    near_limit: float = NEAR_LIMIT,
 ) -> Multipliers:
     """Return multipliers of the active constraints for the gradient (n,) of a goal that is to be small.
 
     Limits (relative) and rules (mm) are values, kept where <= 0, and gradients (m, n); bounds the room to the
-    lower and to the upper ones, (n,) each, mm or degrees.
+    lower and to the upper ones, (n,) each, mm or degrees. Limits within `near_limit` count as active.
     """
     from scipy.optimize import nnls
 
     count = len(gradient)
-    near = [limits[0] > -_NEAR_LIMIT, rules[0] > -_NEAR_MM, bounds[0] < _NEAR_MM, bounds[1] < _NEAR_MM]
+    near = [limits[0] > -near_limit, rules[0] > -_NEAR_MM, bounds[0] < _NEAR_MM, bounds[1] < _NEAR_MM]
     rows = np.vstack([limits[1], rules[1], -np.eye(count), np.eye(count)])
     active = np.concatenate(near)
     weights = np.zeros(len(rows))
@@ -81,10 +91,6 @@ def multipliers(
     rest = float(np.linalg.norm(gradient + weights @ rows)) / max(float(np.linalg.norm(gradient)), 1e-30)
     first, second, third = np.cumsum([len(limits[0]), len(rules[0]), count])
     return Multipliers(weights[:first], weights[first:second], weights[second:third] - weights[third:], rest)
-
-
-_NEAR_LIMIT, _NEAR_MM = 2e-3, 0.05
-"""Distance from a limit (relative) and from a rule or bound (mm, degrees) that counts as active."""
 
 
 Objective = Callable[[Array], tuple[float, Array]]

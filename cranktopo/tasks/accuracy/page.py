@@ -49,6 +49,7 @@ _COLUMNS: dict[str, tuple[Column[LevelResult], ...]] = {
         Column(BENDING.column, BENDING.digits, _scaled(_BENDING)),
         Column("bending_error_percent", 2, _of("errors_percent", _BENDING)),
         _UNCERTAINTY,
+        Column("own_bound_percent", 2, lambda level: level.own_bound_percent),
         Column("order_in_torsion", 1, _of("orders", _TORSION)),
         Column("order_in_bending", 1, _of("orders", _BENDING)),
     ),
@@ -165,8 +166,10 @@ def _frame(axes: Any) -> None:
 
 _LEGEND = (
     "A star marks the Pareto front: no cheaper level has a smaller error. Errors are against the "
-    "extrapolated value; its uncertainty spans all plausible orders of convergence. Memory is the largest of "
-    "the level. Time is without JAX's compilation, which is stored for the next run."
+    "extrapolated value. Its uncertainty spans all plausible orders of convergence; where the observed order "
+    "is not that of theory, it is all that the own bound of the finest level leaves. That of a level "
+    "is that of `evaluate` on its mesh. Memory is the largest of the level. Time is without JAX's "
+    "compilation, which is stored for the next run."
 )
 
 

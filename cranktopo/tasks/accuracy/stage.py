@@ -37,6 +37,11 @@ _REFERENCES: dict[StudyName, tuple[str, ...]] = {
     OPTIMISER: ("cells",),
 }
 """Families that the limit of a study is extrapolated from, the first one that has two levels."""
+_QUADRATIC = 2.0, 4.0
+"""Orders of a stiffness on quadratic elements: 4 on smooth bodies, about 2 with fillets. Coarse meshes of
+curved bodies, whose elements are partly straight, show others by chance."""
+_ORDERS: dict[StudyName, tuple[float, float]] = {EVALUATION: _QUADRATIC, FILLET_STRESS: _QUADRATIC}
+"""Orders that theory gives; cells converge as their stairs do."""
 
 
 def cheapest(levels: Iterable[LevelResult], study: StudyName, percent: float) -> LevelResult | None:
@@ -83,7 +88,11 @@ def _limits(study: StudyName, levels: Sequence[Level]) -> dict[str, Extrapolatio
         chosen = _family(levels, family)
         if len(chosen) > 1:
             sizes = [level.size_mm for level in chosen]
-            found = {name: extrapolate(sizes, [r.values[name] for r in chosen]) for name in chosen[0].values}
+            bounds, orders = chosen[-1].own_bounds_percent, _ORDERS.get(study)
+            found = {
+                name: extrapolate(sizes, [r.values[name] for r in chosen], orders, bounds.get(name))
+                for name in chosen[0].values
+            }
             return {name: limit for name, limit in found.items() if limit is not None}
     return {}
 
@@ -111,6 +120,7 @@ def _level_result(level: Level, levels: Sequence[Level], limits: dict[str, Extra
         errors_percent=errors,
         model_errors_percent=own,
         orders=_orders(level, levels),
+        own_bounds_percent=level.own_bounds_percent,
         error_percent=max(abs(error) for error in (*errors.values(), *own.values())) if errors else None,
         uncertainty_percent=max(bands, default=None),
         efficient=False,

@@ -34,6 +34,7 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     outside_validity,
 )
+from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.rule_check import fillet_checks
 from cranktopo.tasks.shaft.stage import of_stiffness
@@ -249,8 +250,10 @@ def _vibration(scene: Scene) -> Iterator[tuple[str, float]]:
 
 
 def notes(scene: Scene) -> list[str]:
-    """Return what limits the closed forms: ratios outside the rule's polynomials, throws that differ."""
+    """Return what limits the closed forms: ratios and material outside the rule, throws that differ."""
     found = [f"IACS UR M53, polynomials: {line}" for line in outside_validity(dimensions(scene))]
+    told = uncovered_material(scene), process_remark(scene)
+    found += [f"IACS UR M53: {line}." for line in told if line]
     if scene.crank is not None and not scene.crank.uniform:
         found.append("The throws of the crank differ: gauges and pictures are of the throw in this file.")
     return found

@@ -47,7 +47,7 @@ def _prices(told: dict[str, Any]) -> list[str]:
     return [
         f"1 % of {price['quantity']} {price['sense']} costs {price['goal_percent_per_percent']:.2f} % {goal}"
         for price in told["prices"]
-        if abs(price["goal_percent_per_percent"]) >= 0.005  # as it is rounded
+        if abs(price["goal_percent_per_percent"] or 0.0) >= 0.005  # as it is rounded
     ]
 
 
@@ -56,7 +56,8 @@ def _fatigue_words(told: dict[str, Any]) -> list[str]:
     if told["method"] != "m53":
         return [f"least safety {found['safety']:.3g}: {found['critical']['place']}"]
     names = {"polynomials": "closed_form", "elements": "finite_elements"}
-    lines = [
+    lines = [found["not_covered"]] if found.get("not_covered") else []
+    lines += [
         f"UR M53: {found['verdict']}, {found['safety']:.3g} of at least {found['least_acceptability']:.3g}"
     ]
     for fillet, governs in found["governing_factors"].items():

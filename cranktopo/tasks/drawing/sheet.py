@@ -46,6 +46,7 @@ _SHOWN = {
     "first": "first half, sheet 1 of 2",
     "second": "second half, sheet 2 of 2",
 }
+_REDUCED = " on A3; reduced on this page, not to scale"
 _TURNED = "Half a turn about the throw from where sheet 1 is drawn."
 
 
@@ -99,19 +100,22 @@ def write_pages(
                 save_figure(pages_figure(pages, written), path, dpi=150, metadata=date)
 
 
-def drawing_figures(sheets: Sequence[Sheet], balance: ThrowBalance) -> list[Figure]:
-    """Return the sheets of a drawing as figures, each an A3, dated today."""
-    return [pages_figure([_page(sheet, balance)], time_of_writing()) for sheet in sheets]
+def drawing_figures(sheets: Sequence[Sheet], balance: ThrowBalance, reduced: bool = False) -> list[Figure]:
+    """Return the sheets of a drawing as figures, each an A3, dated today.
+
+    Those that are shown `reduced`, on a page of a report, say so beside their scale.
+    """
+    return [pages_figure([_page(sheet, balance)], time_of_writing(), reduced) for sheet in sheets]
 
 
-def pages_figure(pages: Sequence[SheetPage], written: datetime) -> Figure:
+def pages_figure(pages: Sequence[SheetPage], written: datetime, reduced: bool = False) -> Figure:
     """Return pages as one figure, one A3 above the other."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(_WIDTH_MM / MM_PER_INCH, len(pages) * _HEIGHT_MM / MM_PER_INCH))
     parts = figure.subfigures(len(pages), 1, squeeze=False)[:, 0]
     for part, page in zip(parts, pages, strict=True):
-        _draw(part, page, written)
+        _draw(part, page, written, _REDUCED * reduced)
     return figure
 
 
@@ -141,7 +145,7 @@ def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any
     view(axes, sheet, scale)
 
 
-def _draw(figure: SubFigure, page: SheetPage, written: datetime) -> None:
+def _draw(figure: SubFigure, page: SheetPage, written: datetime, beside_scale: str) -> None:
     scale = _scale(page.rooms)
     front, long, across = sizes = [room.size_mm(scale) for room in page.rooms]
     # the views stand in the middle of their room
@@ -159,7 +163,7 @@ def _draw(figure: SubFigure, page: SheetPage, written: datetime) -> None:
     paper.axis("off")
     frame(paper, _BORDER_MM, _BORDER_MM, _WIDTH_MM - 2 * _BORDER_MM, _HEIGHT_MM - 2 * _BORDER_MM, 1.2)
     _table(paper, page.lines)
-    _title_block(paper, page, scale, written)
+    _title_block(paper, page, scale_text(scale) + beside_scale, written)
 
 
 def _scale(rooms: Sequence[Room]) -> float:
@@ -222,14 +226,14 @@ def _outline_lines(scene: Scene) -> list[str]:
     ]
 
 
-def _title_block(paper: Any, page: SheetPage, scale: float, written: datetime) -> None:
+def _title_block(paper: Any, page: SheetPage, scale: str, written: datetime) -> None:
     """Draw the fields of ISO 7200 in the lower right corner, the notes above them."""
     left, bottom = _WIDTH_MM - _BORDER_MM - _TABLE_MM, _BORDER_MM
     rows = (
         ("Title", page.title),
         ("Material", page.material),
         ("Mass", page.mass),
-        ("Scale", scale_text(scale)),
+        ("Scale", scale),
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )

@@ -164,15 +164,26 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
         dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
     dimension(axes, (0, 0), (0, radius), (-beside - gap, 0), f"{radius:g}")
     if isinstance(web, ProfileWeb):
-        for number, (station, width) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
-            axes.plot([width, widest + 4 / scale], [station, station], color=THIN, lw=0.4)
-            axes.plot(width, station, "o", ms=3.0, color=INK)
-            text = f"{number}:  y {station:.2f}, x {width:.2f}"
-            axes.text(widest + 5 / scale, station, text, fontsize=TEXT_SIZE, va="center")
+        _stations(axes, web, beside, 1 / scale)
     _named(axes, sheet, gap)
-    across = widest + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
+    across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
     _placed(axes, sheet.places, across, sheet.y_range_mm[1], 1 / scale)
     finish(axes, "Front, from the crankpin side")
+
+
+def _stations(axes: Any, web: ProfileWeb, beside: float, paper_mm: float) -> None:
+    """Number the stations of the outline, in a column right of everything that is `beside` the axis."""
+    bend, levels = beside + 2.5 * paper_mm, _spread(web.stations_mm, 3.4 * paper_mm)
+    for number, ((station, level), width) in enumerate(zip(levels, web.half_widths_mm, strict=True), 1):
+        axes.plot(
+            [width, beside, bend, beside + 4 * paper_mm],
+            [station, station, level, level],
+            color=THIN,
+            lw=0.4,
+        )
+        axes.plot(width, station, "o", ms=3.0, color=INK)
+        text = f"{number}:  y {station:.2f}, x {width:.2f}"
+        axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center")
 
 
 def _named(axes: Any, sheet: Sheet, gap: float) -> None:

@@ -142,6 +142,8 @@ def _rule_fatigue(
         verdict=check.verdict,
         governing_factors=check.governing,
         not_judged=check.not_judged,
+        not_covered=check.not_covered or None,
+        process_remark=check.process_remark or None,
         least_acceptability=LEAST_FACTOR,
         alternating=check.loads,
         outside_validity=check.outside,

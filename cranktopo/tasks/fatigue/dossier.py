@@ -98,7 +98,7 @@ def _vibration(target: Target) -> VibrationStudy | None:
 
 def _drawings(target: Target) -> tuple[Picture, ...]:
     scene, alt = target.scene, f"Workshop drawing of {target.name} with its dimensions"
-    found = drawing_figures(throw_sheets(scene), throw_balance(scene))
+    found = drawing_figures(throw_sheets(scene), throw_balance(scene), reduced=True)
     return tuple(
         Picture("drawing" if number == 1 else f"drawing-{number}", figure, alt, sheet=True)
         for number, figure in enumerate(found, start=1)

@@ -336,11 +336,16 @@ class RuleFatigue(_TargetFatigue):
     accepted: bool
     """True if the rule judges and accepts both fillets and every outlet of an oil bore."""
     verdict: str
-    """Answer of the rule: "accepted", "not accepted", or "not judged" with an outlet beyond its factors."""
+    """Answer of the rule: "accepted", "not accepted", "not judged" with an outlet beyond its factors, or "not
+    covered" where the material is no steel."""
     governing_factors: dict[str, str]
     """Factors that govern at each fillet, "polynomials" or "elements", as `fatigue.m53_factors` has it."""
     not_judged: dict[str, str]
     """Places that neither the rule's polynomials nor proven elements judge, and why."""
+    not_covered: str | None = UNLESS_NONE
+    """Why the rule does not cover the material."""
+    process_remark: str | None = UNLESS_NONE
+    """Where the factor K does not fit the way the crank is made."""
     least_acceptability: float
     """Acceptability factor that the rule asks for."""
     alternating: AlternatingLoads

@@ -34,6 +34,7 @@ from cranktopo.tasks.fatigue.m53 import (
     pin_equivalent_MPa,
 )
 from cranktopo.tasks.fatigue.m53_hardening import journal_stresses, pin_stresses, treated_check
+from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
 from cranktopo.tasks.fatigue.m53_outlet import (
     GoverningFactors,
     OutletCheck,
@@ -48,7 +49,7 @@ from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, sol
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
-Verdict = Literal["accepted", "not accepted", "not judged"]
+Verdict = Literal["accepted", "not accepted", "not judged", "not covered"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,8 @@ class RuleCheck:
         rule_checks, fem_checks: pin and journal fillet with either set of factors.
         wanted_factors: set that the scene lets govern.
         journal_outlets: outlets on the main journal that the rule has no factors for, and why.
+        not_covered: why the rule does not apply to the material; empty where it does.
+        process_remark: where its factor K does not fit the way the crank is made; empty else.
     """
 
     name: str
@@ -80,6 +83,8 @@ class RuleCheck:
     web: str = ""
     wanted_factors: M53Factors = "lower"
     journal_outlets: Mapping[str, str] = field(default_factory=dict)
+    not_covered: str = ""
+    process_remark: str = ""
 
     @property
     def governing(self) -> dict[str, GoverningFactors]:
@@ -129,8 +134,11 @@ class RuleCheck:
     def verdict(self) -> Verdict:
         """Answer of the rule: it accepts a throw only if it judges every fillet and outlet of an oil bore.
 
-        Factors of elements count as judged where the mesh keeps the checks of Appendix III.
+        Factors of elements count as judged where the mesh keeps the checks of Appendix III. Of a material
+        that it does not cover it has no answer, whatever the numbers.
         """
+        if self.not_covered:
+            return "not covered"
         if self.safety < LEAST_FACTOR:
             return "not accepted"
         return "not judged" if self.not_judged else "accepted"
@@ -223,6 +231,8 @@ def _check(
         web,
         scene.fatigue.m53_factors,
         unchecked_journal_outlets(half),
+        uncovered_material(scene),
+        process_remark(scene),
     )
 
 

@@ -26,6 +26,7 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
+from cranktopo.tasks.fatigue.m53_material import process_remark
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.plan.section import effects_section
@@ -33,6 +34,7 @@ from cranktopo.tasks.plan.section import effects_section
 _BLANK = "." * 24
 """Room for a name by hand."""
 _ANSWERS = {
+    "not covered": "is NOT COVERED by the rule",
     "not accepted": "is NOT accepted",
     "not judged": "is NOT JUDGED by the rule alone",
     "accepted": "is accepted",
@@ -126,8 +128,9 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
     answers = {check.verdict for check in checks}
     answer = next(_ANSWERS[verdict] for verdict in _ANSWERS if verdict in answers)
     place = min(worst.places, key=lambda name: worst.places[name].acceptability)
+    uncovered = next((f" ({check.not_covered})" for check in checks if check.not_covered), "")
     return (
-        f"The throw {answer}: least acceptability factor Q = {worst.safety:.3f} at the "
+        f"The throw {answer}{uncovered}: least acceptability factor Q = {worst.safety:.3f} at the "
         f"{place}{_of_web(worst)}, {LEAST_FACTOR:g} asked, with {_factors_at(worst, place)}."
         + "".join(
             f" Not judged: {name}, {why}." for check in checks for name, why in check.not_judged.items()
@@ -137,7 +140,9 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
 
 def _strength(scene: Scene) -> list[str]:
     """Return what the strength that the verdict rests on does not hold for."""
-    return [f"Strength of the material: {remark}." for remark in strength_remarks(scene)]
+    process = process_remark(scene)
+    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(scene)]
+    return remarks + [f"Process: {process}."] * bool(process)
 
 
 def _factors_at(check: RuleCheck, place: str) -> str:
@@ -149,12 +154,13 @@ def _factors_at(check: RuleCheck, place: str) -> str:
 
 def _facts(check: RuleCheck) -> tuple[Fact, ...]:
     asked, of_web = f"at least {LEAST_FACTOR:g}", _of_web(check)
-    facts = [
+    facts = [Fact(f"Material{of_web}", "not covered", check.not_covered, "bad")] * bool(check.not_covered)
+    facts += [
         Fact(
             f"Q at the {place}{of_web}",
             f"{found.acceptability:.3f}",
             asked,
-            "good" if found.accepted else "bad",
+            "bad" if not found.accepted else "neutral" if check.not_covered else "good",
         )
         for place, found in check.places.items()
     ]

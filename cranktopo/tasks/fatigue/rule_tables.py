@@ -108,24 +108,24 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
                     "strength_MPa": found.strength_MPa,
                     "Q": found.acceptability,
                     "plus_or_minus": band,
-                    "accepted": _yes(found.accepted) if valid else "-",
+                    "accepted": _accepted(check, found) if valid else "-",
                 }
             )
     for outlet in check.outlets:
-        rows += _outlet_rows(outlet)
+        rows += _outlet_rows(check, outlet)
     columns = {"fillet": 0, "factors_by": 0, "equivalent_MPa": 1, "strength_MPa": 1, "Q": 3}
     return ResultTable(columns | {"plus_or_minus": 3, "accepted": 0}, tuple(rows))
 
 
-def _outlet_rows(outlet: OutletCheck) -> Iterator[dict[str, Cell]]:
+def _outlet_rows(judged: RuleCheck, outlet: OutletCheck) -> Iterator[dict[str, Cell]]:
     """Yield an outlet with the factors of elements, where there are any, and with those of the rule."""
     sets: list[tuple[str, FilletCheck, float | None, str]] = []
     if (found := outlet.by_elements) and outlet.elements:
         scatter = found.acceptability * outlet.elements.checks.jump_percent / 100
         by = "elements (prove nothing here)" if outlet.unproven else "elements"
-        sets.append((by, found, scatter, "not judged" if outlet.unproven else _yes(found.accepted)))
+        sets.append((by, found, scatter, "not judged" if outlet.unproven else _accepted(judged, found)))
     by = "polynomials (not valid here)" if outlet.outside else "polynomials"
-    sets.append((by, outlet.check, None, "not judged" if outlet.outside else _yes(outlet.check.accepted)))
+    sets.append((by, outlet.check, None, "not judged" if outlet.outside else _accepted(judged, outlet.check)))
     for by, check, band, answer in sets:
         valid = by.startswith("elements") or not outlet.outside
         yield {
@@ -137,6 +137,10 @@ def _outlet_rows(outlet: OutletCheck) -> Iterator[dict[str, Cell]]:
             "plus_or_minus": band,
             "accepted": answer,
         }
+
+
+def _accepted(check: RuleCheck, found: FilletCheck) -> str:
+    return "not covered" if check.not_covered else _yes(found.accepted)
 
 
 def quality_table(check: RuleCheck) -> ResultTable:

@@ -141,8 +141,15 @@ def outlet_table(checks: Sequence[RuleCheck]) -> ResultTable:
 
 
 def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
-    """Return what the tables do not say: outlets not judged, sets of factors that differ, a coarse mesh."""
+    """Return what the tables do not say: what is not judged, factors that differ, a coarse mesh."""
     lines = [
+        f"{check.name}: NOT COVERED by the rule, and not accepted: {check.not_covered}. Its numbers serve "
+        "comparisons alone; `--method lsa` or `fkm` judges this material."
+        for check in checks
+        if check.not_covered
+    ]
+    lines += [f"{check.name}: {check.process_remark}." for check in checks if check.process_remark]
+    lines += [
         f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with an analysis of "
         "its own; `--method lsa` counts it."
         for check in checks

@@ -97,6 +97,7 @@ def _solve(target: Target, mesh: EvaluationMesh) -> Level:
         seconds=found.seconds,
         peak_memory_MiB=peak_memory_MiB(),
         values=stiffnesses(found),
+        own_bounds_percent=_own_bounds(found),
     )
 
 
@@ -105,6 +106,18 @@ def stiffnesses(found: MeshResult) -> dict[str, float]:
     supports = found.target.scene.supports
     torsion, bending = found.stiffness.torsion[supports.torsion], found.stiffness.bending[supports.bending]
     return {name: v for name, v in ((TORSION, torsion), (BENDING, bending)) if v is not None}
+
+
+def _own_bounds(found: MeshResult) -> dict[str, float]:
+    """Return the bounds by the mesh itself; none for triangles, whose surface the mesh moves."""
+    if found.target.triangles:
+        return {}
+    supports, stiffness = found.target.scene.supports, found.stiffness
+    bounds = (
+        (TORSION, stiffness.torsion_error_percent.get(supports.torsion)),
+        (BENDING, stiffness.bending_error_percent.get(supports.bending)),
+    )
+    return {name: bound for name, bound in bounds if bound is not None}
 
 
 LEVELS = tuple(EvaluationMesh(steps, graded=True) for steps in (2, 1, 0, -1, -2, -3))

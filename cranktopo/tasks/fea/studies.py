@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, Literal
 
+from pydantic import Field
+
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import read_json, write_json
 from cranktopo.base.machine import Machine, private_cache, this_machine
@@ -40,7 +42,8 @@ class Level:
         size_mm: element size, element size in the fillet, or cell size.
         seconds: wall time without JAX's compilation.
         values: stiffnesses N m/rad and N/mm, peak stress MPa; always from the body-fitted evaluation.
-        band_percent: error bound of `values` themselves, where the evaluation gives one.
+        band_percent: error bound of `values` themselves that comes from another mesh.
+        own_bounds_percent: error bounds of `values` by their own mesh, by the same names.
         model: stiffnesses by the optimiser's own model, where there is one.
     """
 
@@ -56,6 +59,7 @@ class Level:
     band_percent: float = 0.0
     compile_seconds: float = 0.0
     model: dict[str, float] = field(default_factory=dict)
+    own_bounds_percent: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -160,6 +164,8 @@ class LevelResult(Result):
     errors_percent: dict[str, float]
     model_errors_percent: dict[str, float]
     orders: dict[str, float | None]
+    own_bounds_percent: dict[str, float] = Field(default_factory=dict)
+    """Error bounds of the evaluation on this mesh; empty where the mesh tells none."""
     error_percent: float | None
     """Largest of all errors, without sign; None where there is no limit."""
     uncertainty_percent: float | None
@@ -167,10 +173,17 @@ class LevelResult(Result):
 
     @property
     def bound_percent(self) -> float | None:
-        """Error that the level surely does not exceed: its own plus the uncertainty of the limit."""
+        """Error that the level surely does not exceed: by its own mesh, else by the limit and its band."""
+        if self.own_bound_percent is not None:
+            return self.own_bound_percent
         if self.error_percent is None or self.uncertainty_percent is None:
             return None
         return self.error_percent + self.uncertainty_percent
+
+    @property
+    def own_bound_percent(self) -> float | None:
+        """The largest bound by its own mesh."""
+        return max(self.own_bounds_percent.values(), default=None)
 
 
 class Recommendation(Result):

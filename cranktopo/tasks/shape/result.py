@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.constraint import LimitSense
-from cranktopo.design.goal.outcome import GoalOutcome, GoalWords
-from cranktopo.design.goal.quantities import QuantityName
+from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, LimitOutcome
+from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.extraction.result import ShapedUndercuts
@@ -72,12 +73,42 @@ class FeatureTrial(Result):
     """Violation of the worst limit, 0 where all are kept. Then the gain is how much nearer the web comes."""
 
 
+MINIMUM_PERCENT = 5e-4
+"""A price below it counts as zero."""
+LOOSE_PERCENT = 30.0
+"""Part of the goal's gradient that the prices leave unexplained, above which a price of zero is not known.
+
+A price may be wrong by that part of the goal's gradient over the limit's own. In percent both gradients are
+alike for stiffness and mass, and usual prices are 0.1 to 1 % per percent: beyond 0.3 a zero tells nothing.
+"""
+
+
 class LimitPrice(Result):
     """Cost of a limit at the optimum."""
 
     quantity: QuantityName
     sense: LimitSense
-    goal_percent_per_percent: float
+    goal_percent_per_percent: float | None
+    """None where it is not known: zero by a fit that explains too little, or of a limit that is missed."""
+
+    def outcomes(self, limits: Sequence[LimitOutcome]) -> tuple[LimitOutcome, ...]:
+        """Return the goal's limits that it is of; one of a displacement is that of its stiffness."""
+        return tuple(limit for limit in limits if _in_model(limit) == (self.quantity, self.sense))
+
+    def known(self, limits: Sequence[LimitOutcome], remainder_percent: float) -> float | None:
+        """Return the price, None where it is not known."""
+        cost, own = self.goal_percent_per_percent, self.outcomes(limits)
+        missed = any(limit.holds is False for limit in own)
+        loose = remainder_percent > LOOSE_PERCENT and any(limit.active for limit in own)
+        return None if cost is None or (cost < MINIMUM_PERCENT and (missed or loose)) else cost
+
+
+def _in_model(limit: LimitOutcome) -> tuple[str, LimitSense]:
+    """Return quantity and sense of a limit as the search states it."""
+    stiffness = STIFFNESS_OF.get(limit.quantity)
+    if stiffness is None:
+        return limit.quantity, limit.sense
+    return stiffness, ">=" if limit.sense == "<=" else "<="
 
 
 class RulePrice(Result):

@@ -288,12 +288,7 @@ def _assembled(
         change_percent=_changes(optimum),
         parameters=tuple(ShapeParameter(**dict(row), start=start.get(row.name)) for row in table.parameters),
         worst_case_percent=table.worst_case_percent,
-        prices=tuple(
-            LimitPrice.model_validate(
-                {"quantity": limit.quantity, "sense": limit.sense, "goal_percent_per_percent": float(price)}
-            )
-            for limit, price in zip(optimum.stated.limits, optimum.multipliers.limits, strict=True)
-        ),
+        prices=_limit_prices(optimum, outcome),
         goal_on_cells=GoalWords.model_validate({goal.sense: on_cells}),
         prices_remainder_percent=100 * optimum.multipliers.remainder,
         rule_prices=_rule_prices(scene, optimum),
@@ -308,6 +303,21 @@ def _assembled(
         + sum(found.evaluations for found in optimum.rounds),
         seconds=seconds,
         loads=loads if stresses_in(goal.quantities) else None,
+    )
+
+
+def _limit_prices(optimum: ShapeOptimum, outcome: GoalOutcome) -> tuple[LimitPrice, ...]:
+    """Return what a percent of each limit costs in the goal, % of the original's, where that is known."""
+    rest = 100 * optimum.multipliers.remainder
+    fitted = [
+        LimitPrice.model_validate(
+            {"quantity": limit.quantity, "sense": limit.sense, "goal_percent_per_percent": float(price)}
+        )
+        for limit, price in zip(optimum.stated.limits, optimum.multipliers.limits, strict=True)
+    ]
+    return tuple(
+        price.model_copy(update={"goal_percent_per_percent": price.known(outcome.limits, rest)})
+        for price in fitted
     )
 
 

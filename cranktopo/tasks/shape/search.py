@@ -12,6 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
+from cranktopo.design.goal.constraint import ACTIVE
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
     Multipliers,
@@ -196,15 +197,25 @@ def search_on_cells(
 
 
 def multipliers_of(
-    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
+    scene: Scene,
+    web: ParametricWeb,
+    at: Array,
+    found: Quantities,
+    goal: SearchGoal,
+    near_limit: float = ACTIVE,
 ) -> Multipliers:
-    """Return what each limit, rule and bound costs at an optimum, whose quantities are known."""
+    """Return what each limit, rule and bound costs at an optimum, whose quantities are known.
+
+    A limit counts as active within `near_limit`, relative. A finish keeps up to 0.7 % in reserve, so that its
+    optimum lies inside limits that decide it.
+    """
     low, high = web.bounds
     return multipliers(
         goal.objective_gradient(found.gradients),
         (goal.violations(found.values), goal.violation_gradients(found.gradients, len(at))),
         rules_of(web, EnvelopeClearance(scene), at),
         (at - low, high - at),
+        near_limit,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.design.goal.constraint import ACTIVE
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
@@ -31,8 +32,6 @@ _SHOWN = (
 _AT_BOUND = 0.02
 _NEAR_MM = 0.1
 """A rule holds a dimension that may move by less before it breaks; of throws of usual size."""
-_NEAR_LIMIT = 2e-3
-"""Relative room within which a limit counts as active."""
 _SHARE = 0.1
 """Minimum effect of a dimension on a rule over that of the dimension with the largest one."""
 _LEAST_SHARE = 1e-3
@@ -131,7 +130,7 @@ def _limits(
 ) -> Iterator[str]:
     gradients = goal.violation_gradients(found.gradients, len(found.gradients[goal.quantity]))
     for limit, over, slope in zip(goal.limits, goal.violations(found.values), gradients, strict=True):
-        if over > -_NEAR_LIMIT and slope[index] * better > _LEAST_SHARE * np.abs(slope).max():
+        if over > -ACTIVE and slope[index] * better > _LEAST_SHARE * np.abs(slope).max():
             name, unit = limit.quantity.replace("_", " "), quantity_named(limit.quantity).unit
             percent = 100 * limit.bound / original[limit.quantity]
             told = f"{limit.bound:.4g} %" if unit == "%" else f"{percent:.4g} % of the original"

@@ -21,8 +21,11 @@ from cranktopo.tasks.fea.quantities import (
     STRESS,
 )
 from cranktopo.tasks.shape.result import (
+    LOOSE_PERCENT,
+    MINIMUM_PERCENT,
     DimensionSensitivity,
     FeatureTrial,
+    LimitPrice,
     SensitivityTable,
     ShapeParameter,
     ShapeResult,
@@ -47,10 +50,6 @@ _KILO_UNITS = {
 }
 _KEPT_PERCENT = 0.05
 """Excess with which a limit still counts as kept, as in the search."""
-_MINIMUM_PERCENT = 5e-4
-"""A price below it counts as none."""
-_LOOSE_PERCENT = 30.0
-"""Part of the goal's gradient that the prices leave unexplained, above which this is said."""
 _MOVES = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
 
 
@@ -234,24 +233,29 @@ def multiplier_doubt(found: ShapeResult) -> str:
     """Return the error where the prices do not explain the optimum; empty else."""
     rest = found.prices_remainder_percent
     doubt = f"prices explain {100 - rest:.0f} % of what the goal still wants: it is not quite the best web"
-    return doubt if rest > _LOOSE_PERCENT else ""
+    return doubt if rest > LOOSE_PERCENT else ""
 
 
 def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
     name = found.goal.quantity.name.replace("_", " ")
-    missed = {(limit.quantity, limit.sense) for limit in found.goal.limits if limit.holds is False}
     for price in found.prices:
-        way, cost = "less" if price.sense == "<=" else "more", price.goal_percent_per_percent
-        decides = (price.quantity, price.sense) in missed
-        nothing = (
-            "has no price known: this limit is missed"
-            if decides
-            else "costs nothing: this limit does not decide"
-        )
-        effect = nothing if cost < _MINIMUM_PERCENT else f"costs {cost:.2f} % {name}"
-        yield f"1 % {way} {price.quantity.replace('_', ' ')}", effect
-    rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= _MINIMUM_PERCENT]
+        way = "less" if price.sense == "<=" else "more"
+        yield f"1 % {way} {price.quantity.replace('_', ' ')}", _price_effect(found, price, name)
+    rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
     better = "less" if found.goal.minimise else "more"
     for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
         effect = f"would give {rule.goal_percent_per_unit:.2f} % {better} {name}"
         yield f"{_MOVES[rule.unit]} of '{rule.name}'", effect
+
+
+def _price_effect(found: ShapeResult, price: LimitPrice, name: str) -> str:
+    own, rest = price.outcomes(found.goal.limits), found.prices_remainder_percent
+    cost = price.known(found.goal.limits, rest)
+    if cost is None:
+        missed = any(limit.holds is False for limit in own)
+        return f"has no price known: {'this limit is missed' if missed else 'the prices explain too little'}"
+    if cost >= MINIMUM_PERCENT:
+        return f"costs {cost:.2f} % {name}"
+    if any(limit.active for limit in own):
+        return "costs nothing: the other limits and rules decide before it"
+    return "costs nothing: this limit does not decide"

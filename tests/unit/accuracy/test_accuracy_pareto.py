@@ -120,6 +120,21 @@ def test_recommendation_is_the_cheapest_whose_error_is_surely_below(front: Study
     assert loose is front.rungs[0]
 
 
+def test_a_limit_and_a_choice_keep_to_the_bound_of_the_mesh() -> None:
+    """A study never claims a mesh to be worse than `evaluate` does, nor a limit outside its bound."""
+    bounds = {TORSION: 0.5, BENDING: 1.0}
+    meshes = (mesh_level(2, 4.0), mesh_level(1, 8.0), replace(mesh_level(0, 16.0), own_bounds_percent=bounds))
+    plain, found = (pareto_front(study(*meshes[:2], last)) for last in (mesh_level(0, 16.0), meshes[2]))
+    fine = meshes[2].values[BENDING]
+    assert plain.limits[EVALUATION][BENDING].value == pytest.approx(50.0)
+    assert found.limits[EVALUATION][BENDING].value == pytest.approx(0.99 * fine)
+    assert (plain.rungs[2].bound_percent or 0.0) > 1.0
+    assert found.rungs[2].bound_percent == 1.0
+    assert first_level(ErrorTarget(percent=1.0), StoredStudy("by-hand", 1.0, found), triangles=False) == 2
+    assert cheapest(found.rungs, EVALUATION, 1.0) == found.rungs[2]
+    assert dict(level_tables(found))["Body-fitted evaluation"].cell(2, "own_bound_percent") == "1.00"
+
+
 def test_the_optimiser_is_held_to_its_shape_and_to_its_own_number(front: StudyResult) -> None:
     first = front.rungs[5]
     assert first.model_errors_percent == {TORSION: pytest.approx(100 / 98)}

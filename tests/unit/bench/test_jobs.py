@@ -77,6 +77,7 @@ def test_the_words_of_a_job_name_what_governs_and_what_limits_cost(tmp_path: Pat
     (ran.place / "stdout.txt").write_text("met: mass -5.0 %\nmore\n", encoding="utf-8")
     shape.out.mkdir()
     price = {"quantity": "bending", "sense": ">=", "goal_percent_per_percent": 1.59}
-    told = {"goal": {"minimise": "mass"}, "prices": [price, {**price, "goal_percent_per_percent": 0.0}]}
+    told = {"goal": {"minimise": "mass"}, "prices": [price]}
+    told["prices"] += [{**price, "goal_percent_per_percent": nothing} for nothing in (0.0, None)]
     (shape.out / "shape.json").write_text(json.dumps(told), encoding="utf-8")
     assert job_words(shape) == ["met: mass -5.0 %", "1 % of bending >= costs 1.59 % mass"]

@@ -13,6 +13,8 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
 from cranktopo.design.halves import drilled_alike
 from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.schema import Scene
+from cranktopo.tasks.bench import live
 from cranktopo.tasks.fatigue.m53 import (
     FilletCheck,
     concentration_factors,
@@ -20,6 +22,7 @@ from cranktopo.tasks.fatigue.m53 import (
     nominal_stresses,
     outside_validity,
 )
+from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, outlet_equivalent_MPa, unchecked_journal_outlets
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, Quality
@@ -252,3 +255,64 @@ def test_a_comparison_says_what_the_strengths_do_not_hold_for() -> None:
     entry = SimpleNamespace(target="thick", strength_remarks=("that of sections to 16 mm",))
     told = compare_fatigue([check(ALLOWED, ALLOWED)], 0, SimpleNamespace(fatigue=[entry, entry])).verdicts
     assert told.count("thick: material: that of sections to 16 mm.") == 1
+
+
+IRON = {"material.name": "EN-GJS-700-2"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, ""),
+        ({"material.name": "16MnCr5"}, ""),
+        ({"material.fkm_group": "GS"}, ""),
+        (IRON, "EN-GJS-700-2 is nodular cast iron; UR M53, 1.2"),
+        ({"material.name": "EN-AW-2031"}, "is wrought aluminium"),
+        ({"material.fkm_group": "GJL"}, "is grey cast iron"),
+        ({"material.E_GPa": 114.0}, "no steel by its Young's modulus of 114 GPa"),
+    ],
+)
+def test_the_rule_covers_steel_alone(changes: dict[str, Any], words: str) -> None:
+    found = uncovered_material(steel_or(changes))
+    assert words in found
+    assert bool(found) == bool(words)
+
+
+def steel_or(changes: dict[str, Any]) -> Scene:
+    """The plain Mikron; a named material with nothing of its own but what is changed."""
+    scene = load_scene("mikron-iiic-plain")
+    if "material.name" not in changes:
+        return with_values(scene, changes)
+    data = scene.model_dump(mode="json", exclude_none=True)
+    return scene_from_dict(data | {"material": {"name": changes["material.name"]}}, "named")
+
+
+def test_a_material_that_the_rule_does_not_cover_is_never_accepted() -> None:
+    why = uncovered_material(steel_or(IRON))
+    found = replace(check(ALLOWED, ALLOWED), not_covered=why)
+    assert (check(ALLOWED, ALLOWED).verdict, found.verdict) == ("accepted", "not covered")
+    assert rule_remarks([found])[0].startswith("throw: NOT COVERED by the rule, and not accepted: EN-GJS")
+    assert {row["accepted"] for row in acceptability_table(found).rows} == {"not covered"}
+    nothing = FatigueResult(
+        method="m53", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
+    )
+    assert "throw: not covered by UR M53" in compare_fatigue([found], 0, nothing).verdicts[0]
+    assert any(why in line for line in live.notes(steel_or(IRON)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, ""),
+        ({"material.fkm_group": "GS", "fatigue.process_factor": 0.93}, ""),
+        ({"material.fkm_group": "GS"}, "is cast steel"),
+        ({"optimise.process": "cast"}, "optimise.process = 'cast'"),
+    ],
+)
+def test_cast_steel_with_the_factor_of_a_forging_is_remarked(changes: dict[str, Any], words: str) -> None:
+    remark = process_remark(with_values(load_scene("mikron-iiic-plain"), changes))
+    assert words in remark
+    assert bool(remark) == bool(words)
+    assert rule_remarks([replace(check(ALLOWED, ALLOWED), process_remark=remark)]) == (
+        [f"throw: {remark}."] if words else []
+    )

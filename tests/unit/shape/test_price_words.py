@@ -89,7 +89,34 @@ def test_a_limit_that_is_missed_is_not_told_as_one_that_does_not_decide(data: di
         for holds in (False, True)
     )
     assert "1 % more fatigue safety has no price known: this limit is missed" in missed
-    assert "1 % more fatigue safety costs nothing: this limit does not decide" in held
+    assert "1 % more fatigue safety costs nothing: the other limits and rules decide before it" in held
+
+
+@pytest.mark.parametrize(
+    ("quantity", "sense", "active", "rest", "effect"),
+    [
+        ("fatigue_safety", ">=", True, 81.8, "has no price known: the prices explain too little"),
+        ("fatigue_safety", ">=", True, 4.0, "costs nothing: the other limits and rules decide before it"),
+        ("fatigue_safety", ">=", False, 81.8, "costs nothing: this limit does not decide"),
+        ("twist", "<=", True, 81.8, "has no price known: the prices explain too little"),
+    ],
+)
+def test_a_price_of_zero_of_a_poor_fit_is_not_told_as_known(
+    data: dict[str, Any], quantity: str, sense: str, active: bool, rest: float, effect: str
+) -> None:
+    """A limit of the twist is one of the torsional stiffness in the search."""
+    limit = {"quantity": quantity, "sense": sense, "required": 2.0, "reached": 2.01, "unit": ""}
+    limit |= {"required_percent": 100.0, "reached_percent": 100.5, "assumed": True, "holds": True}
+    known = {"quantity": "torsion" if quantity == "twist" else quantity, "sense": ">="}
+    told = goal(minimise="mass") | {"limits": [limit | {"active": active}]}
+    changed = {"goal": told, "prices_remainder_percent": rest}
+    for price in (0.0, None) if "no price" in effect else (0.0,):
+        prices = [{**known, "goal_percent_per_percent": price}]
+        found = _found(data | changed | {"prices": prices})
+        named = known["quantity"].replace("_", " ")
+        assert multiplier_text(found)[0] == f"1 % more {named} {effect}"
+        assert multiplier_table(found).rows[0]["the_goal"] == effect
+        assert found.prices[0].known(found.goal.limits, rest) == (None if "no price" in effect else 0.0)
 
 
 def test_a_search_that_misses_a_limit_says_how_to_go_on(data: dict[str, Any], tmp_path: Path) -> None:
