@@ -173,8 +173,14 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
         model=SimpleNamespace(judged=np.array([True, True, False])),
     )
     target = Target("web", load_scene("mikron-iiic-plain"))
-    monkeypatch.setattr(module, "fatigue_field", lambda *_: field)
-    monkeypatch.setattr(module, "largest_stress_MPa", lambda *_: 123.0)
+    asked: list[str] = []
+
+    def told(found: Any, loads: str) -> Any:
+        asked.append(loads)
+        return found
+
+    monkeypatch.setattr(module, "fatigue_field", lambda *given: told(field, given[-1]))
+    monkeypatch.setattr(module, "largest_stress_MPa", lambda *given: told(123.0, given[-1]))
     stressed = module._stressed
     assert stressed(target, {"fatigue_safety", "stress"}, "cycle") == {
         "fatigue_safety": 1.2,
@@ -182,6 +188,7 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
     }
     assert stressed(target, {"fatigue_safety"}, "cycle") == {"fatigue_safety": 1.2}
     assert stressed(target, {"stress"}, "cycle") == {"stress_MPa": 123.0}
+    assert asked == ["cycle"] * 3
 
 
 def test_a_stress_alone_needs_no_strength(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,12 +18,13 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
 from cranktopo.tasks.shape.refining import Step
 from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal
-from cranktopo.tasks.shape.stage import ShapeOptimum, optimise_shape
+from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_shape
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
@@ -48,9 +49,11 @@ class Told:
     reaches: list[float] = field(default_factory=list)
     goals: list[Any] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
+    loads: list[tuple[str, str]] = field(default_factory=list)
 
-    def evaluated(self, scene: Scene, stressed: Any, size: Any, name: str, *_: Any) -> Any:
+    def evaluated(self, scene: Scene, stressed: Any, size: Any, name: str, *rest: Any) -> Any:
         assert stressed == {"fatigue_safety"}
+        self.loads += [("web", loads) for loads in rest[1:]]
         share: Mapping[str, float] = {} if name == "original" else self.percent[int(name[-1])]
         values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
         return SimpleNamespace(scene=scene, values=values, evaluation={})
@@ -81,29 +84,49 @@ class Meshes(MeshedWebs):
 class Shaped(Protocol):
     """Do the stage, with what an interrupted one kept."""
 
-    def __call__(self, told: Told, work: Work | None = None) -> ShapeOptimum: ...
+    def __call__(
+        self, told: Told, work: Work | None = None, settings: ShapeSettings | None = None
+    ) -> ShapeOptimum: ...
 
 
 @pytest.fixture
 def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
     scene = with_goal(load_scene("mikron-iiic-plain"), maximise="fatigue_safety")
 
-    def run(told: Told, work: Work | None = None) -> ShapeOptimum:
+    def run(told: Told, work: Work | None = None, settings: ShapeSettings | None = None) -> ShapeOptimum:
         model = SimpleNamespace(cases=load_cases(scene))
         web = MeshedWebs(scene, ManufacturingLimits(), 10.0).web
         cells = SimpleNamespace(original=ORIGINAL, model=model, scene=scene, webs=lambda: None, web=web)
         monkeypatch.setattr(stage, "evaluated_web", told.evaluated)
         original = told.evaluated(scene, {"fatigue_safety"}, None, "original")
-        monkeypatch.setattr(stage, "evaluated_original", lambda *_: (original, lambda: original))
+
+        def told_original(*given: Any) -> Any:
+            told.loads.append(("original", given[-1]))
+            return original, lambda: original
+
+        def meshes(*given: Any, **more: Any) -> Meshes:
+            told.loads += [("mesh", more["loads"])] if "stressed" in more else []
+            return Meshes(*given, **more)
+
+        monkeypatch.setattr(stage, "evaluated_original", told_original)
         monkeypatch.setattr(stage, "web_model", lambda *_: cells)
         monkeypatch.setattr(stage, "coarse_shares", lambda *_: {})
         monkeypatch.setattr(stage, "FeatureSelection", told.growth)
         monkeypatch.setattr(stage, "stepped", told.stepped)
-        monkeypatch.setattr(stage, "MeshedWebs", Meshes)
+        monkeypatch.setattr(stage, "MeshedWebs", meshes)
         with redirected(told.lines.append):
-            return optimise_shape(scene, goal_of(scene), None, work or Work())
+            return optimise_shape(scene, goal_of(scene), settings, work or Work())
 
     return run
+
+
+@pytest.mark.parametrize("loads", ["extremes", "cycle"])
+def test_original_gradients_and_every_web_have_the_same_load_states(
+    shaped: Shaped, loads: HistoryKind
+) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 107.9}])
+    shaped(told, settings=ShapeSettings(loads=loads))
+    assert set(told.loads) == {("original", loads), ("web", loads), ("mesh", loads)}
 
 
 def goal_of(scene: Scene) -> Goal:
