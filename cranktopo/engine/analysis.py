@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +30,7 @@ from cranktopo.engine.forces import (
 from cranktopo.engine.gas import PressureCurve, pressure_curve
 from cranktopo.engine.kinematics import exact_motion, series_motion
 from cranktopo.engine.motored import motored_curve
-from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque, worst_speed_rpm
+from cranktopo.engine.vibration.vibrating_shaft import extreme_speeds_rpm, vibrating_torque, worst_speed_rpm
 
 
 @dataclass(frozen=True)
@@ -89,9 +90,7 @@ class Cycle:
 
     def extreme(self, name: str) -> tuple[Extreme, Extreme]:
         """Largest and smallest value of a curve of all throws."""
-        pairs = [extremes_of(f.angle_deg, getattr(f, name), place) for place, f in self._unlike]
-        highs, lows = zip(*pairs, strict=True)
-        return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
+        return _outermost([extremes_of(f.angle_deg, getattr(f, name), place) for place, f in self._unlike])
 
     def largest(self, name: str) -> Extreme:
         """Return the value of a curve of all throws that is largest in magnitude, with its sign."""
@@ -100,6 +99,11 @@ class Cycle:
     def extremes(self) -> dict[str, tuple[Extreme, Extreme]]:
         """Largest and smallest value of every curve of the throws."""
         return {name: self.extreme(name) for name in self.forces.curves()}
+
+    def section_torque(self) -> tuple[Extreme, Extreme]:
+        """Largest and smallest torque ahead of or behind any throw, N m: the webs of a throw carry both."""
+        named = zip(self.torque.section_names, self.torque.sections_Nm, strict=True)
+        return _outermost([extremes_of(self.torque.angle_deg, curve, name) for name, curve in named])
 
     def engine_torque(self) -> tuple[float, Extreme, Extreme]:
         """Return the mean, largest and smallest torque of the engine, N m (no friction)."""
@@ -127,6 +131,15 @@ def at_speed(scene: Scene, speed_rpm: float) -> Scene:
 def at_worst_speed(scene: Scene, enabled: frozenset[str]) -> Scene:
     """Return the scene at the speed where the torque of its vibrating shaft swings most."""
     return at_speed(scene, worst_speed_rpm(scene, enabled))
+
+
+def at_extreme_speeds(scene: Scene, enabled: frozenset[str]) -> tuple[Scene, ...]:
+    """Return the scene as it is, then where the torque of its vibrating shaft is largest and smallest."""
+    if "torsional_vibration" not in enabled:
+        return (scene,)
+    own = engine_of(scene).speed_rpm
+    others = (speed for speed in extreme_speeds_rpm(scene, enabled) if speed != own)
+    return (scene, *(at_speed(scene, speed) for speed in others))
 
 
 def analyse(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> LoadAnalysis:
@@ -224,6 +237,12 @@ def series_difference_percent(radius_mm: float, rod_length_mm: float) -> dict[st
 def _size(value: float) -> float:
     """Return a value without its last digits, so that of equal throws the first counts."""
     return round(float(value), 6)
+
+
+def _outermost(pairs: Sequence[tuple[Extreme, Extreme]]) -> tuple[Extreme, Extreme]:
+    """Return the largest and the smallest of several largest and smallest values."""
+    highs, lows = zip(*pairs, strict=True)
+    return max(highs, key=lambda e: _size(e.value)), min(lows, key=lambda e: _size(e.value))
 
 
 def extremes_of(angle_deg: Array, curve: Array, place: str = "") -> tuple[Extreme, Extreme]:

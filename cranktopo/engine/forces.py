@@ -36,6 +36,17 @@ class ShaftTorque:
         return self.ahead_Nm is not None
 
     @property
+    def sections_Nm(self) -> Array:
+        """Torque ahead of throw 1, then behind every throw: ahead of the next, (throws + 1, angles)."""
+        free = np.zeros_like(self.passed_on_Nm[:1]) if self.ahead_Nm is None else self.ahead_Nm[:1]
+        return np.vstack([free, self.passed_on_Nm])
+
+    @property
+    def section_names(self) -> tuple[str, ...]:
+        """Names of these sections."""
+        return ("ahead of throw 1", *(f"behind throw {n + 1}" for n in range(len(self.passed_on_Nm))))
+
+    @property
     def engine_Nm(self) -> Array:
         """Torque behind the last throw, N m: of a shaft that does not vibrate that of the engine."""
         return np.asarray(self.passed_on_Nm[-1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,7 +17,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, LoadAnalysis, analyse, at_worst_speed, engine_of
 from cranktopo.engine.forces import ThrowForces
 from cranktopo.engine.load_case import LOAD_TYPES
-from cranktopo.engine.states import extreme_states
+from cranktopo.engine.states import ExtremeState, extreme_states
 
 HistoryKind = Literal["extremes", "cycle"]
 _STEP_DEG = 1.0
@@ -64,18 +65,42 @@ def tangential_range_N(scene: Scene, enabled: frozenset[str]) -> float:
 
     Where the scene tells the torque of the shaft alone, all of it is taken as that of one throw.
     """
-    vibrating = "torsional_vibration" in enabled
-    speeds = (scene, at_worst_speed(scene, enabled)) if vibrating else (scene,)
-    cycles = [analyse(at, enabled).cycle for at in speeds]
-    known = [cycle.extreme("tangential_force_N") for cycle in cycles if cycle is not None]
+    known = [cycle.extreme("tangential_force_N") for cycle in _cycles(scene, enabled)]
     if not known:
         history = load_history(scene, "extremes", enabled)
         return float(np.ptp(history.torque_Nm)) * NMM_PER_NM / scene.throw.radius_mm
     return max(high.value for high, _ in known) - min(low.value for _, low in known)
 
 
+def torque_amplitude_Nm(
+    scene: Scene, history: LoadHistory, kind: HistoryKind, enabled: frozenset[str]
+) -> float:
+    """Return the torque amplitude that no section ahead of or behind a throw exceeds.
+
+    A cycle is a throw's own, with the mean torque of its ends, and each end swings by its own amplitude: the
+    largest of these counts. Joined extremes hold both ends already.
+    """
+    if kind == "extremes" or "torsion" not in enabled:
+        return float(np.ptp(history.torque_Nm)) / 2
+    swings = [np.ptp(cycle.torque.sections_Nm, axis=1) for cycle in _cycles(all_firing(scene), enabled)]
+    return float(np.max(swings)) / 2
+
+
+def _cycles(scene: Scene, enabled: frozenset[str]) -> list[Cycle]:
+    """Return the cycle at the engine's speed, of a vibrating shaft also that at its worst speed; if known."""
+    vibrating = "torsional_vibration" in enabled
+    speeds = (scene, at_worst_speed(scene, enabled)) if vibrating else (scene,)
+    cycles = (analyse(at, enabled).cycle for at in speeds)
+    return [cycle for cycle in cycles if cycle is not None]
+
+
 def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
-    states = {state.name: state for state in extreme_states(scene, enabled)}
+    return joined_extremes(analyse(scene, enabled), extreme_states(scene, enabled))
+
+
+def joined_extremes(analysis: LoadAnalysis, extremes: Sequence[ExtremeState]) -> LoadHistory:
+    """Return the extremes of `load_history` from the extreme states and the analysis of a scene."""
+    states = {state.name: state for state in extremes}
     radial, torque = states["max_radial"], states["max_torque"]
     for state, key in ((radial, "max_gas_force_N"), (torque, "max_torque_Nm")):
         if state.unit:
@@ -83,7 +108,6 @@ def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
                 f"engine.{key}: is missing, so this load is a unit load without a stress level.",
                 hint=f"Give engine.{key}, or [engine.gas].",
             )
-    analysis = analyse(scene, enabled)
     high_radial, low_radial = _radial_extremes_N(analysis, radial.case.radial_N)
     low_torque = min(states["min_torque"].case.torque_Nm, 0.0) if "min_torque" in states else 0.0
     if analysis.engine.min_torque_Nm is not None:

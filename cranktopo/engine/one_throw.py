@@ -85,10 +85,11 @@ def nominal_stresses_MPa(scene: Scene) -> Array:
 
 
 def _amplitudes(scene: Scene) -> tuple[float, Array]:
-    """Half the range of the radial force, N, and of the torque behind each throw, N m."""
+    """Half the range of the radial force, N, and of the torque ahead of or behind each throw, N m."""
     throws = len(throw_scenes(scene))
     cycle = analyse(all_firing(scene)).cycle if scene.engine else None
     if cycle is None:
         return 1.0, np.zeros(throws)
     force = float(np.ptp(cycle.forces.radial_force_N)) / 2
-    return force, np.asarray(np.ptp(cycle.torque.passed_on_Nm, axis=1) / 2)
+    torque = np.ptp(cycle.torque.sections_Nm, axis=1) / 2
+    return force, np.maximum(torque[:-1], torque[1:])

@@ -7,6 +7,7 @@ another's needs no case of its own.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from cranktopo.design.engine import Engine
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_worst_speed, extremes_of
+from cranktopo.engine.analysis import Extreme, LoadAnalysis, analyse, at_extreme_speeds
 from cranktopo.engine.forces import INERTIA_EFFECTS, near_share, rods_on_pins, rotating_forces
 from cranktopo.engine.gas import STEP_DEG
 from cranktopo.engine.kinematics import exact_motion, force_ratios
@@ -50,19 +51,17 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     Args:
         enabled: names of the effects that are on; the inertia effects change the forces, without
             `centrifugal` the overspeed state acts on the pin alone, and with `torsional_vibration` the
-            torques are those of the shaft at its worst speed.
+            torques are those of the vibrating shaft, each at the speed where it is worst.
     """
     if scene.engine is None:
         why = "unit load: the scene has no engine"
         return tuple(_unit_state(kind.name, why) for kind in LOAD_TYPES.values() if kind.unit_load)
     scene = all_firing(scene)
-    analysis = analyse(scene, enabled)
-    vibrates = "torsional_vibration" in enabled
-    twisting = analyse(at_worst_speed(scene, enabled), enabled) if vibrates else analysis
-    high, low = _torques(twisting)
-    states = [_radial(scene, analysis), _torque_state(twisting, "max_torque", high), _tangential(analysis)]
-    if low is not None:
-        states.append(_torque_state(twisting, "min_torque", low))
+    analysis, *others = [analyse(at, enabled) for at in at_extreme_speeds(scene, enabled)]
+    high, low = _torques((analysis, *others))
+    states = [_radial(scene, analysis), _torque_state("max_torque", *high), _tangential(analysis)]
+    if low[1] is not None:
+        states.append(_torque_state("min_torque", *low))
     overspeed = _overspeed(scene, analysis, enabled)
     if _load(overspeed) or overspeed.case.speed_rpm:
         states.append(overspeed)
@@ -90,27 +89,32 @@ def _radial(scene: Scene, analysis: LoadAnalysis) -> ExtremeState:
     return ExtremeState("max_radial", case, worst.deg)
 
 
-def _torques(analysis: LoadAnalysis) -> tuple[Extreme | None, Extreme | None]:
-    """Largest and smallest torque that a throw passes on; None where the scene does not tell."""
-    engine, cycle = analysis.engine, analysis.cycle
-    high = low = None
-    if cycle is not None:
-        angle, behind = cycle.torque.angle_deg, cycle.torque.passed_on_Nm
-        high, low = extremes_of(angle, behind.max(axis=0))[0], extremes_of(angle, behind.min(axis=0))[1]
+_Torque = tuple[LoadAnalysis, Extreme | None]
+"""A torque and the analysis at its speed; None where the scene does not tell it."""
+
+
+def _torques(analyses: Sequence[LoadAnalysis]) -> tuple[_Torque, _Torque]:
+    """Largest and smallest torque ahead of or behind a throw, each at the speed where it is that."""
+    engine, found = analyses[0].engine, [(one, one.cycle.section_torque()) for one in analyses if one.cycle]
+    high: _Torque = (analyses[0], None)
+    low = high
+    if found:
+        at_high, at_low = max(found, key=lambda f: f[1][0].value), min(found, key=lambda f: f[1][1].value)
+        high, low = (at_high[0], at_high[1][0]), (at_low[0], at_low[1][1])
     if engine.max_torque_Nm is not None:
-        high = Extreme(engine.max_torque_Nm, None)
+        high = analyses[0], Extreme(engine.max_torque_Nm, None)
     if engine.min_torque_Nm is not None:
-        low = Extreme(engine.min_torque_Nm, None)
+        low = analyses[0], Extreme(engine.min_torque_Nm, None)
     return high, low
 
 
-def _torque_state(analysis: LoadAnalysis, name: str, torque: Extreme | None) -> ExtremeState:
+def _torque_state(name: str, analysis: LoadAnalysis, torque: Extreme | None) -> ExtremeState:
     if torque is None:
         return _unit_state("torsion", "unit load: neither engine.gas nor engine.max_torque_Nm is given")
     which = "largest" if name == "max_torque" else "smallest"
-    vibrates = analysis.cycle is not None and analysis.cycle.torque.ahead_Nm is not None
-    shaft = " of the vibrating shaft" if vibrates else ""
-    source = f"{which} torque behind a throw{shaft}, at {_where(analysis, torque)}"
+    vibrates = analysis.cycle is not None and analysis.cycle.torque.vibrates
+    section = f"{torque.place} of the vibrating shaft" if vibrates else "behind a throw"
+    source = f"{which} torque {section}, at {_where(analysis, replace(torque, place=''))}"
     if torque.deg is None:
         source = f"engine.{name}_Nm"
     case = LoadCase(name="torsion", kind="torsion", torque_Nm=torque.value, source=source)

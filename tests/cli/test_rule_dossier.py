@@ -86,7 +86,7 @@ def test_a_material_that_the_rule_does_not_cover_is_said_first_and_not_accepted(
         return tuple(replace(one, rule_checks=strong, fem_checks=strong) for one in checked(target))
 
     monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawing", lambda _: None)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawings", lambda _: ())
     design, path = tmp_path / "iron.toml", tmp_path / "dossier.md"
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     design.write_text(text.replace('name = "31CrMoV9"', 'name = "EN-GJS-700-2"'), encoding="utf-8")

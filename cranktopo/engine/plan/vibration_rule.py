@@ -21,7 +21,7 @@ _SPEEDS = 60
 
 @dataclass(frozen=True)
 class _Amplification:
-    """The largest torque amplitude behind a throw over the range of speeds.
+    """The largest torque amplitude ahead of or behind a throw over the range of speeds.
 
     Attributes:
         frequency_Hz: first natural frequency.
@@ -76,15 +76,12 @@ def _amplification(scene: Scene) -> _Amplification:
     orders = orders_to_solve(shaft, modes, harmonics, limits)
     speeds = speeds_to_solve(limits, critical_speeds(shaft, modes, harmonics, limits, orders), _SPEEDS)
     found = vibration(shaft, harmonics, speeds, orders)
-    behind = found.torque_amplitude_Nm[:, shaft.behind]
-    at, section = (int(i) for i in np.unravel_index(int(behind.argmax()), behind.shape))
-    share = np.abs(found.torque_Nm[at][:, shaft.behind][:, section])
     stiff = max(_stiff_amplitude_Nm(harmonics, float(speed)) for speed in speeds)
     return _Amplification(
         float(modes[0].frequency_Hz),
-        float(found.orders[int(share.argmax())]),
-        float(found.speeds_rpm[at]),
-        100 * (float(behind.max()) / stiff - 1),
+        found.worst.order,
+        float(found.speeds_rpm[found.worst.speed_index]),
+        100 * (found.worst_Nm / stiff - 1),
     )
 
 

@@ -68,7 +68,7 @@ class Vibration:
         twist_rad: complex amplitudes of the disks, shape (speeds, orders, disks).
         torque_Nm: complex amplitudes of the sections, shape (speeds, orders, sections).
         mean_torque_Nm: of the sections, toward the takeoff, at the speed where the engine's is largest.
-        torque_amplitude_Nm: shape (speeds, sections).
+        highest_Nm, lowest_Nm: ends of the torque over the cycle, its mean included, shape (speeds, sections).
         twist_amplitude_deg: of each section, one end against the other, shape (speeds, sections).
         free_end_deg: amplitude of the first disk of the crankshaft, ring of the damper apart, (speeds,).
     """
@@ -80,9 +80,25 @@ class Vibration:
     twist_rad: Complex
     torque_Nm: Complex
     mean_torque_Nm: Array
-    torque_amplitude_Nm: Array
+    highest_Nm: Array
+    lowest_Nm: Array
     twist_amplitude_deg: Array
     free_end_deg: Array
+
+    @property
+    def torque_amplitude_Nm(self) -> Array:
+        """Half the range of the torque over the cycle, shape (speeds, sections)."""
+        return (self.highest_Nm - self.lowest_Nm) / 2
+
+    @property
+    def extreme_speeds_rpm(self) -> tuple[float, ...]:
+        """Speeds of the largest and of the smallest torque in the crankshaft, mean included, each once.
+
+        Neither need be that of the largest amplitude, which is often in a section with little mean torque.
+        """
+        inside = np.array(self.shaft.in_crankshaft)
+        high, low = self.highest_Nm[:, inside].max(axis=1), self.lowest_Nm[:, inside].min(axis=1)
+        return tuple(float(self.speeds_rpm[at]) for at in sorted({int(high.argmax()), int(low.argmin())}))
 
     @property
     def worst(self) -> Worst:
@@ -204,7 +220,7 @@ def vibration(
     frequency = angular_speed_rad_s(1.0) * speeds_rpm[:, None] * solved
     twist = np.empty((*frequency.shape, len(shaft.names)), dtype=complex)
     torque = np.empty((*frequency.shape, len(shaft.sections)), dtype=complex)
-    amplitude, twisted = (np.empty((len(speeds_rpm), len(shaft.sections))) for _ in range(2))
+    high, low, twisted = (np.empty((len(speeds_rpm), len(shaft.sections))) for _ in range(3))
     free_end = np.empty(len(speeds_rpm))
     for index, speed in enumerate(speeds_rpm):
         excited = on_disks(shaft, harmonics.of_throws_Nm(float(speed)))
@@ -216,14 +232,15 @@ def vibration(
             w, torques = angular_speed_rad_s(float(speed)), excited[1 : 1 + len(more)]
             twist[index] = coupled_response_rad(shaft, more, w, torques, varying_kg_m2)[: len(solved)]
         torque[index] = shaft.chain.section_torque_Nm(frequency[index], twist[index])
-        amplitude[index] = _half_range(section_curves_Nm(shaft, excited, torque[index]))
+        curves = section_curves_Nm(shaft, excited, torque[index])
+        high[index], low[index] = curves.max(axis=-1), curves.min(axis=-1)
         relative = twist[index, :, :-1] - twist[index, :, 1:]
         twisted[index] = np.degrees(_half_range(_summed(relative)))
         end_twist = twist[index, :, [1 if shaft.names[0] == "damper ring" else 0]]
         free_end[index] = np.degrees(_half_range(_summed(end_twist.T)))[0]
     means = [on_disks(shaft, harmonics.of_throws_Nm(float(speed)))[0].real for speed in speeds_rpm]
     mean = np.cumsum(max(means, key=lambda disks: float(disks.sum())))[:-1]
-    return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, amplitude, twisted, free_end)
+    return Vibration(shaft, harmonics, speeds_rpm, solved, twist, torque, mean, high, low, twisted, free_end)
 
 
 def on_disks(shaft: ShaftChain, throws_Nm: Complex) -> Complex:

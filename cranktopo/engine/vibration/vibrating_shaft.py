@@ -103,6 +103,11 @@ def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     return float(found.speeds_rpm[found.worst.speed_index])
 
 
+def extreme_speeds_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[float, ...]:
+    """Return the speeds in the range with the largest and the smallest torque of the crankshaft, rpm."""
+    return _model(scene, enabled).over_the_range().extreme_speeds_rpm
+
+
 def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:
     """The shaft with the torques of its cylinders; refused where the torque or a takeoff is missing."""
     shaft, harmonics = estimated_chain(scene), torque_harmonics(scene, enabled)

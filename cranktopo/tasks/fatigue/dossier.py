@@ -27,8 +27,9 @@ from cranktopo.tasks.vibration.stage import shaft_vibration
 _SUFFIXES = (".html", ".md", ".pdf")
 _HISTORY: dict[HistoryKind, str] = {
     "extremes": "largest and smallest radial force of any throw joined with largest and smallest torque "
-    "behind any throw, which bounds the amplitude of every single section",
-    "cycle": "every throw of the shaft followed over its cycle",
+    "ahead of or behind any throw, which bounds the amplitude of every single section",
+    "cycle": "radial force of every throw followed over its cycle, torque of the section ahead of or behind "
+    "a throw whose range is largest",
 }
 
 

@@ -16,6 +16,7 @@ from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Section, pairs, quantity_words
 from cranktopo.tasks.vibration.page import vibration_page
+from cranktopo.tasks.vibration.text import ends_of
 
 _UNKNOWN = "unknown"
 _Rows = list[tuple[str, Any]]
@@ -155,9 +156,10 @@ def _misfire(study: VibrationStudy, judged_Nm: float) -> str:
     amplitude = worst.crankshaft.torque_amplitude_Nm
     return (
         "The check is of an engine that fires in all cylinders, with a torque amplitude of "
-        f"{number_text(judged_Nm)} N m; where cylinder {worst.cylinder} does not fire, the worst of all, it "
-        f"is {number_text(amplitude)} N m at {worst.crankshaft.speed_rpm:.0f} rpm, "
-        f"{amplitude / judged_Nm:.2f} of that. "
+        f"{number_text(judged_Nm)} N m for every section of the crankshaft; where cylinder "
+        f"{worst.cylinder} does not fire, the worst of all, the largest is {number_text(amplitude)} N m "
+        f"between {ends_of(study, worst.crankshaft)} at {worst.crankshaft.speed_rpm:.0f} rpm, "
+        f"{amplitude / judged_Nm:.2f} of what is checked. "
     )
 
 

@@ -15,7 +15,7 @@ from cranktopo.design.halves import drilled_alike, halves
 from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.histories import HistoryKind, load_history, torque_amplitude_Nm
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.hardened_layer import layers
@@ -204,7 +204,7 @@ def _check(
     check_method(scene, "m53")
     enabled = load_kinds(throw, kind)[0]
     history = load_history(throw, kind, enabled)
-    force, torque = float(np.ptp(history.radial_N)) / 2, float(np.ptp(history.torque_Nm)) / 2
+    force, torque = float(np.ptp(history.radial_N)) / 2, torque_amplitude_Nm(throw, history, kind, enabled)
     size = dimensions(scene)
     _check_validity(scene, size)
     moment = force * share * web_lever_mm(scene)

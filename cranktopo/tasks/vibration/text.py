@@ -124,12 +124,18 @@ def misfire_sentence(study: VibrationStudy) -> str:
     if found is None:
         return ""
     worst, amplitude = found.crankshaft, found.crankshaft.torque_amplitude_Nm
+    firing = largest_swing(study.response, study.response.worst.section)
     return (
         f"Misfire of cylinder {found.cylinder} is the worst: +-{number_text(amplitude)} N m between "
-        f"{study.shaft.sections[worst.section].replace(' - ', ' and ')} at {worst.speed_rpm:.0f} rpm, mostly "
-        f"of order {worst.order:g}: {amplitude / study.response.worst_Nm:.2f} times that of an engine that "
-        "fires in all cylinders."
+        f"{ends_of(study, worst)} at {worst.speed_rpm:.0f} rpm, mostly of order {worst.order:g}: "
+        f"{amplitude / firing.torque_amplitude_Nm:.2f} times the largest of an engine that fires in all "
+        f"cylinders, +-{number_text(firing.torque_amplitude_Nm)} N m between {ends_of(study, firing)}."
     )
+
+
+def ends_of(study: VibrationStudy, swing: Swing) -> str:
+    """Return between which disks a section lies, in words."""
+    return study.shaft.sections[swing.section].replace(" - ", " and ")
 
 
 def sections_table(study: VibrationStudy) -> ResultTable:
