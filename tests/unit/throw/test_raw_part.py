@@ -293,6 +293,7 @@ def test_side_pockets_leave_the_counterweight(plain: Scene, case: str) -> None:
     for journal in half.journals:
         found = np.maximum(found, journal.half_mm(y, z))
     assert half.half_mm(y, z) == pytest.approx(found, abs=1e-9)
+    assert (len(half.cuts_of[-1]) < len(half.cuts)) == (case == "beside a half disc")
     assert (found - np.where(finished[1] > finished[0], finished[1], 0.0).max(axis=0)).min() >= -1e-9
     assert machined_out(scene) == (
         "throw.main_journal.bore_diameter_mm",
