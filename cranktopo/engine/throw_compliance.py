@@ -161,12 +161,36 @@ def _equal_halves(scene: Scene) -> ThrowCompliance:
     g = e / (2 * (1 + scene.material.poisson))
     bars = _journal_bending(main, e, g) + _pin_bending(pin, web, e, g)
     half = web.length
-    along = (web.lever / 2) ** 2 * half / (e * web.width * web.thickness**3 / 12) + half / (4 * e * web.area)
+    along = sum(_web_along(web, e))
     across = (web.lever / 2) ** 2 * half / (g * web.twist)
     across += web.arm**2 / 12 * half / (e * web.thickness * web.width**3 / 12)
     across += half / (4 * _SHEAR_RECTANGLE * g * web.area)
     across += (web.arm / 2) ** 2 * (main.length_mm / 2) / (g * 2 * _second_moment(main))
     return ThrowCompliance(2 * (bars + along), 2 * (bars + across), throw_torsion_rad_per_Nmm(scene))
+
+
+def radial_energy_Nmm(scene: Scene, pin_N: float, web_N: float) -> float:
+    """Return the strain energy of a throw on its bearings under outward forces on its pin and on each web.
+
+    The bars are those of `throw_compliance`. Forces on the webs act in their mid-planes: what they take off
+    the bearings relieves journals and webs, but leaves the pin a constant moment, so that a counterweight
+    does not relieve it as a force on the pin would.
+    """
+    return sum(of_halves(scene, lambda half: _half_radial_energy(half, pin_N, web_N)))
+
+
+def web_stretch_energy_Nmm(scene: Scene, pull_N: float, arm_mm: float) -> float:
+    """Return the strain energy of a web that its counterweight stretches from the axis to its centre."""
+    return pull_N**2 * arm_mm / (2 * scene.material.E_GPa * MPA_PER_GPA * _equivalent_beam(scene).area)
+
+
+def _half_radial_energy(scene: Scene, pin_N: float, web_N: float) -> float:
+    main, pin = (_effective_length(q) for q in (scene.throw.main_journal, scene.throw.crankpin))
+    web, e = _equivalent_beam(scene), scene.material.E_GPa * MPA_PER_GPA
+    g = e / (2 * (1 + scene.material.poisson))
+    bent, pulled = _web_along(web, e)
+    borne = (pin_N + 2 * web_N) ** 2 * (_journal_bending(main, e, g) + bent)
+    return (borne + pin_N**2 * pulled + _pin_bending(pin, web, e, g, pin_N, web_N)) / 2
 
 
 def web_section_modulus_mm3(scene: Scene) -> float:
@@ -189,11 +213,20 @@ def _journal_bending(main: Journal, e: float, g: float) -> float:
     return length**3 / (12 * e * _second_moment(main)) + length / (4 * _SHEAR_RING * g * _area(main))
 
 
-def _pin_bending(pin: Journal, web: _EquivalentBeam, e: float, g: float) -> float:
-    """Half pin under its part of a unit force spread over its length, and the moment from the bearing."""
+def _web_along(web: _EquivalentBeam, e: float) -> tuple[float, float]:
+    """Web bent by half of a unit force at the bearing, and pulled by it."""
+    bent = (web.lever / 2) ** 2 * web.length / (e * web.width * web.thickness**3 / 12)
+    return bent, web.length / (4 * e * web.area)
+
+
+def _pin_bending(
+    pin: Journal, web: _EquivalentBeam, e: float, g: float, pin_N: float = 1.0, web_N: float = 0.0
+) -> float:
+    """Half pin under its part of a force spread over its length, and the moment from bearing and web."""
     nodes, weights = np.polynomial.legendre.leggauss(5)
     s = pin.length_mm / 4 * (nodes + 1)
-    moment = (web.lever + web.thickness / 2 + s) / 2 - s**2 / (2 * pin.length_mm)
-    shear = 0.5 - s / pin.length_mm
+    moment = pin_N * ((web.lever + web.thickness / 2 + s) / 2 - s**2 / (2 * pin.length_mm))
+    moment += web_N * web.lever
+    shear = pin_N * (0.5 - s / pin.length_mm)
     density = moment**2 / (e * _second_moment(pin)) + shear**2 / (_SHEAR_RING * g * _area(pin))
     return float((density * weights).sum() * pin.length_mm / 4)

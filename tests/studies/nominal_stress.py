@@ -12,6 +12,7 @@ from cranktopo.bodies.mesh.solid_mesh import mesh_throw
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.forces import INERTIA_EFFECTS
+from cranktopo.engine.histories import load_history
 from cranktopo.engine.states import extreme_states
 from cranktopo.numerics.tetrahedra.elasticity import assemble
 from cranktopo.tasks.fea.unit_fields import unit_fields
@@ -39,11 +40,11 @@ def nominal_amplitude_MPa(scene: Scene) -> float:
 
 
 def half_ranges(scene: Scene) -> tuple[float, float]:
-    """Half the range of the radial force (N) and of the torque (N m) over the extreme states and rest."""
-    states = [state.case for state in extreme_states(scene, INERTIA_EFFECTS)]
-    radial = [0.0, *(case.radial_N for case in states if case.kind == "bending")]
-    torque = [0.0, *(case.torque_Nm for case in states if case.kind == "torsion")]
-    return float(np.ptp(radial)) / 2, float(np.ptp(torque)) / 2
+    """Half the range of the radial force (N) and of the torque (N m) over the cycle, overspeed and rest."""
+    history = load_history(scene, "extremes", INERTIA_EFFECTS | {"bending", "torsion"})
+    states = extreme_states(scene, INERTIA_EFFECTS)
+    radial = [*history.radial_N, *(s.case.radial_N for s in states if s.name == "overspeed_inertia")]
+    return float(np.ptp(radial)) / 2, float(np.ptp(history.torque_Nm)) / 2
 
 
 def _web(scene: Scene, found: PointStress, size: float, loads: Array) -> float:

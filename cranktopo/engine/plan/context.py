@@ -5,16 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from cranktopo.base.units import NMM_PER_NM
+import numpy as np
+
+from cranktopo.base.units import MM_PER_M, NMM_PER_NM, angular_speed_rad_s
 from cranktopo.design.goal.limit import Goal
+from cranktopo.design.halves import halves
+from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import analyse
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS, RotatingForces, rotating_forces
+from cranktopo.engine.histories import joined_extremes
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.cost import Costing
 from cranktopo.engine.plan.simulated import without
 from cranktopo.engine.states import ExtremeState, extreme_states
-from cranktopo.engine.throw_compliance import ThrowCompliance, throw_compliance
+from cranktopo.engine.throw_compliance import (
+    ThrowCompliance,
+    radial_energy_Nmm,
+    throw_compliance,
+    web_stretch_energy_Nmm,
+)
 
 
 @dataclass(frozen=True)
@@ -38,6 +49,19 @@ class PlanningContext:
         """Extreme load states with every inertia effect."""
         vibration = {"torsional_vibration"} if self.vibrating else set()
         return extreme_states(self.scene, INERTIA_EFFECTS | vibration)
+
+    @property
+    def tells_stress(self) -> bool:
+        """Whether radial force and torque are known, so that there is a level of stress."""
+        return not any(state.unit for state in self.states if state.name in ("max_radial", "max_torque"))
+
+    @cached_property
+    def amplitudes(self) -> tuple[float, float]:
+        """Half the range of the radial force (N) and of the torque (N m), overspeed included."""
+        history = joined_extremes(analyse(all_firing(self.scene), INERTIA_EFFECTS), self.states)
+        pulls = [state.case.radial_N for state in self.states if state.name == "overspeed_inertia"]
+        radial = [*history.radial_N, *pulls]
+        return float(np.ptp(radial)) / 2, float(np.ptp(history.torque_Nm)) / 2
 
     @cached_property
     def compliance(self) -> ThrowCompliance:
@@ -71,6 +95,26 @@ class PlanningContext:
         return -min([0.0, *pulls])
 
     @property
+    def centrifugal_N(self) -> tuple[float, float]:
+        """Outward force on the pin at the top speed, its own and that of the rods, and of both webs, N."""
+        throw = self.rotating(self.top_speed_rpm).throw_N
+        webs = sum(self.balance.web_kg_mm) / MM_PER_M * angular_speed_rad_s(self.top_speed_rpm) ** 2
+        return self.overspeed_pull_N + throw - webs, webs
+
+    @property
+    def _centrifugal_Nmm(self) -> float:
+        """Energy of bending by pin and webs, and of webs that their counterweights stretch."""
+        pin, webs = self.centrifugal_N
+        bent = radial_energy_Nmm(without(self.scene, "fillets"), pin, webs / 2)
+        per_kg_mm = angular_speed_rad_s(self.top_speed_rpm) ** 2 / MM_PER_M
+        own = zip(self.balance.own_counterweights_kg_mm, self.balance.own_counterweights_kg, strict=True)
+        return bent + sum(
+            web_stretch_energy_Nmm(half, moment * per_kg_mm, abs(moment) / kg)
+            for half, (moment, kg) in zip(halves(self.scene), own, strict=True)
+            if kg
+        )
+
+    @property
     def top_speed_rpm(self) -> float:
         """Overspeed, else the engine's speed, rpm; 0 without an engine."""
         engine = self.scene.engine
@@ -83,11 +127,9 @@ class PlanningContext:
         radial = self.state("bending").case.radial_N
         torque = self.state("torsion").case.torque_Nm * NMM_PER_NM
         tangential = self.state("tangential").case.tangential_N
-        # What the counterweight balances still bends the throw: pin and weight pull at different places.
-        spin = self.overspeed_pull_N + abs(self.rotating(self.top_speed_rpm).throw_N)
         return {
             "bending": radial**2 * bend / 2,
             "torsion": torque**2 * self.compliance.torsion_rad_per_Nmm / 2,
             "tangential": tangential**2 * self.compliance.tangential_mm_per_N / 2,
-            "centrifugal": spin**2 * bend / 2,
+            "centrifugal": self._centrifugal_Nmm,
         }

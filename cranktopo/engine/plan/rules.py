@@ -223,6 +223,8 @@ def manufacturing_constraint(context: PlanningContext) -> Estimate:
 def fatigue(context: PlanningContext) -> Estimate:
     """Nominal stress amplitude of web bending and pin torsion over the fatigue strength in bending.
 
+    Loads are the extremes that fatigue judges, of both signs over the cycle, and the pull at overspeed.
+
     Nominal stresses of IACS UR M53: bending moment at the web's mid-plane over B W^2 / 6, torque over the
     pin's modulus; concentration in the fillets (factors of 2 to 3) comes on top.
     """
@@ -230,10 +232,10 @@ def fatigue(context: PlanningContext) -> Estimate:
     changes = "no safety against fatigue"
     if absent:
         # Two of the methods need nothing but the tensile strength; this estimate needs more.
-        possible = context.scene.material.ultimate_MPa is not None and not context.unit_loads
+        possible = context.scene.material.ultimate_MPa is not None and context.tells_stress
         impossible = "" if possible else absent
         return Estimate(None, "", changes, context.costing.fatigue(), absent=absent, impossible=impossible)
-    force, torque = _amplitudes(context)
+    force, torque = context.amplitudes
     webs = halves(context.scene)
     bend = force / 2 * max(web_lever_mm(half) / web_section_modulus_mm3(half) for half in webs)
     shear = torque * NMM_PER_NM / journal_torsion_modulus_mm3(context.scene.throw.crankpin)
@@ -246,22 +248,11 @@ def fatigue(context: PlanningContext) -> Estimate:
 
 
 def _fatigue_absent(context: PlanningContext) -> str:
-    if context.unit_loads:
+    if not context.tells_stress:
         return "unit loads give no stress level"
     if context.scene.material.fatigue_bending_MPa is None:
         return "material.fatigue_bending_MPa is not given"
     return ""
-
-
-def _amplitudes(context: PlanningContext) -> tuple[float, float]:
-    """Half the range of the radial force (N) and of the torque (N m) over the extreme states."""
-    radial = [state.case.radial_N for state in context.states if state.case.kind == "bending"]
-    torque = [state.case.torque_Nm for state in context.states if state.case.kind == "torsion"]
-    return _half_range(radial), _half_range(torque)
-
-
-def _half_range(values: list[float]) -> float:
-    return (max(values) - min(0.0, *values)) / 2
 
 
 def quasi_static(kind: LoadKind, context: PlanningContext) -> Estimate:
@@ -273,17 +264,20 @@ def quasi_static(kind: LoadKind, context: PlanningContext) -> Estimate:
 
 
 def centrifugal(context: PlanningContext) -> Estimate:
-    """Pull of piston and rod at overspeed and centrifugal force of the throw, as if all acted on the pin."""
+    """Pull of pistons and rods at overspeed and of the crankpin on the pin, of each web in its mid-plane."""
     if context.scene.engine is None or context.top_speed_rpm == 0:
         return Estimate(0.0, "the throw does not turn", "nothing", absent="no speed in the scene")
     speed = context.top_speed_rpm
-    throw, pull = context.rotating(speed).throw_N, context.overspeed_pull_N
+    pin, webs = context.centrifugal_N
     weight = context.scene.web.counterweight
     fastened = weight is not None and [
         name for name, there in (("bolted counterweight", weight.bolted), ("plugs", weight.plug)) if there
     ]
     left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
-    forces = f"throw {throw:,.0f} N and rod {pull:,.0f} N at {speed:g} rpm{left_out}"
+    forces = (
+        f"outward {pin:,.0f} N on the pin, rods among them, and {webs:,.0f} N in the mid-planes of the webs "
+        f"at {speed:g} rpm{left_out}"
+    )
     return _case(context, "centrifugal", forces)
 
 

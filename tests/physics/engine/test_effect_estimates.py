@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.studies.effect_truths import estimates, scenes, truths
+from tests.fast_twin import fast_twin
+from tests.studies.effect_truths import estimates, scenes, solved, truths
 
 
 @pytest.mark.slow
@@ -20,3 +21,12 @@ def test_estimates_are_within_a_factor_of_two(float64: None, index: int) -> None
     always = {"bending", "torsion", "tangential", "bearing_compliance", "fillets", "bores", "fatigue"}
     assert always <= set(ratios)
     assert {name: ratio for name, ratio in ratios.items() if not 0.5 < ratio < 2} == {}
+
+
+@pytest.mark.slow
+def test_counterweights_against_rods_are_estimated_within_a_quarter(float64: None) -> None:
+    """Both pull as much as the largest radial force: magnitudes added were 4.6 times too much."""
+    twin = fast_twin(effects={"torsional_vibration": "off"})
+    energy, _ = solved(twin)
+    computed = 100 * energy["centrifugal"] / energy["bending"]
+    assert estimates(twin)["centrifugal"] == pytest.approx(computed, rel=0.25)
