@@ -118,6 +118,7 @@ def test_the_exit_code_tells_what_the_rule_accepts(
     assert main(["fatigue", "mikron-iiic", "--method", "m53", "--json", "--quiet"]) == code
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_solve")
 def test_a_dossier_on_paper(tmp_path: Path) -> None:
     path = tmp_path / "dossier.pdf"

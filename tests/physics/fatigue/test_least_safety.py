@@ -168,5 +168,5 @@ def test_fatigue_counts_every_load_above_the_threshold() -> None:
     assert stress["centrifugal"].state == "on"
     assert "centrifugal" not in left_off(scene, stress)
     without = scene.with_effect("centrifugal", "off")
-    assert "centrifugal 3" in left_off(without, plan_for_stress(without))
+    assert "centrifugal 5" in left_off(without, plan_for_stress(without))
     assert "(set off in the scene)" in left_off(without, plan_for_stress(without))

@@ -44,7 +44,7 @@ WEBS = {
     "round-floors": milled_web,
     "solid-journals": solid_web,
 }
-SLOW = ("drafted-pockets", "round-floors", "solid-journals")
+SLOW = ("drafted-pockets", "drafted-bevels", "round-floors", "solid-journals")
 
 ELASTIC = 2e5, 0.3
 STRESSED = "fatigue_safety", "stress"
@@ -169,6 +169,7 @@ def cycle(request: pytest.FixtureRequest) -> CycleCase:
     return CycleCase(MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, STRESSED, "cycle"), values)
 
 
+@pytest.mark.slow
 def test_safety_and_stress_over_the_cycle_are_those_of_the_assessment(cycle: CycleCase) -> None:
     scene, mesh = cycle.model.scene, cycle.model.moved.mesh
     elastic = scene.material.E_GPa * MPA_PER_GPA, scene.material.poisson

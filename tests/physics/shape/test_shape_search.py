@@ -58,7 +58,9 @@ def values_of(scene: Scene) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "case", [None, rounded_web, die_web], ids=["every feature", "drafted pockets", "drafted bevels"]
+    "case",
+    [pytest.param(None, marks=pytest.mark.slow), rounded_web, die_web],
+    ids=["every feature", "drafted pockets", "drafted bevels"],
 )
 def test_gradients_of_every_quantity_are_those_of_differences(
     model: WebModel, mikron: Scene, case: Callable[[], tuple[Scene, Layout, np.ndarray]] | None

@@ -36,7 +36,7 @@ def made(scene: Scene, pocket: dict[str, Any], **process: Any) -> Scene:
         (BOX, {"process": "forged"}, False),
         pytest.param(BOX, {"process": "forged", "parting": "web_faces"}, True, marks=pytest.mark.slow),
         pytest.param(SIDE, {"process": "forged"}, True, marks=pytest.mark.slow),
-        (SIDE, {"process": "cast", "parting": "web_faces"}, False),
+        pytest.param(SIDE, {"process": "cast", "parting": "web_faces"}, False, marks=pytest.mark.slow),
         pytest.param(SIDE, {"process": "milled"}, True, marks=pytest.mark.slow),
     ],
 )
@@ -61,7 +61,7 @@ def test_the_process_decides_and_the_pocket_is_named(
             ("web.outline",),
             marks=pytest.mark.slow,
         ),
-        ({"process": "forged", "draft_deg": 0.0}, ()),
+        pytest.param({"process": "forged", "draft_deg": 0.0}, (), marks=pytest.mark.slow),
         pytest.param({"process": "milled", "draft_deg": 5.0}, (), marks=pytest.mark.slow),
     ],
 )

@@ -73,7 +73,9 @@ def test_a_plane_with_draft_takes_what_the_formula_says(
     [
         pytest.param({"bevel": [BEVEL]}, id="plane over a bore"),
         pytest.param({"bevel": [{**ARC, "draft_deg": DRAFT_DEG}]}, id="arc"),
-        pytest.param({"bevel": [HOLLOW, BEVEL], "pocket": [GROOVE]}, id="hollow, groove"),
+        pytest.param(
+            {"bevel": [HOLLOW, BEVEL], "pocket": [GROOVE]}, id="hollow, groove", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_sections_cells_and_kernel_agree(throw: Scene, features: dict[str, Any], tmp_path: Path) -> None:
@@ -139,7 +141,10 @@ def test_an_arc_has_the_draft_at_its_ends_and_more_between(throw: Scene, crown_m
     assert 5.05 < angle.max() < 6.0
 
 
-@pytest.mark.parametrize(("draft_deg", "leaves"), [(0.0, (True, False)), (DRAFT_DEG, (True, True))])
+@pytest.mark.parametrize(
+    ("draft_deg", "leaves"),
+    [pytest.param(0.0, (True, False), marks=pytest.mark.slow), (DRAFT_DEG, (True, True))],
+)
 def test_rays_find_a_die_that_leaves_with_draft(
     throw: Scene, draft_deg: float, leaves: tuple[bool, bool]
 ) -> None:
