@@ -9,6 +9,16 @@ from cranktopo.design.schema import Scene
 
 THROW_NM, PULLEY_NM, LOSS = 297e3, 160e3, 0.02
 PULLEY_KG_M2, FLYWHEEL_KG_M2 = 0.0015, 0.001
+ENGINE: dict[str, Any] = {
+    "bore_mm": 100.0,
+    "rod_length_mm": 124.0,
+    "speed_rpm": 11500.0,
+    "cylinders": 2,
+    "firing_order": [1, 2],
+    "gas": {"peak_pressure_MPa": 9.5, "peak_angle_deg": 14.0, "compression_ratio": 12.5},
+    "masses": {"piston_group_kg": 0.4, "rod_reciprocating_kg": 0.13, "rod_rotating_kg": 0.3},
+    "arrangement": {"layout": "V", "bank_angle_deg": 90.0, "throw_angles_deg": [0]},
+}
 
 
 def fast_twin(*, pulley: bool = True, **tables: Any) -> Scene:
@@ -37,16 +47,7 @@ def fast_twin(*, pulley: bool = True, **tables: Any) -> Scene:
                 "counterweight": {"outer_radius_mm": 75.72, "half_angle_deg": 70.0},
             },
             "material": {"name": "42CrMo4"},
-            "engine": {
-                "bore_mm": 100.0,
-                "rod_length_mm": 124.0,
-                "speed_rpm": 11500.0,
-                "cylinders": 2,
-                "firing_order": [1, 2],
-                "gas": {"peak_pressure_MPa": 9.5, "peak_angle_deg": 14.0, "compression_ratio": 12.5},
-                "masses": {"piston_group_kg": 0.4, "rod_reciprocating_kg": 0.13, "rod_rotating_kg": 0.3},
-                "arrangement": {"layout": "V", "bank_angle_deg": 90.0, "throw_angles_deg": [0]},
-            },
+            "engine": ENGINE,
             "shaft": shaft,
             **tables,
         }

@@ -19,6 +19,7 @@ from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
 from cranktopo.tasks.fatigue.remarks import note_quality
 from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fea.targets import Target
+from tests.fast_twin import ENGINE
 from tests.physics.fatigue.stepped_shaft import Shaft, shaft_mesh
 from tests.physics.numerics.test_surface_stress import POISSON, YOUNGS, upright
 
@@ -45,16 +46,7 @@ def drilled() -> Scene:
             },
             "material": {"name": "42CrMo4"},
             "fatigue": {"scatter": {"load_percent": 5.0, "fillet_radius_mm": 0.1}},
-            "engine": {
-                "bore_mm": 100.0,
-                "rod_length_mm": 124.0,
-                "speed_rpm": 11500.0,
-                "cylinders": 2,
-                "firing_order": [1, 2],
-                "gas": {"peak_pressure_MPa": 9.5, "peak_angle_deg": 14.0, "compression_ratio": 12.5},
-                "masses": {"piston_group_kg": 0.4, "rod_reciprocating_kg": 0.13, "rod_rotating_kg": 0.3},
-                "arrangement": {"layout": "V", "bank_angle_deg": 90.0, "throw_angles_deg": [0]},
-            },
+            "engine": ENGINE,
         },
         "v-twin",
     )
