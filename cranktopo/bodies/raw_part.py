@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
-from cranktopo.design.halves import HalfName, halves, named_in_throw, of_halves
+from cranktopo.design.halves import WebName, halves, named_in_throw, of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.moments import Moments, body_moments
 from cranktopo.throw.raw_part.half import machined, raw_half
@@ -45,7 +45,7 @@ def machined_out(scene: Scene) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*machined_of_half(scene, "first"), *machined_of_half(scene, "second")]))
 
 
-def machined_of_half(scene: Scene, side: HalfName) -> tuple[str, ...]:
+def machined_of_half(scene: Scene, side: WebName) -> tuple[str, ...]:
     """Return the keys of what is machined out of the raw part of a half, as the scene has them."""
     half = halves(scene)[side == "second"]
     return tuple(named_in_throw(key, scene, side) for key in machined(half, forging_of(half)))

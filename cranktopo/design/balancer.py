@@ -113,7 +113,7 @@ class SpeedStep(SceneTable):
 
 
 class BalancerRedesign(SceneTable):
-    """What `cranktopo balancer --redesign` wants and adds; steps and bearings say what it may change."""
+    """Wants and additions of `cranktopo balancer --redesign`; steps and bearings say what it may change."""
 
     deflection_mm: SmallLength | None = Field(default=None, examples=[0.025])
     """Largest deflection of every `[[balancer.probe]]`; by default what each permits, or has."""

@@ -17,7 +17,8 @@ from cranktopo.throw.drilling.table import drilling_asymmetry
 from cranktopo.throw.zone import zones_asymmetry
 
 T = TypeVar("T")
-HalfName = Literal["first", "second"]
+WebName = Literal["first", "second"]
+"""Halves of a throw by their webs, from the free end."""
 _LENGTHS = {"second_main_journal_length_mm": "main_journal", "second_crankpin_length_mm": "crankpin"}
 """Keys of the throw that give a journal another length beyond the crankpin."""
 
@@ -78,7 +79,7 @@ def of_second(error: CranktopoError, scene: Scene) -> CranktopoError:
     return CranktopoError(message, hint=named_in_throw(error.hint, scene, "second"), code=error.code)
 
 
-def named_in_throw(text: str, scene: Scene, side: HalfName) -> str:
+def named_in_throw(text: str, scene: Scene, side: WebName) -> str:
     """Return a text about a half with the keys of the scene that the half comes from."""
     own = [str(i) for i, drilling in enumerate(scene.throw.drilling) if drilling.web in ("both", side)]
     if side == "second" and scene.second_web is not None:
@@ -88,7 +89,7 @@ def named_in_throw(text: str, scene: Scene, side: HalfName) -> str:
     return re.sub(r"(?<=throw\.drilling\[)\d+", lambda found: own[int(found[0])], text)
 
 
-def _half(scene: Scene, side: HalfName) -> Scene:
+def _half(scene: Scene, side: WebName) -> Scene:
     throw = scene.throw
     update: dict[str, Any] = dict.fromkeys((*_LENGTHS, "second_main_journal"))
     update["drilling"] = tuple(drilling for drilling in throw.drilling if drilling.web in ("both", side))

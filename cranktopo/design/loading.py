@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -16,7 +16,7 @@ from cranktopo.design.checks.bolts import check_bolt_dimensions
 from cranktopo.design.checks.crank import check_crank
 from cranktopo.design.checks.rod import check_rod
 from cranktopo.design.checks.scene import check_scene
-from cranktopo.design.halves import difference, halves, of_second, require_equal_halves, usual_scale
+from cranktopo.design.halves import WebName, difference, halves, of_second, require_equal_halves, usual_scale
 from cranktopo.design.messages import explain, explain_unknown
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.scene_files import with_resolved_files
@@ -88,9 +88,6 @@ def _changed(data: Any, parts: list[str | int], value: object, key: str) -> Any:
             f"{key}: '{first}' is asked of {quoted(data)}, which is no table.", hint="Check the key."
         )
     return {**data, first: _changed(data.get(first), rest, value, key)}
-
-
-WebName = Literal["first", "second"]
 
 
 def one_web(scene: Scene, web: WebName | None) -> Scene:

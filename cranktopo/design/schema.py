@@ -68,6 +68,11 @@ class ThrowTable(SceneTable):
         """Main journal and crankpin, each with the place of its axis along the throw, mm."""
         return (self.main_journal, 0.0), (self.crankpin, self.radius_mm)
 
+    @property
+    def has_fillets(self) -> bool:
+        """True unless both journals are sharp."""
+        return any(journal.fillet_mm > 0 for journal, _ in self.journals)
+
     def features(self) -> Iterator[tuple[str, Feature]]:
         """Yield each feature of journals and web together with its key path in the scene."""
         for index, drilling in enumerate(self.drilling):

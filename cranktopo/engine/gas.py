@@ -240,6 +240,13 @@ def file_state(path: str | Path) -> FileState:
     return str(path), found.st_mtime_ns, found.st_size
 
 
+def trace_states(scene: Scene) -> tuple[FileState, ...]:
+    """Return the states of the pressure traces of a scene: with another content it has other loads."""
+    gas = scene.engine.gas if scene.engine else None
+    traces = (gas.indicator_csv, *(at.file for at in gas.map)) if gas else ()
+    return tuple(file_state(name) for name in traces if name is not None)
+
+
 def pressure_curve(scene: Scene) -> PressureCurve | None:
     """Return the cylinder pressure of a scene at its speed; None when the scene has no `[engine.gas]`.
 

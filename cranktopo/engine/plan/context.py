@@ -52,7 +52,7 @@ class PlanningContext:
 
     @property
     def tells_stress(self) -> bool:
-        """Whether radial force and torque are known, so that there is a level of stress."""
+        """True where radial force and torque are known, so that there is a level of stress."""
         return not any(state.unit for state in self.states if state.name in ("max_radial", "max_torque"))
 
     @cached_property

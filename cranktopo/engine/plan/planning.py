@@ -13,7 +13,7 @@ from cranktopo.design.halves import envelope_asymmetry, may_mirror, web_asymmetr
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Effects, Scene
 from cranktopo.engine.forces import INERTIA_EFFECTS
-from cranktopo.engine.gas import FileState, file_state
+from cranktopo.engine.gas import FileState, file_state, trace_states
 from cranktopo.engine.load_case import LOAD_TYPES
 from cranktopo.engine.plan.context import PlanningContext
 from cranktopo.engine.plan.cost import Costing, CostRates
@@ -102,9 +102,8 @@ def _file_states(scene: Scene) -> tuple[FileState, ...]:
     envelope = scene.envelope.stl_file if scene.envelope else None
     zones = (*scene.envelope.frozen, *scene.envelope.removable) if scene.envelope else ()
     bodies = (zone.body_file for zone in zones)
-    gas = scene.engine.gas if scene.engine else None
-    indicators = (gas.indicator_csv, *(at.file for at in gas.map)) if gas else ()
-    return tuple(file_state(name) for name in (envelope, *indicators, *bodies) if name is not None)
+    named = tuple(file_state(name) for name in (envelope, *bodies) if name is not None)
+    return named + trace_states(scene)
 
 
 @lru_cache(maxsize=64)

@@ -139,8 +139,7 @@ def fillets(context: PlanningContext) -> Estimate:
 
     They cost nothing: for stiffness alone a sharp ring needs more elements than a fillet.
     """
-    throw = context.scene.throw
-    if throw.main_journal.fillet_mm == 0 and throw.crankpin.fillet_mm == 0:
+    if not context.scene.throw.has_fillets:
         return Estimate(0.0, "", "nothing", absent="no fillet in the scene")
     sharp, rounded = context.compliance, throw_compliance(context.scene)
     torsion = 100 * (sharp.torsion_rad_per_Nmm / rounded.torsion_rad_per_Nmm - 1)

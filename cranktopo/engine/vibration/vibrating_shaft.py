@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +13,7 @@ from cranktopo.base.errors import invalid
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.schema import Scene
 from cranktopo.engine.forces import ShaftTorque
+from cranktopo.engine.gas import FileState, trace_states
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain
 from cranktopo.engine.vibration.steady import (
     CriticalSpeed,
@@ -99,13 +102,24 @@ def vibrating_torque(scene: Scene, enabled: frozenset[str]) -> ShaftTorque:
 
 def worst_speed_rpm(scene: Scene, enabled: frozenset[str]) -> float:
     """Return the speed in the scene's range at which the torque of the crankshaft swings most, rpm."""
-    found = _model(scene, enabled).over_the_range()
-    return float(found.speeds_rpm[found.worst.speed_index])
+    return _told_speeds(scene, enabled, trace_states(scene)).worst_rpm
 
 
 def extreme_speeds_rpm(scene: Scene, enabled: frozenset[str]) -> tuple[float, ...]:
     """Return the speeds in the range with the largest and the smallest torque of the crankshaft, rpm."""
-    return _model(scene, enabled).over_the_range().extreme_speeds_rpm
+    return _told_speeds(scene, enabled, trace_states(scene)).extreme_rpm
+
+
+class _ToldSpeeds(NamedTuple):
+    worst_rpm: float
+    extreme_rpm: tuple[float, ...]
+
+
+@lru_cache(maxsize=16)
+def _told_speeds(scene: Scene, enabled: frozenset[str], _traces: tuple[FileState, ...]) -> _ToldSpeeds:
+    """Solve the range once: load states and histories ask for both kinds of speeds, one after another."""
+    found = _model(scene, enabled).over_the_range()
+    return _ToldSpeeds(float(found.speeds_rpm[found.worst.speed_index]), found.extreme_speeds_rpm)
 
 
 def _model(scene: Scene, enabled: frozenset[str]) -> VibratingShaft:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,16 @@ def central_difference(
     found = {i: (function(at + steps[i]) - function(at - steps[i])) / (2 * step) for i in chosen}
     shape = np.shape(next(iter(found.values())) if found else function(at))
     return np.stack([found.get(i, np.zeros(shape)) for i in range(len(at))], axis=-1)
+
+
+def remembered(function: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return the same function of a vector, which finds each point once: differences ask for many again."""
+
+    @lru_cache(maxsize=512)
+    def found(values: tuple[float, ...]) -> Array:
+        return function(np.array(values))
+
+    return lambda at: found(tuple(map(float, at)))
 
 
 def complex_step(function: Callable[[Any], Any], at: Array) -> Array:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -20,7 +19,12 @@ from cranktopo.design.balancer import BalancerBearing, BalancerPart
 from cranktopo.design.loading import value_at
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.schema import Scene
-from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise, minimise_violation
+from cranktopo.numerics.optimisers.gradient_search import (
+    central_difference,
+    minimise,
+    minimise_violation,
+    remembered,
+)
 from cranktopo.tasks.balancer.result import BalancerStrength, KeptLimit, Redesign, ShaftDimension
 from cranktopo.tasks.balancer.stage import check_balancer, checked_part, is_thrust, strength_of
 
@@ -120,17 +124,15 @@ class _Task:
         if not self.free:
             return np.zeros(0)
 
-        @lru_cache(maxsize=512)
-        def judged(values: tuple[float, ...]) -> Array:
-            tried = self._at(values)
+        def judged(values: Array) -> Array:
+            tried = self._at(values.tolist())
             found = strength_of(tried, _part(tried))
             excess = [one.excess + (one.limit != one.before) * _KEPT for one in self.limits(found)]
             return np.array([found.mass_kg / self.before.mass_kg, *excess])
 
         low, high = np.array([one.range_mm for one in self.free]).T
 
-        def of(values: Array) -> Array:
-            return judged(tuple(map(float, values)))
+        of = remembered(judged)
 
         def slopes(shares: Array) -> Array:
             return central_difference(of, low + shares * (high - low), _STEP_MM) * (high - low)

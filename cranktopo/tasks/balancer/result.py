@@ -100,7 +100,7 @@ class ShaftDimension(Result):
 
 
 class Redesign(Result):
-    """What a redesign changed of the given shaft."""
+    """Changes of the given shaft by a redesign."""
 
     start_kg: float
     result_kg: float

@@ -131,9 +131,9 @@ class Answers:
         data_of, now, original = question
         for text in dict.fromkeys((now, original)):
             for part in ("stiffness", "shaft", "safety"):
-                if part in self._settled.get(text, {}).get("parts", ()):
-                    continue
                 so_far = self._settled.get(text, {})
+                if part in so_far.get("parts", ()):
+                    continue
                 stiffness = so_far.get("throw_stiffnesses_Nm_per_rad", ()), so_far.get("gauges", {})
                 known = stiffness if part == "safety" else ()
                 try:

@@ -10,6 +10,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import KG_PER_TONNE, MPA_PER_GPA, NMM_PER_NM, density_tonne_per_mm3
 from cranktopo.numerics.tetrahedra.stress import strain_energy_density
+from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
@@ -23,7 +24,7 @@ _MOST_COST = 3.0
 
 @dataclass(frozen=True)
 class Colour:
-    """What one set of colours tells: the value of the last colour, and a sentence for the legend."""
+    """Set of colours: the value of the last one, and a sentence for the legend."""
 
     name: str
     label: str
@@ -67,7 +68,7 @@ def web_colours(field: FatigueField, stiffness: Mapping[str, float]) -> WebColou
         stiffness: "torsion", N m/rad, and "bending", N/mm, of the whole throw, as far as they are known.
     """
     model, critical = field.model, field.critical
-    used, stress = 1 / field.safety, np.abs(field.mean_MPa) + field.amplitude_MPa
+    used, stress = 1 / field.safety, larger_end_MPa(field.amplitude_MPa, field.mean_MPa)
     top = largest_of_field_MPa(field)
     least = f"share of the fatigue strength that is used; the last is the least safety, {critical.safety:.3f}"
     told = [

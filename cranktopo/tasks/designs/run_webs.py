@@ -13,7 +13,8 @@ from pydantic import Field
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import inside, read_json
 from cranktopo.base.result import Result
-from cranktopo.design.loading import WebName, builtin_designs, load_scene, one_web
+from cranktopo.design.halves import WebName
+from cranktopo.design.loading import builtin_designs, load_scene, one_web
 from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run

@@ -15,7 +15,7 @@ from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.raw_part import forging_of, machined_of_half, raw_mass_kg
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
-from cranktopo.design.halves import HalfName
+from cranktopo.design.halves import WebName
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import solid_of
@@ -165,7 +165,7 @@ def _lines(scene: Scene) -> list[str]:
     ]
 
 
-def _removed(scene: Scene, side: HalfName) -> list[str]:
+def _removed(scene: Scene, side: WebName) -> list[str]:
     """Return the keys of what is machined out of the half that is shown."""
     keys = machined_of_half(scene, side)
     if not keys:

@@ -17,7 +17,7 @@ from cranktopo.cli.options import DEFAULT_DESIGN, designs, mesh_options, throw_o
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.loading import WebName
+    from cranktopo.design.halves import WebName
 
 
 @click.command()

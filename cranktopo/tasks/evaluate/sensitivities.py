@@ -11,8 +11,7 @@ from cranktopo.base.files import read_json
 from cranktopo.base.notes import note
 from cranktopo.bodies.memory import check_element_size
 from cranktopo.design.free_dimensions import own_dimension_mm
-from cranktopo.design.halves import default_element_size_mm
-from cranktopo.design.loading import WebName
+from cranktopo.design.halves import WebName, default_element_size_mm
 from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import planned_scene

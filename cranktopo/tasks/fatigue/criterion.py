@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from cranktopo.base.arrays import Array
 from cranktopo.design.schema import Scene
+
+_Stress = TypeVar("_Stress", float, Array)
+
+
+def larger_end_MPa(amplitude_MPa: _Stress, mean_MPa: _Stress) -> _Stress:
+    """Return the larger end, in magnitude, of a range of signed stresses."""
+    return amplitude_MPa + abs(mean_MPa)
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
     gas = engine.gas
     curve = pressure_curve(scene) if gas and (gas.map or gas.measured) else None
     peak = gas.peak_pressure_MPa if gas else None
-    pressure = f"{peak:g} MPa" if peak else "measured diagram" if gas and gas.indicator_csv else _UNKNOWN
+    pressure = f"{peak:g} MPa" if peak else _UNKNOWN
     if curve is not None:
         pressure = f"{curve.pressure_MPa.max():.4g} MPa, {curve.source}"
     bank = f", {engine.bank_angle_deg:g} deg between the banks" if engine.bank_angle_deg else ""

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import FatigueField, unit_loads
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
@@ -33,5 +34,5 @@ def largest_of_field_MPa(field: FatigueField) -> float:
 
 
 def _largest(amplitude_MPa: Array, mean_MPa: Array, judged: NDArray[np.bool_]) -> float:
-    """Return the larger end, in magnitude, of the ranges of signed stresses at judged nodes (..., n)."""
-    return float((amplitude_MPa + np.abs(mean_MPa))[..., judged].max())
+    """Return the largest of judged nodes (..., n)."""
+    return float(larger_end_MPa(amplitude_MPa, mean_MPa)[..., judged].max())

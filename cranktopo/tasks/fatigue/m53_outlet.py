@@ -70,7 +70,7 @@ class OutletCheck:
 
     @property
     def unproven(self) -> str:
-        """Why the elements prove nothing here; empty where they do."""
+        """Reason why the elements prove nothing here; empty where they do."""
         if self.elements is None:
             return "the half throw that is modelled has no such bore"
         if self.sharp:
@@ -97,7 +97,7 @@ class OutletCheck:
 
     @property
     def not_judged(self) -> str:
-        """Why the outlet is not judged, with what the elements say; empty where it is."""
+        """Reason why the outlet is not judged, with what the elements say; empty where it is."""
         if self.judged is not None:
             return ""
         found = self.by_elements

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cranktopo.base.notes import note
+from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.stress_model import StressModel
 
@@ -43,7 +44,7 @@ def note_yielding(field: FatigueField, yield_MPa: float | None) -> None:
 def yield_warning(field: FatigueField, yield_MPa: float | None) -> str:
     """Return a line on a stress above the yield strength; empty where there is none."""
     place = field.critical
-    largest = place.amplitude_MPa + abs(place.mean_MPa)
+    largest = larger_end_MPa(place.amplitude_MPa, place.mean_MPa)
     if yield_MPa is None or largest <= yield_MPa:
         return ""
     return (

@@ -343,9 +343,9 @@ class RuleFatigue(_TargetFatigue):
     not_judged: dict[str, str]
     """Places that neither the rule's polynomials nor proven elements judge, and why."""
     not_covered: str | None = UNLESS_NONE
-    """Why the rule does not cover the material."""
+    """Reason why the rule does not cover the material."""
     process_remark: str | None = UNLESS_NONE
-    """Where the factor K does not fit the way the crank is made."""
+    """Remark where the factor K does not fit the way the crank is made."""
     least_acceptability: float
     """Acceptability factor that the rule asks for."""
     alternating: AlternatingLoads

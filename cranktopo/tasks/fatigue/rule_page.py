@@ -26,7 +26,6 @@ from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
-from cranktopo.tasks.fatigue.m53_material import process_remark
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.plan.section import effects_section
@@ -90,7 +89,7 @@ def rule_page(record: RuleRecord) -> Page:
     return Page(
         title=f"Crankshaft {record.name} against IACS UR M53",
         subtitle=f"Document {record.document}. Calculation of the crank throw, {record.written[:10]}",
-        headline=" ".join([_headline(checks), *_strength(record.scene)]),
+        headline=" ".join([_headline(checks), *_strength(record)]),
         facts=tuple(fact for check in checks for fact in _facts(check)),
         sections=(
             *_each(checks, _acceptability),
@@ -138,11 +137,11 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
     )
 
 
-def _strength(scene: Scene) -> list[str]:
+def _strength(record: RuleRecord) -> list[str]:
     """Return what the strength that the verdict rests on does not hold for."""
-    process = process_remark(scene)
-    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(scene)]
-    return remarks + [f"Process: {process}."] * bool(process)
+    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(record.scene)]
+    process = dict.fromkeys(check.process_remark for check in record.checks if check.process_remark)
+    return remarks + [f"Process: {remark}." for remark in process]
 
 
 def _factors_at(check: RuleCheck, place: str) -> str:

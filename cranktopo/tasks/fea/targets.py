@@ -192,17 +192,13 @@ def _run(run: RunStore) -> Target:
 def unlike_fillet_line(targets: Sequence[Target]) -> str:
     """Return the line that designs with fillets stand beside surfaces without; empty where none do."""
     bare = [target.name for target in targets if target.run]
-    rounded = [target.name for target in targets if target.file is None and _has_fillets(target.scene)]
+    rounded = [target.name for target in targets if target.file is None and target.scene.throw.has_fillets]
     if not bare or not rounded:
         return ""
     return (
         f"{', '.join(bare)}: the surface of a run has no fillets, which make {', '.join(rounded)} stiffer; "
         "cranktopo compare leaves them out of all."
     )
-
-
-def _has_fillets(scene: Scene) -> bool:
-    return any(journal.fillet_mm > 0 for journal in (scene.throw.main_journal, scene.throw.crankpin))
 
 
 def simulated(scene: Scene, fillets: bool = False) -> Scene:

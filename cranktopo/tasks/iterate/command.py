@@ -29,7 +29,7 @@ from cranktopo.cli.options import (
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.loading import WebName
+    from cranktopo.design.halves import WebName
 
 
 @click.command("iterate")

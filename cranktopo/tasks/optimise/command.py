@@ -37,7 +37,7 @@ from cranktopo.cli.options import (
 from cranktopo.cli.verbosity import NORMAL, level, verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.loading import WebName
+    from cranktopo.design.halves import WebName
     from cranktopo.design.schema import Scene
     from cranktopo.tasks.density.problem import DensityProblem
     from cranktopo.tasks.density.state import State

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.rod import Rod
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
-from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise
+from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise, remembered
 from cranktopo.tasks.rod.result import FreeDimension, LighterRod, RodStrength
 from cranktopo.tasks.rod.stage import check_rod_strength
 
@@ -88,18 +87,15 @@ class RodSearch:
         """
         before = self.before
 
-        @lru_cache(maxsize=512)
-        def judged(shares: tuple[float, ...]) -> Array:
+        def judged(values: Array) -> Array:
             """Mass and all that must stay below 0, relative."""
-            values = np.array(shares)
             tried = _with(self.scene, self.names, values * self.start_mm)
             found = check_rod_strength(tried, self.method)
             mass = found.masses.total_kg / before.masses.total_kg
             beside = np.array([]) if more is None else more(values, found)
             return np.concatenate([[mass], _excess(tried, found, before), beside])
 
-        def of(values: Array) -> Array:
-            return judged(tuple(map(float, values)))
+        of = remembered(judged)
 
         def objective(values: Array) -> tuple[float, Array]:
             return float(of(values)[0]), central_difference(of, values, _STEP)[0]

@@ -123,7 +123,7 @@ class ShaftEvaluation(Result):
     throw_by_bearings_Nm_per_rad: dict[str, float] = Field(exclude=True)
     """Torsional stiffness of a throw (the mean of unlike ones) by its bearings, and that of load cases."""
     weighed: str = Field(exclude=True)
-    """What the mass is of."""
+    """Object of the mass, in words."""
     silent: str = Field(default="", exclude=True)
     """Sentence on the cylinders that do not fire."""
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from cranktopo.base.notes import note
 from cranktopo.bodies.crank_ends import SIDES
@@ -103,10 +104,18 @@ class _Shaft:
     meshed: Mapping[str, MeshedThrow]
     condensed: Sequence[CondensedThrow]
 
-    @property
+    @cached_property
     def inertias_kg_mm2(self) -> tuple[float, ...]:
         """Inertia of each throw alone about the crank axis, kg mm2."""
-        return tuple(throw_inertia_kg_mm2(self.meshed[throw.name], throw.scene) for throw in self.throws)
+        return tuple(self._of_each(throw_inertia_kg_mm2))
+
+    @property
+    def throws_kg(self) -> float:
+        """Mass of all throws."""
+        return sum(self._of_each(meshed_throw_kg))
+
+    def _of_each(self, found_of: Callable[[MeshedThrow, Scene], float]) -> list[float]:
+        return once_each(self.throws, lambda throw: found_of(self.meshed[throw.name], throw.scene))
 
 
 def _condensed_shaft(
@@ -164,8 +173,7 @@ def _origin(scene: Scene) -> str:
 
 def _mass_kg(scene: Scene, shaft: _Shaft) -> float:
     """Return the mass of all throws and of the ends of the crank."""
-    throws = sum(meshed_throw_kg(shaft.meshed[throw.name], throw.scene) for throw in shaft.throws)
-    return throws + sum(end_mass(scene, side).mass_kg for side in SIDES)
+    return shaft.throws_kg + sum(end_mass(scene, side).mass_kg for side in SIDES)
 
 
 def with_throw_stiffness(target: Target) -> Target:

@@ -31,7 +31,7 @@ from cranktopo.cli.options import (
 from cranktopo.cli.verbosity import verbosity_options
 
 if TYPE_CHECKING:
-    from cranktopo.design.loading import WebName
+    from cranktopo.design.halves import WebName
     from cranktopo.engine.histories import HistoryKind
 
 

@@ -14,6 +14,7 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import DEVIATOR, Surface, SurfaceStress, von_mises
+from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes, fillet_nodes
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 
@@ -101,5 +102,5 @@ def largest_stress(_: Scene, judged: JudgedSurface) -> SmoothValue:
 def _near_largest(judged: JudgedSurface) -> NDArray[np.bool_]:
     """Return which judged nodes count in the norm: all nodes in all states of a cycle would fill memory."""
     ranges = signed_von_mises_ranges(judged.at(judged.nodes), judged.states)
-    top = np.max([one.local.amplitude_MPa + np.abs(one.local.mean_MPa) for one in ranges], axis=0)
+    top = np.max([larger_end_MPa(one.local.amplitude_MPa, one.local.mean_MPa) for one in ranges], axis=0)
     return np.asarray(top > top.max() * _NEGLIGIBLE ** (1 / _POWER))

@@ -17,8 +17,9 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
-from cranktopo.engine.histories import load_history, torque_amplitude_Nm
+from cranktopo.engine.histories import HistoryKind, load_history, tangential_range_N, torque_amplitude_Nm
 from cranktopo.engine.states import extreme_states
+from cranktopo.engine.vibration.vibrating_shaft import VibratingShaft
 from tests.fast_twin import FLYWHEEL_KG_M2, LOSS, PULLEY_KG_M2, PULLEY_NM, THROW_NM, fast_twin
 
 VIBRATING = INERTIA_EFFECTS | {"bending", "torsion", "torsional_vibration"}
@@ -109,3 +110,15 @@ def test_the_rule_takes_all_the_torque_behind_a_throw_whose_free_end_is_bare() -
     found = torque_amplitude_Nm(scene, history, "cycle", plain)
     assert found == pytest.approx((999.15 + 376.50) / 2, rel=1e-4)  # engine torque by hand, N m
     assert found == pytest.approx(np.ptp(history.torque_Nm), rel=1e-3)
+
+
+def test_the_range_is_solved_once_for_all_histories(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Extremes, cycle and the force at outlets ask for its worst and extreme speeds, one after another."""
+    scene, solved = fast_twin(name="solved-once"), []
+    solve = VibratingShaft.over_the_range
+    monkeypatch.setattr(VibratingShaft, "over_the_range", lambda own: solved.append(1) or solve(own))
+    kinds: tuple[HistoryKind, ...] = ("extremes", "cycle")
+    for kind in kinds:
+        torque_amplitude_Nm(scene, load_history(scene, kind, VIBRATING), kind, VIBRATING)
+    tangential_range_N(scene, VIBRATING)
+    assert len(solved) == 1
