@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from cranktopo.base.arrays import Array
 
@@ -121,6 +120,8 @@ class _Search:
 
     def _touch(self, sample: int, way: int) -> _Corner:
         """Return where a line that falls onward, the way along the throw, leaves the outline."""
+        from scipy.optimize import minimize_scalar
+
         y = self.y[np.clip([sample - way, sample + way], 0, len(self.y) - 1)]
         bounds = float(y.min()), float(y.max())
 
@@ -146,7 +147,7 @@ class _Search:
             return touch[1] - slope * (place - touch[0]) - float(self.width(np.array(place)))
 
         open_, closed = float(self.y[sample - way]), float(self.y[sample])
-        place = closed if gap(closed) >= 0 else float(brentq(gap, open_, closed, xtol=1e-12))
+        place = closed if gap(closed) >= 0 else _zero(gap, open_, closed)
         return place, float(self.width(np.array(place)))
 
     def _flat(self, before: int, after: int) -> tuple[_Corner, ...]:
@@ -157,10 +158,16 @@ class _Search:
 
         start, end = self.ends
         if before >= 0:
-            start = float(brentq(gap, self.y[before], self.y[before + 1], xtol=1e-12))
+            start = _zero(gap, self.y[before], self.y[before + 1])
         if after < len(self.y):
-            end = float(brentq(gap, self.y[after - 1], self.y[after], xtol=1e-12))
+            end = _zero(gap, self.y[after - 1], self.y[after])
         return (start, self.land_mm), (end, self.land_mm)
+
+
+def _zero(gap: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import brentq
+
+    return float(brentq(gap, low, high, xtol=1e-12))
 
 
 def _valley(fall: _Corner, rise: _Corner, slope: float, land_mm: float) -> tuple[_Corner, ...]:

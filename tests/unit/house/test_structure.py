@@ -170,3 +170,13 @@ def test_help_loads_nothing_heavy() -> None:
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "optimise" in result.stdout
     assert result.stderr.strip() == "[]"
+
+
+def test_reading_a_design_loads_no_optimiser() -> None:
+    """Every command reads one; optimisers and interpolators of SciPy take a quarter of the time of that."""
+    code = (
+        "import sys; from cranktopo.design.loading import load_scene; load_scene('car-diesel'); "
+        "print([m for m in ('scipy.optimize', 'scipy.spatial', 'scipy.interpolate') if m in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert told.strip() == "[]"
