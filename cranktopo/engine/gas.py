@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -141,7 +141,7 @@ def _burn_rate(model: _Combustion, angle_deg: Array) -> Array:
 
 def _burn_integral(model: _Combustion, angle_deg: Array) -> Array:
     """Integral of v^(n-1) dx from the start of burning to each angle (ascending, not before the start)."""
-    nodes, weights = np.polynomial.legendre.leggauss(4)
+    nodes, weights = _gauss_points()
     ends = np.concatenate([[model.start_deg], angle_deg])
     # Long steps are halved until none exceeds 1 deg, so that the 4-point rule is good to 1e-8.
     parts = max(1, int(np.ceil(np.diff(ends).max(initial=0.0))))
@@ -151,6 +151,13 @@ def _burn_integral(model: _Combustion, angle_deg: Array) -> Array:
     values = _volume(model, points)[0] ** (model.gas.polytropic_expansion - 1.0) * _burn_rate(model, points)
     steps: Array = (values * weights * np.radians(half)).sum(axis=(1, 2))
     return np.cumsum(steps)
+
+
+@cache
+def _gauss_points() -> tuple[Array, Array]:
+    """Return places from -1 to 1 and their weights; finding them takes longer than using them."""
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    return nodes, weights
 
 
 def _expansion(model: _Combustion, angle_deg: Array) -> Array:

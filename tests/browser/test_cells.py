@@ -56,6 +56,7 @@ def test_faces_between_cells_are_left_out(visit: Any, page: Path) -> None:
     assert triangles(seen.page) - 2 * 12 == 2 * 6
 
 
+@pytest.mark.slow
 def test_cells_are_where_they_are(visit: Any, page: Path) -> None:
     """From the front x points right and y up; the journal and pin boxes are seen from the side instead."""
     seen = visit(page)

@@ -68,6 +68,7 @@ def test_verdict_comes_first(visit: Any, run: Path, metrics: dict[str, Any]) -> 
     assert f"{metrics['mass_kg']['throw']:.3f} kg" in text
 
 
+@pytest.mark.slow
 def test_the_throw_is_drawn_the_right_way_round(visit: Any, run: Path) -> None:
     """From the crankpin side the pin is in front: a grey ring above the middle, the web around and below."""
     seen = visit(run / "report.html")
@@ -113,6 +114,7 @@ def test_keys_turn_zoom_and_reset(visit: Any, run: Path) -> None:
         np.testing.assert_array_equal(seen.picture(), start)
 
 
+@pytest.mark.slow
 def test_pointer_turns(visit: Any, run: Path) -> None:
     seen = visit(run / "report.html")
     start = seen.picture()
@@ -127,6 +129,7 @@ def test_pointer_turns(visit: Any, run: Path) -> None:
     assert (seen.picture() != start).any(axis=2).mean() > 0.02
 
 
+@pytest.mark.slow
 def test_whole_throw_is_longer(visit: Any, run: Path) -> None:
     seen = visit(run / "report.html")
     seen.page.get_by_role("button", name="Side", exact=True).click()
@@ -201,12 +204,13 @@ def test_pictures_have_words(visit: Any, run: Path) -> None:
     assert all(len(text) > 20 for text in words)
 
 
-@pytest.mark.parametrize("width", [360, 820])
+@pytest.mark.parametrize("width", [360, pytest.param(820, marks=pytest.mark.slow)])
 def test_narrow_screens_need_no_sideways_scrolling(visit: Any, run: Path, width: int) -> None:
     page = visit(run / "report.html", viewport={"width": width, "height": 780}, is_mobile=True).page
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.slow
 def test_dark_and_paper(visit: Any, run: Path) -> None:
     seen = visit(run / "report.html", color_scheme="dark")
     background = "getComputedStyle(document.body).backgroundColor"

@@ -49,6 +49,7 @@ def sides(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return left, right
 
 
+@pytest.mark.slow
 def test_colours_follow_the_stress(visit: Any, page: Path) -> None:
     seen = visit(page)
     seen.page.get_by_role("button", name="Front").click()

@@ -304,6 +304,7 @@ def test_a_range_is_dragged_along_an_axis(opened: Any) -> None:
     assert page.locator("[data-count]").inner_text().startswith(f"{POINTS} of")
 
 
+@pytest.mark.slow
 def test_picks_lead_to_their_point(opened: Any, record: SweepResult) -> None:
     page = opened()
     for number, one in enumerate(record.picks.values()):
@@ -324,6 +325,7 @@ def test_a_pick_says_first_what_got_worse_and_its_mass(opened: Any, record: Swee
         assert pick.locator("strong").inner_text().startswith("web width ")
 
 
+@pytest.mark.slow
 def test_numbers_have_the_digits_of_their_error(opened: Any, record: SweepResult) -> None:
     page = opened()
     cells = page.locator("[data-table] tbody tr:not(.base)").first.locator("td").all_inner_texts()
@@ -339,7 +341,7 @@ def test_numbers_have_the_digits_of_their_error(opened: Any, record: SweepResult
     [
         {},
         pytest.param({"color_scheme": "dark"}, marks=pytest.mark.slow),
-        {"viewport": {"width": 360, "height": 740}},
+        pytest.param({"viewport": {"width": 360, "height": 740}}, marks=pytest.mark.slow),
     ],
 )
 def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, Any]) -> None:

@@ -78,6 +78,7 @@ def test_an_ellipse_is_known_by_its_points() -> None:
     assert ring_of(np.stack([tilted * np.sin(v), 48.0 + tilted * np.cos(v), z], axis=1), 48.0) is None
 
 
+@pytest.mark.slow
 def test_elliptical_fillets_are_the_body_s(step_of: Callable[..., Path], mikron: Scene) -> None:
     round_, flat = with_fillets(3.25, 1.75), {"fillet_axial_mm": 3.0}
     pin = round_.throw.crankpin.model_copy(update=flat)
@@ -94,6 +95,7 @@ def test_fillets_are_the_body_s_and_not_the_design_s(step_of: Callable[..., Path
     assert radii_of(fillets_of_step(path, mikron)) == (3.25, 1.75)
 
 
+@pytest.mark.slow
 def test_fillets_that_another_program_rolled(mikron: Scene, tmp_path: Path) -> None:
     """Edges of a sharp body rounded by the kernel, not turned with the journals as this program does it."""
     path, rings = tmp_path / "rolled.step", ((0.0, mikron.web_z_mm[0]), (48.0, mikron.web_z_mm[1]))
@@ -114,7 +116,10 @@ def test_fillets_that_another_program_rolled(mikron: Scene, tmp_path: Path) -> N
     assert radii_of(fillets_of_step(path, mikron)) == (2.0, 2.0)
 
 
-@pytest.mark.parametrize(("main_mm", "pin_mm", "where"), [(0.0, 2.5, "main journal"), (2.5, 0.0, "crankpin")])
+@pytest.mark.parametrize(
+    ("main_mm", "pin_mm", "where"),
+    [(0.0, 2.5, "main journal"), pytest.param(2.5, 0.0, "crankpin", marks=pytest.mark.slow)],
+)
 def test_a_sharp_body_is_refused(
     main_mm: float, pin_mm: float, where: str, step_of: Callable[..., Path], mikron: Scene
 ) -> None:
@@ -136,7 +141,10 @@ def test_a_fillet_elsewhere_is_named(step_of: Callable[..., Path], mikron: Scene
         fillets_of_step(path, other)
 
 
-@pytest.mark.parametrize(("web", "mirrored"), [({}, True), ({"pocket": [LOPSIDED]}, False)])
+@pytest.mark.parametrize(
+    ("web", "mirrored"),
+    [pytest.param({}, True, marks=pytest.mark.slow), ({"pocket": [LOPSIDED]}, False)],
+)
 def test_symmetric_bodies_are_halved(
     web: dict[str, Any], mirrored: bool, step_of: Callable[..., Path], mikron: Scene
 ) -> None:

@@ -75,7 +75,7 @@ def test_quiet_and_verbose_exclude_each_other(name: str, capsys: pytest.CaptureF
         ["loads"],
         ["plan"],
         pytest.param(["export", "mikron-iiic"], marks=pytest.mark.slow),
-        ["drawing", "mikron-iiic"],
+        pytest.param(["drawing", "mikron-iiic"], marks=pytest.mark.slow),
     ],
 )
 def test_a_quick_command_that_is_quiet_tells_its_answer_alone(

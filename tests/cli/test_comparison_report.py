@@ -361,6 +361,7 @@ def test_goals_and_the_page_without_a_safety(
     assert "own-casting: safety not judged: a surface file has no true fillets." in text
 
 
+@pytest.mark.slow
 def test_a_baseline_that_is_not_judged(
     tmp_path: Path, half_judged: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

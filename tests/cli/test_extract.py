@@ -60,7 +60,9 @@ def test_stored_designs_are_small_and_true(run: Path) -> None:
     assert (run / "density" / f"iteration-{ITERATIONS:04d}.npz").stat().st_size < 2 * x.size + 1000
 
 
-@pytest.mark.parametrize("iteration", range(2, ITERATIONS + 1))
+@pytest.mark.parametrize(
+    "iteration", [2, *(pytest.param(later, marks=pytest.mark.slow) for later in range(3, ITERATIONS + 1))]
+)
 def test_every_design_has_a_surface(run: Path, iteration: int, tmp_path: Path, capsys: Capture) -> None:
     out = tmp_path / "web.stl"
     found = extract(capsys, str(run), "--iteration", str(iteration), "--out", str(out))
@@ -73,6 +75,7 @@ def test_every_design_has_a_surface(run: Path, iteration: int, tmp_path: Path, c
     assert np.minimum(np.abs(radius - 21), np.abs(radius - 12)).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_stored_design_gives_the_surface_of_the_exact_one(run: Path, tmp_path: Path, capsys: Capture) -> None:
     found = extract(capsys, str(run), "--iteration", str(ITERATIONS), "--out", str(tmp_path / "half.stl"))
     exact = extract(capsys, str(run))

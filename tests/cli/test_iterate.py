@@ -275,6 +275,7 @@ def test_the_loop_ends_when_the_web_is_thin(quick: list[str], tmp_path: Path, ca
     assert data["best_step"] is None
 
 
+@pytest.mark.slow
 def test_a_loop_is_shown_and_listed_as_one(
     quick: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:

@@ -107,6 +107,7 @@ def test_a_step_body_that_lies_right_is_evaluated(tmp_path: Path, capsys: pytest
     assert json.loads(out)["evaluations"][0]["unbalance_kg_mm"] == pytest.approx(37.56, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_throw_with_drillings_that_open_in_its_ends_lies_right(tmp_path: Path) -> None:
     """The kernel's box of such a body reaches 1.6 mm beyond both end sections."""
     data = load_scene("mikron-iiic-plain").model_dump(mode="json", by_alias=True, exclude_none=True)

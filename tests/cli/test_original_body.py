@@ -53,7 +53,8 @@ def web_mm3(scene: Scene, **grid: Any) -> float:
     return float((domain.web * domain.volume_mm3).sum()) / domain.symmetry_fraction / 2
 
 
-@pytest.mark.parametrize("suffix", [".step", pytest.param(".stl", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".step", ".stl"])
 def test_cells_hold_the_web_of_the_body(suffix: str, body_of: Callable[..., Path], mikron: Scene) -> None:
     """A web 6 mm wider than the design's; the fillets lie outside the web."""
     wider = mikron_with(2.5, width_mm=56.0)

@@ -66,9 +66,9 @@ def test_every_part_is_named_in_the_template() -> None:
 
 
 def test_a_sketch_replaces_a_file_only_by_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "bevel.svg"
+    path = tmp_path / "web.svg"
     path.write_text("mine", encoding="utf-8")
-    assert main(["designs", "sketch", "bevel", str(path)]) == 2
+    assert main(["designs", "sketch", "web", str(path)]) == 2
     assert path.read_text(encoding="utf-8") == "mine"
-    assert main(["designs", "sketch", "bevel", str(path), "--force"]) == 0
+    assert main(["designs", "sketch", "web", str(path), "--force"]) == 0
     assert "<svg" in path.read_text(encoding="utf-8")

@@ -39,7 +39,7 @@ def shell(line: str, folder: Path, **settings: str) -> subprocess.CompletedProce
         pytest.param("cranktopo plan nothing --json >&-", 3, "no such file", marks=pytest.mark.slow),
         ("cranktopo designs list > /dev/full", 3, "error: output: cannot be used: No space left on device."),
         pytest.param("cranktopo plan nothing 2> /dev/full", 3, "", marks=pytest.mark.slow),
-        ("cranktopo plan nothing --json > /dev/full", 3, "no such file"),
+        pytest.param("cranktopo plan nothing --json > /dev/full", 3, "no such file", marks=pytest.mark.slow),
         ("set -o pipefail; cranktopo designs list | true", 0, ""),
     ],
 )
@@ -88,6 +88,7 @@ def test_without_a_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert private_cache("code") is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("platform", ["cuda"])
 def test_a_device_that_is_not_there(platform: str, tmp_path: Path) -> None:
     result = shell("cranktopo optimise --resolution-mm 4.5", tmp_path, JAX_PLATFORMS=platform)

@@ -34,6 +34,7 @@ def script(folder: Path, body: str) -> list[str]:
     return [sys.executable, str(file)]
 
 
+@pytest.mark.slow
 def test_a_script_without_a_main_guard_is_told_so(tmp_path: Path) -> None:
     file = tmp_path / "script.py"
     file.write_text("from cranktopo import sweep\nsweep(vary={'web.width_mm': [50, 52]}, out='out')\n")

@@ -123,6 +123,7 @@ def test_propeller_without_flywheel_is_a_warning(tmp_path: Path, capsys: pytest.
     assert "Barred" not in found.out
 
 
+@pytest.mark.slow
 def test_elements_of_a_design_without_a_shaft(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -248,6 +249,7 @@ def test_an_endless_run_up_is_refused_before_anything_is_solved(
     assert "--run-up 72000 s: must be >=" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_cylinder_that_does_not_fire(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By option or key alike; `worst` has the same numbers for it, one line a cylinder, beside all firing."""
     table = GIVEN + "flywheel = {inertia_kg_m2 = 0.1}\ndriven = {inertia_kg_m2 = 0.5}\n"

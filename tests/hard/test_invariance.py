@@ -77,6 +77,7 @@ def cycle(
     return work, float(result.relative_residual[0]), int(result.iterations)
 
 
+@pytest.mark.slow
 def test_half_the_smoothing_of_large_grids(float64: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same answer after more, cheaper cycles; far fewer than without the coarse levels."""
     system, tables = assembled(Block("", FIELD))

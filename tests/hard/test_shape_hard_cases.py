@@ -88,7 +88,12 @@ def growth(model: WebModel, goal: Goal) -> FeatureSelection:
     return FeatureSelection(model, model.webs(), (both, both), model.original, Work())
 
 
-@pytest.mark.parametrize("name", STARTS)
+QUICK = "outline across the fillets", "bevel on the journal", "groove against bore", "pocket against bevel"
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in STARTS]
+)
 def test_a_start_that_breaks_the_rules_ends_in_a_web_that_can_be_made(
     name: str, model: WebModel, mikron: Scene
 ) -> None:

@@ -12,6 +12,7 @@ from tests.studies.cantilever import cantilever
 LENGTH, SIDE = 512, 4
 
 
+@pytest.mark.slow
 def test_first_method_gets_there(float64: None) -> None:
     """Directions in float32 leave a true residual of 27 loads. Tip deflection by Euler and Bernoulli."""
     model, _ = cantilever((LENGTH, SIDE, SIDE))

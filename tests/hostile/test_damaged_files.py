@@ -32,7 +32,7 @@ from tests.plain_runs import plain_runs
 from tests.shape_stand_in import ShapeStandIn
 
 DESIGN = "mikron-iiic-plain"
-QUICK = {"step": 4, "stl": 60, "optimise": 60, "sweep": 60, "shape": 60}
+QUICK = {"step": 3, "stl": 60, "optimise": 60, "sweep": 30, "shape": 60}
 SLOW = {"step": 150, "stl": 650, "optimise": 600, "sweep": 350, "shape": 350}
 Files = dict[str, bytes]
 STORED = {

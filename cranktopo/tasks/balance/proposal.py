@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from cranktopo.base.errors import CranktopoError, invalid
@@ -19,6 +21,8 @@ _HALF_ANGLE_DEG = 60.0
 OTHER_ANGLES_DEG = 20.0, 90.0, 10.0
 """First, last and step of the half-angles that are tried where that of the web finds no place."""
 _DIGITS = 2
+_OF_A_CUBE = 1e-7
+"""Share of the cube of the least radius to which that of the found one is known."""
 _LARGEST = 3.0
 """Largest outer radius that is looked at, over the throw radius."""
 
@@ -97,16 +101,20 @@ def _other_angles_deg(own_deg: float) -> list[float]:
 
 
 def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounterweight | None:
-    """Return the counterweight of a half-angle; None where no outer radius balances the share."""
+    """Return the counterweight of a half-angle; None where no outer radius balances the share.
+
+    It is sought by the cube of the radius, of which the unbalance of a sector is a straight line.
+    """
     from scipy.optimize import brentq
 
-    def excess(radius_mm: float) -> float:
-        return _factor_percent(_weighted(scene, radius_mm, angle_deg)) - percent
+    @cache
+    def excess(cube_mm3: float) -> float:
+        return _factor_percent(_weighted(scene, cube_mm3 ** (1 / 3), angle_deg)) - percent
 
-    low, high = scene.throw.main_journal.radius_mm, _LARGEST * scene.throw.radius_mm
+    low, high = scene.throw.main_journal.radius_mm**3, (_LARGEST * scene.throw.radius_mm) ** 3
     if excess(low) > 0 or excess(high) < 0:
         return None
-    radius = round(float(brentq(excess, low, high, xtol=1e-6)), _DIGITS)
+    radius = round(float(brentq(excess, low, high, xtol=_OF_A_CUBE * low)) ** (1 / 3), _DIGITS)
     found = _weighted(scene, radius, angle_deg)
     weight = found.web.counterweight
     assert weight is not None

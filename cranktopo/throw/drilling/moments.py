@@ -19,7 +19,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.outlet import DrillOutlet, ring_points
 from cranktopo.throw.drilling.table import drill_bores
-from cranktopo.throw.feature import ThrowView
+from cranktopo.throw.feature import JournalsView, ThrowView
 from cranktopo.throw.moments import Moments, integrate
 
 Part = Literal["main_journal", "web", "crankpin"]
@@ -42,17 +42,23 @@ def drilled(scene: ThrowView, part: Part | None = None, before_z_mm: float | Non
     total = none = Moments(0.0, 0.0, 0.0, 0.0)
     for bore in drill_bores(scene):
         for name in PARTS if part is None else (part,):
-            total = total + _bored(scene, bore, name, before_z_mm)
-            rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm and outlet.journal == name)
             ends = (0.0, _end(scene, bore))
+            total = total + _bored(scene.throw, (*scene.web_z_mm, ends[1]), bore, name, before_z_mm)
+            rounded = (outlet for outlet in bore.outlets if outlet.rounding_mm and outlet.journal == name)
             rings = (_ring(bore.radius_mm, outlet, ends, before_z_mm) for outlet in rounded)
             total = total + sum((Moments(*ring) for ring in rings), none)
     return total
 
 
 @lru_cache(maxsize=64)
-def _bored(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> Moments:
-    slice_at = _Slices(scene, bore, part, before_z_mm)
+def _bored(
+    throw: JournalsView, z_mm: tuple[float, float, float], bore: DrillBore, part: Part, before: float | None
+) -> Moments:
+    """Return what a bore takes out of a part; both faces of the web and the end of the bore are at heights.
+
+    Of the web nothing else counts: another one, as a search tries them, loses as much.
+    """
+    slice_at = _Slices(throw, z_mm, bore, part, before)
     kinks = np.clip(np.array(slice_at.kinks_mm) / bore.radius_mm, -1, 1)
     turns = np.arcsin(np.unique(np.concatenate([[-1.0, 0.0, 1.0], kinks])))
 
@@ -68,8 +74,15 @@ def _bored(scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | N
 class _Slices:
     """Sections of a part of the half throw and a drilling, in planes beside each other along the crank."""
 
-    def __init__(self, scene: ThrowView, bore: DrillBore, part: Part, before_z_mm: float | None) -> None:
-        self._before = before_z_mm
+    def __init__(
+        self,
+        throw: JournalsView,
+        z_mm: tuple[float, float, float],
+        bore: DrillBore,
+        part: Part,
+        before: float | None,
+    ) -> None:
+        self._before = before
         self._start = np.array(bore.outlets[0].point_mm)
         direction = bore.direction
         level = float(np.hypot(*direction[:2]))
@@ -77,11 +90,9 @@ class _Slices:
         self._along = direction[:2] / level
         self._aside = np.array([-self._along[1], self._along[0]])
         self._ends = bore.extent_mm
-        throw, (low, high) = scene.throw, scene.web_z_mm
+        low, high, end = z_mm
         (main, _), (pin, radius) = throw.journals
-        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, _end(scene, bore))}[
-            part
-        ]
+        self._z = {"main_journal": (0.0, low), "web": (low, high), "crankpin": (high, end)}[part]
         bores = {"main_journal": (main, 0.0), "crankpin": (pin, radius)}
         own = [bores[part]] if part in bores else list(bores.values())
         self._solid = None if part == "web" else self._circle(own[0][1], own[0][0].radius_mm)

@@ -170,6 +170,7 @@ def test_compliance_under_the_body_force(float64: None, mikron: Scene) -> None:
     assert float(jnp.sum(without_mass * direction)) != pytest.approx(expected, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_volume_derivative(setting: tuple[ThrowModel, MaterialInterpolation, jax.Array]) -> None:
     _, density_chain, x = setting
     _, by_x = design_gradients(

@@ -79,6 +79,7 @@ AXIAL = PlaneCriterion(
 )
 
 
+@pytest.mark.slow
 def test_criteria_of_planes_find_the_least_safety_of_all_points(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -132,6 +132,7 @@ def test_a_load_that_turns_with_the_journal_is_a_steady_one_turned_about() -> No
 PULSE = 12000.0 * np.exp(-(((ANGLE - 90.0) / 30.0) ** 2)) + 2500.0 * np.exp(1j * np.radians(2 * ANGLE))
 
 
+@pytest.mark.slow
 def test_scaled_units_give_the_same_orbit() -> None:
     """Half the clearance, four times the load; the speed doubled, the viscosity halved."""
     base = steady(PULSE)

@@ -74,6 +74,7 @@ def test_the_throw_in_one_piece(scene: Scene, whole: MeshedThrow) -> None:
     assert static[6] > 1.5 * exact[6], "static fields alone are another body"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 def test_the_throw_by_calculix(scene: Scene, tmp_path: Path) -> None:
     both = mesh_throw(scene, SIZE_MM, full=True, quarter=False)

@@ -35,7 +35,7 @@ GRIDS = [(1, 1, 1), (4, 3, 5), (2, 3, 16), (3, 2, 17), (5, 4, 33), (21, 30, 34)]
 
 
 def _grids(*quick: int) -> list[Any]:
-    """Return all grids, of which those of some places are quick: what the products of all grids rest on."""
+    """Return all grids, of which those of some places are quick."""
     return [
         grid if place in quick else pytest.param(grid, marks=pytest.mark.slow)
         for place, grid in enumerate(GRIDS)
@@ -103,7 +103,7 @@ def _close(found: jax.Array, expected: jax.Array, precision: Precision) -> None:
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("cells", GRIDS)
+@pytest.mark.parametrize("cells", _grids(0, 3, 4))
 def test_product_with_the_stiffness(
     cells: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,7 +114,7 @@ def test_product_with_the_stiffness(
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("nodes", GRIDS)
+@pytest.mark.parametrize("nodes", _grids(0, 3, 4))
 def test_product_with_a_stencil(
     nodes: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -127,7 +127,7 @@ def test_product_with_a_stencil(
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 @pytest.mark.parametrize("operator", ["stiffness", "stencil"])
-@pytest.mark.parametrize("cells", _grids(1, 4))
+@pytest.mark.parametrize("cells", _grids(4))
 def test_smoothing(
     cells: tuple[int, int, int],
     operator: str,
@@ -143,7 +143,7 @@ def test_smoothing(
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
-@pytest.mark.parametrize("cells", _grids(1, 3, 5))
+@pytest.mark.parametrize("cells", _grids(1, 4))
 def test_strain_energies(
     cells: tuple[int, int, int], precision: Precision, float64: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -37,6 +37,7 @@ def body(mikron: Scene) -> Manifold:
     return body_of(known_scene(mikron, MORE))
 
 
+@pytest.mark.slow
 def test_voxel_fill_has_the_volume_of_the_web(mikron: Scene, body: Manifold) -> None:
     """Chords are exact in x; three lines per cell in y and z leave 1e-3."""
     start, end = mikron.web_z_mm

@@ -60,6 +60,7 @@ def safeties(found):
     return np.array([found.strength.elements.yield_safety, found.strength.elements.fatigue_safety])
 
 
+@pytest.mark.slow
 def test_the_lightest_rod_of_a_grid_is_found_where_the_closed_form_is_blind():
     """The grid asks the judge itself, 0.5 mm apart; the closed form alone would end at less safety."""
     task, least = search(), safeties(narrow(OWN))

@@ -92,7 +92,7 @@ def test_the_search_has_the_safety_of_the_assessment(coarse: tuple[Scene, MeshMo
         assert found.gradients[name] @ direction == pytest.approx(measured, rel=2e-2, abs=1e-5)
 
 
-@pytest.mark.parametrize("method", ["lsa", "fkm"])
+@pytest.mark.parametrize("method", ["lsa", pytest.param("fkm", marks=pytest.mark.slow)])
 def test_a_core_of_one_hardness_is_the_untreated_crank(
     coarse: tuple[Scene, MeshModel, StressModel], method: str
 ) -> None:

@@ -117,6 +117,7 @@ def test_gradients_are_those_of_the_moved_mesh(case: Case) -> None:
             )
 
 
+@pytest.mark.slow
 def test_gradients_beside_round_corners_in_the_sides() -> None:
     scene, layout, values = rounded_web()
     model, step = MeshModel(scene, layout, values, COARSE_MM), 1e-3

@@ -59,7 +59,7 @@ def values_of(scene: Scene) -> np.ndarray:
 
 @pytest.mark.parametrize(
     "case",
-    [pytest.param(None, marks=pytest.mark.slow), rounded_web, die_web],
+    [*(pytest.param(case, marks=pytest.mark.slow) for case in (None, rounded_web)), die_web],
     ids=["every feature", "drafted pockets", "drafted bevels"],
 )
 def test_gradients_of_every_quantity_are_those_of_differences(

@@ -135,6 +135,7 @@ def test_a_check_without_memory_leaves_the_others(
     assert "CalculiX" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("megabytes", [60, 180, 300, 700, 770, 1556])
 def test_doctor_with_little_memory(megabytes: int, tmp_path: Path) -> None:
     """By 100 to 300 MB, libraries end in many ways: an abort by Rust or OpenBLAS, a lock for ever."""

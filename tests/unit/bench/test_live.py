@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +21,6 @@ from cranktopo.tasks.bench.live import live_numbers
 from cranktopo.tasks.loads.stage import loads_at_speeds
 
 ANSWERS = {"layout": "in-line", "cylinders": 6, "bore_mm": 320, "stroke_mm": 480, "speed_rpm": 750}
-SIX = parse_toml(new_design({**ANSWERS, "peak_pressure_MPa": 20, "power_kW": 3150})[0], "six")
 LINE = {
     "shaft.coupling.stiffness_Nm_per_rad": 500000.0,
     "shaft.coupling.inertia_kg_m2": 100.0,
@@ -34,8 +34,17 @@ LINE = {
     "engine.masses.piston_group_kg": 1.0,
     "engine.masses.rod_reciprocating_kg": 1.0,
 }
-SHAFT = changed_data(SIX, LINE)
 RESTING = ["natural_frequency", "m53_pin", "m53_journal"]
+
+
+@cache
+def six() -> dict[str, Any]:
+    """A marine six of a known power, without a shaft."""
+    return parse_toml(new_design({**ANSWERS, "peak_pressure_MPa": 20, "power_kW": 3150})[0], "six")
+
+
+def shaft() -> dict[str, Any]:
+    return changed_data(six(), LINE)
 
 
 def closed_form(data: dict[str, Any]) -> float:
@@ -44,7 +53,7 @@ def closed_form(data: dict[str, Any]) -> float:
 
 def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
     """Elements find a throw up to 1.56 times stiffer: at a resonance the rule's number is another one."""
-    told = live_numbers(SHAFT)
+    told = live_numbers(shaft())
     assert (told["stiffness"], told["of_stiffness"]) == ("closed form", RESTING)
     for name in RESTING:
         assert told["rings"][name].startswith("live, closed-form stiffness: "), "with an error"
@@ -54,7 +63,7 @@ def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
 
 
 def test_without_a_shaft_the_rule_rests_on_no_stiffness() -> None:
-    told = live_numbers(SIX)
+    told = live_numbers(six())
     assert (told["stiffness"], told["of_stiffness"]) == ("", [])
     assert not set(RESTING) & set(told["rings"])
 
@@ -64,19 +73,19 @@ def test_a_settled_stiffness_gives_what_the_design_gives_that_states_it(
 ) -> None:
     """So does `fatigue --method m53`: the stiffness by elements goes into the design, throw by throw."""
     factors = [1.4, 1.2, 1.4, 1.4, 1.1, 1.4]
-    stiffnesses = [factor * closed_form(SHAFT) for factor in factors]
-    given = live_numbers(changed_data(SHAFT, {"shaft.throw_stiffnesses_Nm_per_rad": stiffnesses}))
+    stiffnesses = [factor * closed_form(shaft()) for factor in factors]
+    given = live_numbers(changed_data(shaft(), {"shaft.throw_stiffnesses_Nm_per_rad": stiffnesses}))
     assert (given["stiffness"], given["of_stiffness"]) == ("", []), "exact where the design says it"
-    by_factor = live_numbers(SHAFT, factors)
+    by_factor = live_numbers(shaft(), factors)
     found = SimpleNamespace(stiffness=SimpleNamespace(throws_Nm_per_rad=tuple(stiffnesses)))
     monkeypatch.setattr(settled, "evaluate_shaft", lambda *_: found)
-    by_elements = settled.settled_shaft(SHAFT)
+    by_elements = settled.settled_shaft(shaft())
     assert by_elements["stiffness_factors"] == pytest.approx(factors)
     assert list(by_elements["gauges"]) == RESTING
     for name in RESTING:
         assert by_factor["gauges"][name] == pytest.approx(given["gauges"][name], rel=1e-9)
         assert by_elements["gauges"][name] == pytest.approx(given["gauges"][name], rel=1e-9)
-    assert settled.settled_shaft(SIX) == {"gauges": {}}
+    assert settled.settled_shaft(six()) == {"gauges": {}}
 
 
 def test_an_implausible_pressure_is_told_with_the_gauges() -> None:
@@ -85,11 +94,11 @@ def test_an_implausible_pressure_is_told_with_the_gauges() -> None:
         "engine.gas.exhaust_pressure_MPa": None,
     }
     uncharged |= {"engine.gas.compression_ratio": 9.0, "engine.gas.burn_duration_deg": 60.0}
-    data = changed_data(SIX, uncharged)
+    data = changed_data(six(), uncharged)
     (line,) = live_numbers(data)["warnings"]
     assert "no engine has more than 20 times: give engine.gas.intake_pressure_MPa" in line
     assert loads_at_speeds(scene_from_dict(data, "six"))[0].warnings == (line,)
-    assert live_numbers(SIX)["warnings"] == []
+    assert live_numbers(six())["warnings"] == []
 
 
 def test_a_trace_with_firing_at_360_deg_is_told_with_the_gauges(tmp_path: Path) -> None:
@@ -99,10 +108,10 @@ def test_a_trace_with_firing_at_360_deg_is_told_with_the_gauges(tmp_path: Path) 
     (tmp_path / "trace.csv").write_text("\n".join(["crank_angle_deg,pressure_bar", *rows]), encoding="utf-8")
     trace: dict[str, Any] = {"engine.gas.indicator_csv": str(tmp_path / "trace.csv")}
     trace |= {"engine.gas.peak_pressure_MPa": None, "engine.gas.peak_angle_deg": None}
-    told = live_numbers(changed_data(SIX, trace))
+    told = live_numbers(changed_data(six(), trace))
     assert "write engine.gas.firing_deg = 360" in told["warnings"][0]
     assert told["rings"]["gas_force"] == "live, measured trace"
-    (line,) = live_numbers(changed_data(SIX, {**trace, "engine.gas.firing_deg": 360.0}))["warnings"]
+    (line,) = live_numbers(changed_data(six(), {**trace, "engine.gas.firing_deg": 360.0}))["warnings"]
     assert "exponent" in line
 
 
@@ -113,7 +122,7 @@ def test_what_plan_and_vibration_warn_of_is_told() -> None:
         "shaft.coupling": None,
         "shaft.driven": None,
     }
-    data = changed_data(SHAFT, bare)
+    data = changed_data(shaft(), bare)
     told = live_numbers(data)["warnings"]
     expected = shaft_warnings(scene_from_dict(data, "six", whole=True))
     assert expected

@@ -94,7 +94,7 @@ def test_a_misplaced_body_is_refused_with_the_attitude_that_fits(
     assert "--align" in error.value.hint
 
 
-@pytest.mark.parametrize("name", ["end for end", "crank axis along x"])
+@pytest.mark.parametrize("name", ["end for end", pytest.param("crank axis along x", marks=pytest.mark.slow)])
 def test_journals_alike_but_for_their_lengths_are_told_apart(name: str) -> None:
     """The built-in throw itself: with its fillets, each end shows the sections of the other."""
     whole = load_scene("mikron-iiic-plain")

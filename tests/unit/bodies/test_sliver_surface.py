@@ -50,6 +50,7 @@ def test_small_triangles_are_joined_where_the_surface_cannot_be_meshed(
     )
 
 
+@pytest.mark.slow
 def test_long_triangles_are_cut_first_where_the_surface_cannot_be_meshed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

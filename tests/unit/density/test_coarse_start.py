@@ -33,7 +33,13 @@ def solved_by_nothing(problem: DensityProblem, state: State) -> State:
     return replace(state, history=history, status=status, beta=beta, initial_N_mm=(2.0, 3.0))
 
 
-@pytest.mark.parametrize("name", ["mikron-iiic-plain", "opposed-piston", "car-diesel", "industrial-gas"])
+LARGE = "car-diesel", "industrial-gas"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["mikron-iiic-plain", "opposed-piston", *(pytest.param(n, marks=pytest.mark.slow) for n in LARGE)],
+)
 def test_designs_at_their_own_resolution_start_uniform(name: str) -> None:
     scene = load_scene(name)
     assert coarse_scene(scene, build_domain(scene, scene.optimise.resolution_mm)) is None

@@ -104,11 +104,13 @@ def test_a_large_throw_may_lose_larger_slivers() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        ExtractionMethod("other volume", shift=0.05),
-        ExtractionMethod("far away", blur=5.0),
-        ExtractionMethod("nothing left", shift=0.49),
+        pytest.param(ExtractionMethod(name, **how), id=name, marks=marks)
+        for name, how, marks in (
+            ("other volume", {"shift": 0.05}, pytest.mark.slow),
+            ("far away", {"blur": 5.0}, ()),
+            ("nothing left", {"shift": 0.49}, pytest.mark.slow),
+        )
     ],
-    ids=lambda way: way.name,
 )
 def test_a_way_that_misses_volume_or_place_is_passed_over(
     wrong: ExtractionMethod, grid: DensityGrid, faults: list[str], monkeypatch: pytest.MonkeyPatch

@@ -230,7 +230,10 @@ def _extract_full(scene: Scene, exact_mm3: float) -> WebSurface:
     return extract_half_throw(DensityGrid(origin, cell, np.ones(shape)), scene, fraction)
 
 
-@pytest.mark.parametrize(("envelope", "area_mm2"), _ENVELOPES)
+@pytest.mark.parametrize(
+    ("envelope", "area_mm2"),
+    [_ENVELOPES[0], *(pytest.param(*other, marks=pytest.mark.slow) for other in _ENVELOPES[1:])],
+)
 def test_full_density_fills_the_exact_envelope(envelope: dict[str, Any], area_mm2: float) -> None:
     scene = scene_with(envelope=envelope)
     exact = (area_mm2 - BORES_MM2) * 19

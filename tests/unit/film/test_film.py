@@ -89,6 +89,7 @@ def test_the_big_end_has_the_force_of_the_loads() -> None:
     assert loaded.sleeve[0] == pytest.approx(-ratio)
 
 
+@pytest.mark.slow
 def test_a_groove_takes_film() -> None:
     whole, parted = main_bearing(scene(), 1), main_bearing(scene(OIL + "groove_mm = 5"), 1)
     assert (whole.width_mm, whole.films) == (35.0, 1)

@@ -142,6 +142,7 @@ def check_schema(hooks: Any, name: str, text: str) -> None:
     assert broken(data, schema, schema["$defs"]) == [".design"]
 
 
+@pytest.mark.slow
 def test_a_sweep_keeps_its_schema(hooks: Any, tmp_path: Path) -> None:
     sweep(vary={"web.width_mm": [50, 3]}, out=tmp_path / "out", function=sweep_cases.empty, workers=1)
     check_schema(hooks, "sweep", (tmp_path / "out" / "sweep.json").read_text())

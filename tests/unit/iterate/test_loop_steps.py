@@ -163,6 +163,7 @@ def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mi
     assert mirror_difference(envelope_from_file(path)) < 1e-9
 
 
+@pytest.mark.slow
 def test_an_envelope_with_a_crack_is_simplified_otherwise(
     tmp_path: Path, mikron: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -27,6 +27,7 @@ def limited(scene: Scene, *limits: str) -> Scene:
     return with_goal(found, minimise="mass", maximise=None, limits=limits)
 
 
+@pytest.mark.slow
 def test_values_are_those_of_the_film_command() -> None:
     scene = limited(load_scene("mikron-iiic"), "oil_film >= 1 um")
     (at,) = oil_films(scene).speeds

@@ -74,8 +74,8 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
     "pocket",
     [
         {**BOX, **DRAFT, "corner_radius_mm": 2.5},
-        {**BOX, "corner_radius_mm": 3.0},
-        {**BOX, **DRAFT},
+        pytest.param({**BOX, "corner_radius_mm": 3.0}, marks=pytest.mark.slow),
+        pytest.param({**BOX, **DRAFT}, marks=pytest.mark.slow),
         {**ROUND, **DRAFT},
         {**BOX, **DRAFT, "corner_radius_mm": 2.0, "size_x_mm": 90.0},
         {**BOX, **DRAFT, "corner_radius_mm": 2.5, "floor_radius_mm": 2.5},
@@ -86,7 +86,7 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
             marks=pytest.mark.slow,
         ),
         pytest.param({**SIDE, **DRAFT, "corner_radius_mm": 3.0}, marks=pytest.mark.slow),
-        {**SIDE, "corner_radius_mm": 2.0},
+        pytest.param({**SIDE, "corner_radius_mm": 2.0}, marks=pytest.mark.slow),
         {**SIDE, **DRAFT, "corner_radius_mm": 2.0, "y_mm": 2.0, "depth_mm": 14.0},
         {
             **BOX,

@@ -72,7 +72,10 @@ def test_sloped_pocket_takes_two_frusta(mikron: Scene) -> None:
     [
         {"bevel": [{**PLANE, "y_mm": 50.0}]},
         pytest.param({"bevel": [ARC, {**PLANE, "y_mm": 52.0, "crown_mm": 1.0}]}, marks=pytest.mark.slow),
-        {"bevel": [{**ARC, "crown_mm": -2.5}, {**PLANE, "y_mm": 52.0, "crown_mm": -1.0}]},
+        pytest.param(
+            {"bevel": [{**ARC, "crown_mm": -2.5}, {**PLANE, "y_mm": 52.0, "crown_mm": -1.0}]},
+            marks=pytest.mark.slow,
+        ),
         {"pocket": [{**SLOPED, "draft_deg": 0.0, "depth_mm": 9.0}]},
         {"bevel": [ARC], "pocket": [SLOPED]},
         pytest.param({"bevel": [ARC, {**PLANE, "y_mm": 52.0}], "pocket": [GROOVE]}, marks=pytest.mark.slow),
