@@ -58,13 +58,15 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def compilations(shared: Path) -> Iterator[None]:
-    """Compiled programs, apart from the user's: all test processes and the commands they start share them."""
-    before = os.environ.get("XDG_CACHE_HOME")
-    os.environ["XDG_CACHE_HOME"] = str(shared / "cache")
-    yield
-    os.environ.pop("XDG_CACHE_HOME")
-    if before is not None:
-        os.environ["XDG_CACHE_HOME"] = before
+    """Compiled programs, apart from the user's: all test processes and the commands they start share them.
+
+    Modules too, whose compiling takes a third of the time that a command needs to begin.
+    """
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(shared / "cache"))
+        patched.setenv("PYTHONPYCACHEPREFIX", str(shared / "modules"))
+        patched.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)
