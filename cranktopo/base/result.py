@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError
 
+from cranktopo.base.described import Described
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import is_inside, read_json
 
@@ -38,7 +39,7 @@ def _listed(value: Any) -> Any:
     return [_listed(one) for one in value] if isinstance(value, list | tuple) else value
 
 
-class Result(BaseModel):
+class Result(Described):
     """What a stage returns, and what its command prints with `--json`: fields are keys, units in their names.
 
     Keys that a newer version added are ignored when a file is read.
@@ -47,7 +48,6 @@ class Result(BaseModel):
     model_config = ConfigDict(
         frozen=True,
         extra="ignore",
-        use_attribute_docstrings=True,
         serialize_by_alias=True,
         validate_by_name=True,
     )

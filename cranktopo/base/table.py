@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
+from cranktopo.base.described import Described
 from cranktopo.base.errors import suggest
 
 SMALLEST_MM, LARGEST_MM = 0.05, 20_000.0
@@ -95,15 +96,13 @@ LIKE_WEB: dict[str, JsonValue] = {"like": "web"}
 """A table whose inner tables are those of another one, where they are explained."""
 
 
-class SceneTable(BaseModel):
+class SceneTable(Described):
     """A TOML table: immutable, unknown keys refused; neither text nor `true` counts as a number.
 
     The text below a field is its meaning in the reference of all keys; a required one has an example.
     """
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, use_attribute_docstrings=True, serialize_by_alias=True
-    )
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, serialize_by_alias=True)
 
     @model_validator(mode="before")
     @classmethod
