@@ -22,6 +22,7 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
+from cranktopo.base.root import root
 from cranktopo.design.engine import Engine, Gas, GasAtSpeed
 from cranktopo.design.schema import Scene
 from cranktopo.engine.indicator import read_indicator
@@ -53,10 +54,8 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
     """Return start of burning and heat such that the pressure peaks where and as high as the scene says.
 
     At the peak p' = 0, hence (n - 1) q x' = n p v'; q follows from the integral for a trial start, and the
-    start from this one equation (Brent's method). Raises CranktopoError where none fits the peak.
+    start from this one equation. Raises CranktopoError where none fits the peak.
     """
-    from scipy.optimize import brentq
-
     peak = _given("engine.gas.peak_angle_deg", gas.peak_angle_deg)
 
     def model(start: float) -> _Combustion:
@@ -75,7 +74,7 @@ def fit_combustion(gas: Gas, radius_mm: float, rod_length_mm: float, cycle_deg: 
             f"no start of burning puts the peak there with burn_duration_deg = {gas.burn_duration_deg:g}",
             "Lengthen burn_duration_deg or move the peak.",
         )
-    fitted = model(float(brentq(slope, earliest, latest, xtol=1e-12)))
+    fitted = model(root(slope, earliest, latest, 1e-12))
     _check_is_highest(fitted)
     return fitted
 

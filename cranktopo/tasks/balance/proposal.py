@@ -8,6 +8,7 @@ import numpy as np
 
 from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.result import UNLESS_NONE, Result
+from cranktopo.base.root import root
 from cranktopo.design.balance_factor import rods_kg_mm
 from cranktopo.design.halves import difference
 from cranktopo.design.named import with_values
@@ -105,7 +106,6 @@ def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounter
 
     It is sought by the cube of the radius, of which the unbalance of a sector is a straight line.
     """
-    from scipy.optimize import brentq
 
     @cache
     def excess(cube_mm3: float) -> float:
@@ -114,7 +114,7 @@ def _at_angle(scene: Scene, percent: float, angle_deg: float) -> ProposedCounter
     low, high = scene.throw.main_journal.radius_mm**3, (_LARGEST * scene.throw.radius_mm) ** 3
     if excess(low) > 0 or excess(high) < 0:
         return None
-    radius = round(float(brentq(excess, low, high, xtol=_OF_A_CUBE * low)) ** (1 / 3), _DIGITS)
+    radius = round(root(excess, low, high, _OF_A_CUBE * low) ** (1 / 3), _DIGITS)
     found = _weighted(scene, radius, angle_deg)
     weight = found.web.counterweight
     assert weight is not None

@@ -14,10 +14,12 @@ from itertools import pairwise
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.root import root
 
 _HalfWidth = Callable[[Array], Array]
 _Corner = tuple[float, float]
 _SAMPLES = 4001
+_PLACE_MM = 1e-12
 _TOLERANCE, _INWARD = 1e-7, 1e-9
 """Of half-widths over the outline's length; distance of a sample inward of the ends over it."""
 
@@ -147,7 +149,7 @@ class _Search:
             return touch[1] - slope * (place - touch[0]) - float(self.width(np.array(place)))
 
         open_, closed = float(self.y[sample - way]), float(self.y[sample])
-        place = closed if gap(closed) >= 0 else _zero(gap, open_, closed)
+        place = closed if gap(closed) >= 0 else root(gap, open_, closed, _PLACE_MM)
         return place, float(self.width(np.array(place)))
 
     def _flat(self, before: int, after: int) -> tuple[_Corner, ...]:
@@ -158,16 +160,10 @@ class _Search:
 
         start, end = self.ends
         if before >= 0:
-            start = _zero(gap, self.y[before], self.y[before + 1])
+            start = root(gap, self.y[before], self.y[before + 1], _PLACE_MM)
         if after < len(self.y):
-            end = _zero(gap, self.y[after - 1], self.y[after])
+            end = root(gap, self.y[after - 1], self.y[after], _PLACE_MM)
         return (start, self.land_mm), (end, self.land_mm)
-
-
-def _zero(gap: Callable[[float], float], low: float, high: float) -> float:
-    from scipy.optimize import brentq
-
-    return float(brentq(gap, low, high, xtol=1e-12))
 
 
 def _valley(fall: _Corner, rise: _Corner, slope: float, land_mm: float) -> tuple[_Corner, ...]:
