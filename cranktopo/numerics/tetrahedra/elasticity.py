@@ -77,7 +77,7 @@ def _add_elements(body: Any, parts: Sequence[Pattern], lame: tuple[float, float]
     for which, inverse, dx in inverse_jacobians(body):
         volume += float(dx.sum())
         for part, kind in zip(parts, kinds, strict=False):
-            part.add(which, np.einsum("qnj,eqij->eniq", kind, inverse), dx, lame)
+            part.add(which, np.einsum("qnj,ijeq->eniq", kind, inverse), dx, lame)
     return volume
 
 
@@ -86,7 +86,7 @@ def inverse_jacobians(
 ) -> Iterator[tuple[slice, Array, Array]]:
     """Yield some thousand elements, the inverse Jacobian matrices of their points and the volumes of these.
 
-    The points are those of the stiffness; inverses (elements, points, place, reference), volumes (elements,
+    The points are those of the stiffness; inverses (place, reference, elements, points), volumes (elements,
     points). Of some elements alone, by default all; each part is a slice of these.
 
     Raises:
@@ -97,10 +97,13 @@ def inverse_jacobians(
     count = body.nelements if elements is None else len(elements)
     for start in range(0, count, _CHUNK):
         which = slice(start, start + _CHUNK)
-        minors, determinant = _jacobian(body, which if elements is None else elements[which], reference)
+        rows = _jacobians(body, which if elements is None else elements[which], reference)
+        inverse = np.stack([_crossed(*pair) for pair in ((rows[1], rows[2]), (rows[2], rows[0]), rows[:2])])
+        determinant = _product(rows[0], inverse[0])
         if determinant.min() <= 0:
             raise solver_error("mesh: an element is inverted.", "Choose another element size.")
-        yield which, minors / determinant[..., None, None], determinant * weights
+        inverse /= determinant
+        yield which, inverse, determinant * weights
 
 
 def quadrature(order: int) -> tuple[Array, Array]:
@@ -112,12 +115,21 @@ def quadrature(order: int) -> tuple[Array, Array]:
     return np.vstack([1 - points.sum(axis=0), points]).T, weights
 
 
-def _jacobian(body: Any, which: Any, reference: Array) -> tuple[Array, Array]:
-    """Return minors of Jacobian matrices, (elements, points, 3, 3), and their determinants."""
+def _jacobians(body: Any, which: Any, reference: Array) -> Array:
+    """Return Jacobian matrices, (place, reference, elements, points): whole arrays are crossed at once."""
     nodes = body.doflocs[:, body.dofs.element_dofs[:, which]]
-    jacobian = np.einsum("ine,qnj->eqij", nodes, reference, optimize=True)
-    minors = np.cross(jacobian[..., (1, 2, 0), :], jacobian[..., (2, 0, 1), :])
-    return minors, (jacobian[..., 0, :] * minors[..., 0, :]).sum(axis=-1)
+    return np.asarray(np.einsum("ine,qnj->ijeq", nodes, reference, optimize=True))
+
+
+def _crossed(one: Array, other: Array) -> Array:
+    """Return cross products of vectors along the first axis."""
+    (a, b, c), (d, e, f) = one, other
+    return np.stack([b * f - c * e, c * d - a * f, a * e - b * d])
+
+
+def _product(one: Array, other: Array) -> Array:
+    """Return scalar products of vectors along the first axis."""
+    return np.asarray(one[0] * other[0] + one[1] * other[1] + one[2] * other[2])
 
 
 def _element(order: Order) -> Any:
@@ -154,8 +166,8 @@ def _load_points(model: Elasticity, elements: NDArray[np.intp]) -> tuple[Array, 
     nodes = model.mesh.doflocs[:, model.mesh.dofs.element_dofs[:, elements]]
     places = np.einsum("ine,qn->ieq", nodes, values, optimize=True)
     starts = range(0, len(elements), _CHUNK)
-    parts = [_jacobian(model.mesh, elements[start : start + _CHUNK], reference)[1] for start in starts]
-    return places, np.concatenate(parts) * weights
+    parts = (_jacobians(model.mesh, elements[start : start + _CHUNK], reference) for start in starts)
+    return places, np.concatenate([_product(a, _crossed(b, c)) for a, b, c in parts]) * weights
 
 
 def _gathered(model: Elasticity, elements: NDArray[np.intp], weights: Array) -> Array:

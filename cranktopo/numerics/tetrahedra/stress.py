@@ -98,7 +98,7 @@ def _by_chunks(
     cells = cells if elements is None else cells[:, elements]
     fields = displacement_mm.reshape(len(displacement_mm), -1, 3)
     for which, inverse, dx in inverse_jacobians(model.mesh, elements):
-        shapes = np.einsum("qnj,eqij->qien", reference, inverse, optimize=True)
+        shapes = np.einsum("qnj,ijeq->qien", reference, inverse, optimize=True)
         slopes = np.einsum("qien,fnea->feqai", shapes, fields[:, cells[:, which]], optimize=True)
         yield which, hooke(tensor_strain(slopes), *elastic), dx
 
