@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -101,11 +101,27 @@ def save_pages(figures: Sequence[Figure], path: Path, metadata: dict[str, Any]) 
 
 
 def _names_as_they_are(figure: Figure) -> None:
-    from matplotlib.text import Text
-
-    for text in figure.findobj(Text):
+    for text in _texts(figure):
         if "$" in text.get_text() and _OF_TICKS not in text.get_text():
             text.set_parse_math(False)
+
+
+def _texts(artist: Any) -> Iterator[Any]:
+    """Yield the texts of a figure; of ticks those that have names, since asking for ticks makes them all."""
+    from matplotlib.axis import Axis
+    from matplotlib.category import StrCategoryFormatter
+    from matplotlib.text import Text
+    from matplotlib.ticker import FixedFormatter
+
+    if isinstance(artist, Text):
+        yield artist
+    if isinstance(artist, Axis):
+        named = isinstance(artist.get_major_formatter(), FixedFormatter | StrCategoryFormatter)
+        children = [artist.label, *(artist.get_majorticklabels() if named else ())]
+    else:
+        children = artist.get_children()
+    for child in children:
+        yield from _texts(child)
 
 
 _OF_TICKS = r"\mathdefault"

@@ -25,6 +25,16 @@ def test_a_name_with_dollars_is_drawn_as_it_is(name: str) -> None:
     assert all(label.get_parse_math() for label in axes.get_xticklabels())
 
 
+def test_names_of_ticks_are_drawn_as_they_are() -> None:
+    """Of places and of categories; labels of parts of a figure too."""
+    figure = Figure()
+    above, below = figure.add_subfigure(figure.add_gridspec(1, 1)[0]).subplots(2)
+    above.plot([0, 1], [0, 1])
+    above.set_xticks([0, 1], ["C45 $x^{", "$b$"])
+    below.barh(["$n_{$", "m"], [1, 2])
+    assert png(figure).startswith(b"\x89PNG")
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 @pytest.mark.parametrize("ending", ["pdf", "svg", "png"])
 def test_a_full_disk_is_the_error_of_the_system(ending: str, tmp_path: Path) -> None:
