@@ -63,11 +63,27 @@ def limits_table(goal: GoalOutcome) -> ResultTable:
 
 def broken_limits(goal: GoalOutcome) -> list[str]:
     """Return the limits that do not hold, with what was reached, by the evaluation where there is one."""
-    return [
-        f"{_limit(limit)}: reached {value_text((limit.evaluation or limit).reached, limit.unit)}"
-        for limit in goal.limits
-        if limit.holds is False
+    return [f"{_limit(limit)}: reached {_judged(limit)}" for limit in goal.limits if limit.holds is False]
+
+
+def evaluated_changes(goal: GoalOutcome | None) -> str:
+    """Return what the evaluation says of stiffnesses with limits: `by the evaluation torsion -1.8 %`.
+
+    Empty where it says nothing of them.
+    """
+    told = [
+        f"{limit.quantity} {limit.evaluation.reached_percent - 100:+z.1f} %"
+        for limit in (goal.limits if goal else ())
+        if limit.quantity in ("torsion", "bending")
+        and limit.evaluation is not None
+        and limit.evaluation.reached_percent is not None
     ]
+    return f"by the evaluation {', '.join(dict.fromkeys(told))}" if told else ""
+
+
+def unknown_limits(goal: GoalOutcome) -> list[str]:
+    """Return the limits of which nobody knows whether they hold: `fatigue_safety >= 95 %`."""
+    return [_limit(limit) for limit in goal.limits if limit.holds is None]
 
 
 def short_percent(limit: LimitOutcome) -> float:
@@ -98,14 +114,25 @@ def value_text(value: float | None, unit: str) -> str:
     return f"{number_text(value)} {unit}".rstrip()
 
 
+def _judged(limit: LimitOutcome) -> str:
+    """Return what was reached of a limit, in percent where that is how it is told."""
+    judged = limit.evaluation or limit
+    return _reached(judged, limit.unit) if _shares(limit) else value_text(judged.reached, limit.unit)
+
+
+def _shares(limit: LimitOutcome) -> bool:
+    """Tell whether a limit is a share of the original, of which either model has a value of its own."""
+    return limit.evaluation is not None and limit.evaluation.required != limit.required
+
+
 def _limit(limit: LimitOutcome) -> str:
     required = (limit.evaluation or limit).required
-    if required is None:
+    if required is None or _shares(limit):
         return f"{limit.quantity} {limit.sense} {limit.required_percent:g} %"
     return f"{limit.quantity} {limit.sense} {value_text(required, limit.unit)}"
 
 
-def _reached(entry: GoalOutcome | GoalEvaluation | LimitOutcome, unit: str) -> str:
+def _reached(entry: GoalOutcome | GoalEvaluation | LimitOutcome | LimitEvaluation, unit: str) -> str:
     percent = entry.reached_percent
     return value_text(entry.reached, unit) if percent is None else f"{percent:.1f} %"
 

@@ -25,6 +25,7 @@ from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fea.evaluation import Evaluation, Stiffness
 from cranktopo.tasks.fea.quantities import TORSION
 from cranktopo.tasks.fea.targets import Target
+from tests.page_text import typed_page
 
 NO_FATIGUE = FatigueResult(
     method="lsa", loads="extremes", baseline=None, fatigue=(), percent_of_baseline=None
@@ -299,6 +300,19 @@ def test_safety_on_the_page(tmp_path: Path) -> None:
     assert "Safest against fatigue" in text
     assert "less safe than opposed-piston." in text
     assert "not assessed" not in text
+
+
+@pytest.mark.usefixtures("safeties")
+def test_what_the_rule_does_not_accept_is_said_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the headline, and on the card where the safest of all is no safer than that."""
+    assert main([*BESIDE, "--report", str(tmp_path / "page.html"), "--quiet"]) == 0
+    text = typed_page(tmp_path / "page.html")
+    failing = "opposed-piston-casting not accepted by UR M53, least Q 1.050, 1.15 asked"
+    assert f"FATIGUE: {failing}. opposed-piston" in text
+    assert "opposed-piston not accepted" not in text
+    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.LEAST_FACTOR", 1.5)
+    assert main([*BESIDE, "--report", str(tmp_path / "all.html"), "--quiet"]) == 0
+    assert "the baseline itself; not accepted by UR M53" in typed_page(tmp_path / "all.html")
 
 
 @pytest.fixture

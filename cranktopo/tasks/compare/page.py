@@ -29,7 +29,7 @@ from cranktopo.runs.destination import check_file
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.compare.text import comparison_tables, fillet_lines, method_lines
+from cranktopo.tasks.compare.text import comparison_tables, fillet_lines, method_lines, safety_method
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fatigue.text import FatigueComparison
@@ -141,6 +141,13 @@ def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
 
 
 def _headline(comparison: Comparison) -> str:
+    """Return the verdict; what fails by fatigue comes first, whatever is the stiffest."""
+    failing = [f"{name} {what}" for one in comparison.fatigues for name, what in one.failing.items()]
+    first = f"FATIGUE: {'; '.join(failing)}. " if failing else ""
+    return first + _stiffest(comparison)
+
+
+def _stiffest(comparison: Comparison) -> str:
     row, baseline = comparison.leading(TORSION_PER_MASS), comparison.base.name
     if row == comparison.baseline:
         others = [other for other in range(len(comparison.entries)) if other != row][:_TOLD]
@@ -188,7 +195,9 @@ def _best(comparison: Comparison, quantity: Quantity, label: str) -> Fact:
     note += ", less than the error estimate" if comparison.baseline in level else ""
     note += f"; {' and '.join(rivals)} within the error estimate" if rivals else ""
     status: FactStatus = "neutral" if comparison.baseline in (row, *level) else "good"
-    return Fact(label, comparison.entries[row].name, note, status)
+    name = comparison.entries[row].name
+    failing = comparison.fatigue.failing.get(name) if comparison.fatigue and quantity is SAFETY else None
+    return Fact(label, name, f"{note}; {failing}" if failing else note, "bad" if failing else status)
 
 
 def _against_baseline(comparison: Comparison, row: int, quantity: Quantity) -> str:
@@ -221,7 +230,7 @@ def _goals(comparison: Comparison) -> tuple[Section, ...]:
     base, goals = comparison.base.name, comparison.goals.items()
     lines = [f"{name}: {goal_line(goal, base)}." for name, goal in goals]
     tables = tuple((name, limits_table(goal)) for name, goal in goals)
-    return (Section("goals", "Goals and limits", " ".join(lines), tables),)
+    return (Section("goals", "Goals and limits", " ".join([*lines, *safety_method(comparison)]), tables),)
 
 
 def _safety(comparison: Comparison) -> str:

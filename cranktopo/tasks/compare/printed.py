@@ -16,6 +16,7 @@ from cranktopo.tasks.compare.text import (
     fillet_lines,
     flat_table,
     method_lines,
+    safety_method,
 )
 
 
@@ -59,7 +60,7 @@ def _verdicts(comparison: Comparison, by: _Form) -> list[str]:
 
 
 def _goals(comparison: Comparison, by: _Form) -> list[str]:
-    return [
+    return [by.line(line) for line in safety_method(comparison)] + [
         f"{by.line(f'{name}: {goal_line(goal, comparison.base.name)}')}\n\n{by.table(limits_table(goal))}"
         for name, goal in comparison.goals.items()
     ]

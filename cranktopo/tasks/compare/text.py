@@ -158,6 +158,14 @@ def fillet_lines(bare: Sequence[str]) -> list[str]:
     ]
 
 
+def safety_method(comparison: Comparison) -> list[str]:
+    """Return a sentence that names the method of the fatigue safety in limits; none where none is limited."""
+    limits = (limit for goal in comparison.goals.values() for limit in goal.limits)
+    if comparison.fatigue is None or all(limit.quantity != "fatigue_safety" for limit in limits):
+        return []
+    return [f"fatigue_safety in limits is by {comparison.fatigue.result.method}, the first method asked for."]
+
+
 def method_lines(comparison: Comparison) -> list[str]:
     """Return the line on why the numbers of several methods do not compare; none for a single one."""
     methods = list(comparison.safeties)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
-from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife
+from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife, RuleFatigue
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fea.quantities import MASS, SAFETY
@@ -70,6 +70,19 @@ class FatigueComparison:
     verdicts: tuple[str, ...]
     result: FatigueResult
     not_judged: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def failing(self) -> dict[str, str]:
+        """What fails, by target: a safety below 1, or no acceptance by the rule."""
+        told = {}
+        for one in self.result.fatigue:
+            if isinstance(one, RuleFatigue):
+                if one.verdict != "accepted":
+                    asked = f"{one.least_acceptability:.2f} asked"
+                    told[one.target] = f"{one.verdict} by UR M53, least Q {one.safety:.3f}, {asked}"
+            elif one.safety < 1:
+                told[one.target] = f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
+        return told
 
 
 def compare_fatigue(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from statistics import fmean, median
 from typing import Any
 
@@ -11,9 +10,8 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
-from cranktopo.base.units import plain_number
 from cranktopo.bodies.cells.domain import Domain
-from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.goal.balance_moved import balance_moved
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.density.problem import Assessment, DensityProblem, model_error_percent
 from cranktopo.tasks.density.stage import Prepared
@@ -41,8 +39,6 @@ from cranktopo.tasks.optimise.result import (
 )
 
 SOLID = 0.5
-_FELT_PERCENT = 2.0
-"""Change of the balance factor, of the oscillating mass, that is told."""
 
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
 
@@ -63,6 +59,7 @@ def run_metrics(
     The density is the physical one of the web's layers; result and original are on the same grid.
     """
     scene, domain = prepared.scene, prepared.domain
+    moved = balance_moved(scene, result.quantities, original.quantities)
     return RunMetrics(
         run=run_name,
         design=scene.name,
@@ -82,29 +79,9 @@ def run_metrics(
         solver=_solver(problem, state, result),
         peak_memory_MiB=peak_memory_MiB(),
         effects=prepared.plan.effects,
-        notices=[*prepared.notices, *balance_notices(scene, result.quantities, original.quantities)],
+        notices=[*prepared.notices, *filter(None, [moved])],
         **others,
     )
-
-
-def balance_notices(scene: Scene, result: Mapping[str, float], original: Mapping[str, float]) -> list[str]:
-    """Tell that the balance of an engine that is balanced on purpose moved, as nothing limits it."""
-    name, goal = "balance_factor", wanted(scene)
-    meant = scene.web.counterweight is not None or (
-        scene.engine is not None and scene.engine.arranged.balanced_oscillating_share > 0
-    )
-    limited = goal is not None and {name, "unbalance"} & goal.quantities
-    if not meant or limited or name not in result or name not in original:
-        return []
-    now, before = result[name], original[name]
-    if abs(now - before) < _FELT_PERCENT:
-        return []
-    return [
-        f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "
-        f"{plain_number(before, 3)} % (unbalance {plain_number(result['unbalance'])} and "
-        f"{plain_number(original['unbalance'])} kg mm), and nothing limits it: with a goal, --limit "
-        f"'{name} >= {before - 2:.0f} %' and a second one of <= do"
-    ]
 
 
 def run_seconds(state: State, total: float, outputs: float, compile_s: float, **others: float) -> RunSeconds:

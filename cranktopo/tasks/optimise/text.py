@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from cranktopo.report.goal_table import (
     broken_limits,
+    evaluated_changes,
     evaluation_note,
     goal_line,
     goal_words,
     limits_table,
     unjudged_line,
+    unknown_limits,
 )
 from cranktopo.report.page import Fact, FactStatus
 from cranktopo.report.result_table import terminal, text_table
@@ -49,6 +51,8 @@ def headline(metrics: RunMetrics) -> str:
     """Return the verdict against the original web: limits not judged first, then what is worse."""
     unjudged = unjudged_line(metrics.goal)
     sentence = comparison_sentence("The optimised throw", metrics.changes_percent, "the original")
+    if evaluated := evaluated_changes(metrics.goal):
+        sentence += f" This is on cells; {evaluated}."
     return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
 
 
@@ -128,10 +132,11 @@ def _limits(metrics: RunMetrics) -> list[Fact]:
         return []
     if goal.not_evaluated is not None:
         return [Fact("Limits", "not judged", unjudged_line(goal), "bad")]
-    broken, known = broken_limits(goal), [limit for limit in goal.limits if limit.holds is not None]
+    broken, unknown, count = broken_limits(goal), unknown_limits(goal), len(goal.limits)
     note = "; ".join(broken) if broken else f"{goal_words(goal)} within them"
-    value = f"{len(known) - len(broken)} of {len(known)} hold"
-    return [Fact("Limits", value, note, "bad" if broken else "good")]
+    note += f"; not assessed: {', '.join(unknown)}" if unknown else ""
+    value = f"{count - len(broken) - len(unknown)} of {count} hold"
+    return [Fact("Limits", value, note, "bad" if broken else "unknown" if unknown else "good")]
 
 
 def _mass(metrics: RunMetrics) -> Fact:
@@ -171,6 +176,12 @@ def _status(gain_percent: float) -> FactStatus:
     return "good" if gain_percent > 0 else "bad"
 
 
+def _worse(metrics: RunMetrics) -> list[str]:
+    line = worse_line(metrics.changes_percent, "the original web")
+    evaluated = evaluated_changes(metrics.goal)
+    return [f"{line} on cells; {evaluated}" if evaluated else line] if line else []
+
+
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")
 
 
@@ -179,7 +190,7 @@ def run_summary(metrics: RunMetrics, folder: Path) -> str:
     lines = [
         *filter(None, [unjudged_line(metrics.goal)]),
         f"{metrics.ended}: {metrics.stop_reason}",
-        *filter(None, [worse_line(metrics.changes_percent, "the original web")]),
+        *_worse(metrics),
         "",
         _changes(metrics),
     ]

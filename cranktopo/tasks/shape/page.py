@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from cranktopo.design.goal.quantities import QUANTITIES
@@ -28,6 +28,7 @@ from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,
+    change_text,
     changes_table,
     dimensions_table,
     feature_trials_table,
@@ -35,6 +36,7 @@ from cranktopo.tasks.shape.text import (
     multiplier_doubt,
     multiplier_table,
     named_first,
+    original_keeps,
     rounds_table,
     shape_headline,
     stress_loads,
@@ -51,7 +53,11 @@ def shape_page(
         title=f"Best dimensions of the crank web of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
         headline=shape_headline(found),
-        facts=(*(quantity_fact(found, key) for key in named_first(found)), release_fact(found)),
+        facts=(
+            *(quantity_fact(found, key) for key in named_first(found)),
+            *_balance(found),
+            release_fact(found),
+        ),
         sections=(
             _wanted(found),
             *bound_sections(found.bound, "the body-fitted evaluation"),
@@ -73,13 +79,20 @@ def quantity_fact(found: ShapeResult, key: str) -> Fact:
     original, result, unit = value_words(found, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
-    shown = f"{change:+z.1f} %" if not error else f"{change:+z.1f} +-{error:.1g} %"
+    shown = change_text(change) if not error else f"{change:+z.1f} +-{error:.1g} %"
     if quantity is SAFETY and found.values.result[key] < 1:
         return Fact(label, shown, f"{note}; below 1: it fails", "bad")
     if abs(change) <= error:
         return Fact(label, shown, f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
     return Fact(label, shown, note, status)
+
+
+def _balance(found: ShapeResult) -> Iterator[Fact]:
+    """Yield where the balance factor went, if no limit holds it there."""
+    if found.balance is not None:
+        before, now = (of["balance_factor"] for of in (found.values.original, found.values.result))
+        yield Fact("Balance factor", f"{before:z.0f} -> {now:z.0f} %", found.balance, "bad")
 
 
 def release_fact(found: ShapeResult) -> Fact:
@@ -103,11 +116,11 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
 def _wanted(found: ShapeResult) -> Section:
     goal, doubt = found.goal, multiplier_doubt(found)
     sense = "minimise" if goal.minimise else "maximise"
-    judged = stress_loads(found)
+    said = [found.stop_reason.capitalize(), stress_loads(found), original_keeps(found)]
     return Section(
         "goal",
         f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",
-        f"{found.stop_reason.capitalize()}{'; ' * bool(judged)}{judged}. What limits, rules and bounds cost "
+        f"{'; '.join(filter(None, said))}. What limits, rules and bounds cost "
         f"is in percent of the original's, to first order{'; ' * bool(doubt)}{doubt}.",
         (
             ("Original and result, fillets included", changes_table(found)),

@@ -73,7 +73,7 @@ class FeatureTrial(Result):
     """Violation of the worst limit, 0 where all are kept. Then the gain is how much nearer the web comes."""
 
 
-MINIMUM_PERCENT = 5e-4
+MINIMUM_PERCENT = 5e-3
 """A price below it counts as zero."""
 LOOSE_PERCENT = 30.0
 """Part of the goal's gradient that the prices leave unexplained, above which a price of zero is not known.
@@ -166,6 +166,8 @@ class ShapeResult(Result):
     """Load states of safety and stress, as `fatigue --loads`; None without these and in earlier versions."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """None in results of an earlier version."""
+    balance: str | None = UNLESS_NONE
+    """Where the balance factor went, if no limit holds it there."""
     files: dict[str, FileName] = Field(default_factory=dict)
 
     @property

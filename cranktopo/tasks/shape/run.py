@@ -22,6 +22,7 @@ from cranktopo.design.assumed import (
     assumed_text,
     assumptions,
 )
+from cranktopo.design.goal.balance_moved import balance_moved
 from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, goal_outcome
@@ -303,6 +304,7 @@ def _assembled(
         + sum(found.evaluations for found in optimum.rounds),
         seconds=seconds,
         loads=loads if stresses_in(goal.quantities) else None,
+        balance=balance_moved(scene, result.web.values, original.values) or None,
     )
 
 

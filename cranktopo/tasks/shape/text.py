@@ -162,11 +162,31 @@ def named_first(found: ShapeResult) -> tuple[str, ...]:
 def shape_headline(found: ShapeResult) -> str:
     """Return the result in one sentence; what cannot be made and limits that are missed come first."""
     change, missed, names = found.change_percent, broken_limits(found.goal), named_first(found)
-    said = ", ".join(f"{name.replace('_', ' ')} {change[name]:+z.1f} %" for name in names)
+    said = ", ".join(f"{name.replace('_', ' ')} {change_text(change[name])}" for name in names)
     nearly = f" within {100 * TOLERANCE:g} %" if any(map(short_percent, found.goal.limits)) else ""
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
     unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
     return f"{unmade}{judged} {said} against the original web.{_failing(found)}"
+
+
+def change_text(percent: float) -> str:
+    """Return a change in percent, with two decimals where one shows none: a limit may be short by it."""
+    return f"{percent:+z.1f} %" if abs(percent) >= 0.05 else f"{percent:+z.2f} %"
+
+
+def original_keeps(found: ShapeResult) -> str:
+    """Return a sentence where a web misses a limit and the original misses none; empty else."""
+    original, limits = found.values.original, found.goal.limits
+    if not any(limit.holds is False for limit in limits):
+        return ""
+    pairs = [(limit, limit.required, original.get(limit.quantity)) for limit in limits]
+    kept = all(
+        required is not None
+        and value is not None
+        and (value >= required if limit.sense == ">=" else value <= required)
+        for limit, required, value in pairs
+    )
+    return "the original web keeps every limit" if kept else ""
 
 
 def _failing(found: ShapeResult) -> str:
@@ -182,7 +202,7 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
     """Return what `cranktopo shape` prints of a finished optimisation."""
     lines = [
         shape_headline(found),
-        found.stop_reason,
+        *filter(None, [found.balance, original_keeps(found), found.stop_reason]),
         *([judged] if (judged := stress_loads(found)) else []),
         *([] if found.held else [f"go on from this web: {shlex.join(_going_on(found, folder))}"]),
         *(

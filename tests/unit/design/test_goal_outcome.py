@@ -8,7 +8,13 @@ import pytest
 
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import GoalOutcome, goal_outcome, limit_outcome
-from cranktopo.report.goal_table import broken_limits, goal_line, limits_table
+from cranktopo.report.goal_table import (
+    broken_limits,
+    evaluated_changes,
+    goal_line,
+    limits_table,
+    unknown_limits,
+)
 from cranktopo.report.result_table import terminal
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "unbalance": 35.0}
@@ -94,6 +100,24 @@ def test_the_metrics_have_the_contract_keys_and_both_percentages() -> None:
     ]
     assert lines[5].split()[:4] == ["fatigue_safety", ">=", "100", "%"]
     assert lines[5].endswith("unknown")
+
+
+def test_cells_and_evaluation_are_told_by_one_measure() -> None:
+    """A share of the original is another number in either model: only percents stand beside each other."""
+    goal = Goal(
+        "minimise", "mass", (Limit("torsion", ">=", 98.0, True), Limit("fatigue_safety", ">=", 95.0, True))
+    )
+    how = {"fillets": False, "element_size_mm": 4.2, "error_estimate_percent": {"torsion": 0.3}, "rounds": ()}
+    cells = goal_outcome(goal, {"mass": 1.4, "torsion": 136e3}, ORIGINAL)
+    finer = {**ORIGINAL, "torsion": 130e3}
+    found = cells.with_evaluation(goal_outcome(goal, {"mass": 1.4, "torsion": 128e3}, finer), **how)
+    row = terminal(limits_table(found)).splitlines()[-2]
+    assert row.startswith("torsion >= 98 %  ")
+    assert row.split()[-4:] == ["N", "m/rad", "98.5", "yes"] or row.split()[-1].startswith("%")
+    assert unknown_limits(found) == ["fatigue_safety >= 95 %"]
+    assert evaluated_changes(found) == "by the evaluation torsion -1.5 %"
+    missed = cells.with_evaluation(goal_outcome(goal, {"mass": 1.4, "torsion": 117e3}, finer), **how)
+    assert broken_limits(missed) == ["torsion >= 98 %: reached 90.0 %"]
 
 
 def test_percent_of_a_balanced_original_is_none() -> None:

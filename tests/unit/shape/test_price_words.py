@@ -20,6 +20,9 @@ from cranktopo.tasks.shape.text import (
 )
 from tests.unit.shape.shape_results import goal, invented_data
 
+TOLD: dict[str, Any] = {"worst_case_percent": {"tolerance": 0.5}, "seconds": {"total": 1.0}}
+"""What a summary asks for."""
+
 
 @pytest.fixture
 def data() -> dict[str, Any]:
@@ -28,6 +31,41 @@ def data() -> dict[str, Any]:
 
 def _found(data: dict[str, Any]) -> ShapeResult:
     return ShapeResult.of_json(data, "shape.json")
+
+
+def test_a_price_that_shows_no_digit_is_none(data: dict[str, Any]) -> None:
+    data["prices"][0]["goal_percent_per_percent"] = 0.004
+    data["rule_prices"][1]["goal_percent_per_unit"] = 0.004
+    told = multiplier_text(_found(data))
+    assert told[0] == "1 % more torsion costs nothing: this limit does not decide"
+    assert not [line for line in told if "0.00 %" in line]
+
+
+def _limit(quantity: str, sense: str, required: float, reached: float, holds: bool) -> dict[str, Any]:
+    told = {"quantity": quantity, "sense": sense, "required": required, "reached": reached, "holds": holds}
+    shares = {"required_percent": 100.0, "reached_percent": 100 * reached / required}
+    return {**told, **shares, "unit": "", "active": True, "assumed": False}
+
+
+@pytest.mark.parametrize(("original", "said"), [(1.2, True), (1.1, False)])
+def test_a_missed_limit_that_the_original_keeps(data: dict[str, Any], original: float, said: bool) -> None:
+    """Then there is a web that keeps all of them, which is said before the reason of the end."""
+    limits = [_limit("fatigue_safety", ">=", 1.2, 1.18, False), _limit("mass", "<=", 2.0, 1.8, True)]
+    data["goal"] = {**goal(minimise="mass"), "limits": limits}
+    before, after = {"mass": 2.0, "fatigue_safety": original}, {"fatigue_safety": 1.18}
+    data |= {"values": {"original": before, "result": after}, **TOLD}
+    told = shape_summary(_found(data), Path("run")).splitlines()
+    assert ("the original web keeps every limit" in told[:2]) == said
+
+
+def test_where_the_balance_went_stands_below_the_verdict(data: dict[str, Any]) -> None:
+    data |= {"balance": "the balance factor is 51 %", **TOLD}
+    assert shape_summary(_found(data), Path("run")).splitlines()[1] == "the balance factor is 51 %"
+
+
+def test_a_limit_that_is_just_missed_is_no_zero(data: dict[str, Any]) -> None:
+    data["change_percent"] = {"mass": -4.7, "torsion": -0.034}
+    assert "mass -4.7 %, torsion -0.03 %" in shape_headline(_found(data))
 
 
 def test_limits_cost_and_rules_give_in_words(data: dict[str, Any]) -> None:

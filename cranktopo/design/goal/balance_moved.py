@@ -1,0 +1,49 @@
+"""Where the balance of an engine went that is balanced on purpose, if no limit holds it there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cranktopo.base.units import plain_number
+from cranktopo.design.goal.wanted import wanted
+from cranktopo.design.schema import Scene
+
+_FELT_PERCENT = 2.0
+"""Change of the balance factor, of the oscillating mass, that is told."""
+_FACTOR, _UNBALANCE = "balance_factor", "unbalance"
+
+
+def balance_moved(scene: Scene, result: Mapping[str, float], original: Mapping[str, float]) -> str:
+    """Return a sentence where the balance factor of a web left the original's on a side without a limit.
+
+    Args:
+        result, original: quantities of both webs by name. Empty where the factor is not known, moved by less
+            than is felt, or the engine is not balanced on purpose.
+    """
+    meant = scene.web.counterweight is not None or (
+        scene.engine is not None and scene.engine.arranged.balanced_oscillating_share > 0
+    )
+    if not meant or _FACTOR not in result or _FACTOR not in original:
+        return ""
+    now, before = result[_FACTOR], original[_FACTOR]
+    if abs(now - before) < _FELT_PERCENT or _held(scene, rose=now > before):
+        return ""
+    bound = f"<= {before + _FELT_PERCENT:.0f}" if now > before else f">= {before - _FELT_PERCENT:.0f}"
+    needed = "lighter" if now > before else "heavier"
+    return (
+        f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "
+        f"{plain_number(before, 3)} % (unbalance {plain_number(result[_UNBALANCE])} and "
+        f"{plain_number(original[_UNBALANCE])} kg mm), and no limit holds it there: a {needed} counterweight "
+        f"would do, or with a goal --limit '{_FACTOR} {bound} %'"
+    )
+
+
+def _held(scene: Scene, *, rose: bool) -> bool:
+    """Tell whether the goal or a limit keeps the factor from that; an unbalance is its opposite."""
+    goal = wanted(scene)
+    if goal is None:
+        return False
+    sides = {(_FACTOR, "<=" if rose else ">="), (_UNBALANCE, ">=" if rose else "<=")}
+    return goal.quantity in (_FACTOR, _UNBALANCE) or any(
+        (limit.quantity, limit.sense) in sides for limit in goal.limits
+    )
