@@ -30,9 +30,8 @@ COMMANDS = (
 def uncharged(tmp_path_factory):
     text = (designs_folder() / "industrial-gas.toml").read_text()
     start, end = text.index("[engine.gas]"), text.index("[engine.masses]")
-    bearings = '\n[bearings]\nclearance_mm = 0.2\noil = "ISO VG 46"\n' if "[bearings]" not in text else ""
     path = tmp_path_factory.mktemp("designs") / "uncharged.toml"
-    path.write_text(text[:start] + UNCHARGED + text[end:] + bearings, encoding="utf-8")
+    path.write_text(text[:start] + UNCHARGED + text[end:], encoding="utf-8")
     return str(path)
 
 
@@ -44,3 +43,10 @@ def test_a_pressure_that_cannot_be_is_told_before_the_work(
     with stubbed(), patch("cranktopo.tasks.film.stage.films_at", side_effect=CranktopoError("no work here.")):
         main([words[0], uncharged, *words[1:]])
     assert capsys.readouterr().err.count(TOLD) == 1
+
+
+def test_a_shaft_judged_by_strength_says_what_the_strength_holds_for(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with stubbed():
+        main(["shaft", "industrial-gas", "--method", "lsa"])
+    assert "ultimate_MPa = 1100 of 42CrMo4 is that of sections to 16 mm" in capsys.readouterr().err
