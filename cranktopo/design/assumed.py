@@ -19,6 +19,10 @@ EVALUATED = (THROW, SUPPORTS)
 """What the stiffnesses of a throw depend on."""
 SHAFT = (THROW, "engine.strokes", "engine.cylinders", "engine.masses")
 """What a whole shaft on rigid or free bearings uses."""
+CARRIED = tuple(
+    f"{VIBRATION}.{part}" for part in ("pulley", "damper", "flywheel", "coupling", "driven", "propeller")
+)
+"""What a vibration without damping uses of the shaft's table."""
 _CONSEQUENCES = {
     "fillet_mm": "sharp",
     "bore_diameter_mm": "solid",

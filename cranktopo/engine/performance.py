@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.notes import note
 from cranktopo.base.units import MM_PER_M, NMM_PER_NM, W_PER_KW, angular_speed_rad_s
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import Cycle
+from cranktopo.engine.analysis import Cycle, analyse
 from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.kinematics import exact_motion
 
@@ -61,12 +62,24 @@ def power_kW(work_J: float, engine: Engine) -> float:
     return work_J * engine.cylinders * turns * 360.0 / engine.cycle_deg / W_PER_KW
 
 
-def pressure_warnings(scene: Scene, cycle: Cycle | None) -> tuple[str, ...]:
-    """Return what is to be known of a scene's cylinder pressure before its loads are believed."""
+def note_pressure(name: str, scene: Scene, *, every_speed: bool = False) -> None:
+    """Tell what is to be known of the pressure of a design before a result by its loads is believed."""
+    for line in pressure_warnings(scene, every_speed=every_speed):
+        note(f"warning: {name}: {line}")
+
+
+def pressure_warnings(scene: Scene, *, every_speed: bool = False) -> tuple[str, ...]:
+    """Return what is to be known of a scene's cylinder pressure before its loads are believed.
+
+    Args:
+        every_speed: the loads are those over the range of speeds, each with the pressure of its speed.
+    """
+    cycle = analyse(scene).cycle if scene.engine else None
     if cycle is None or scene.engine is None:
         return ()
     radius = scene.throw.radius_mm
-    others = _unusual_mean(cycle, scene.engine, radius), higher_elsewhere(scene)
+    elsewhere = "" if every_speed else higher_elsewhere(scene)
+    others = _unusual_mean(cycle, scene.engine, radius), elsewhere
     found = *implausible(cycle, scene.engine, radius), *(line for line in others if line)
     return found or _unchecked_angles(scene.engine.gas)
 

@@ -234,6 +234,9 @@ def test_a_crank_that_is_unbalanced_by_design_asks_for_bob_weights() -> None:
     unbalance = throw_balance(heavy).throw_unbalance_kg_mm
     assert own.startswith(f"Unbalance by design {float(f'{unbalance * 1000:.3g}'):g} g mm")
     assert cannot == "without counterweights it cannot be balanced to ISO 21940-11 G 16."
+    narrow = Counterweight(outer_radius_mm=45.0, half_angle_deg=75.0)
+    light = heavy.model_copy(update={"web": heavy.web.model_copy(update={"counterweight": narrow})})
+    assert balancing_notes(light, 3.0)[1].startswith("without heavier counterweights it cannot be balanced")
     web = heavy.web.model_copy(
         update={"counterweight": Counterweight(outer_radius_mm=75.0, half_angle_deg=75.0)}
     )

@@ -63,6 +63,12 @@ def test_the_text_tells_what_counts(found: tuple[ShaftModes, str]) -> None:
     assert max(map(len, tables)) <= 80
 
 
+def test_damping_that_modes_leave_out_is_not_assumed(found: tuple[ShaftModes, str]) -> None:
+    keys = {one.key for one in found[0].assumed}
+    assert "shaft.pulley.overhang_mm" in keys
+    assert not [key for key in keys if "damping" in key or "loss" in key]
+
+
 def test_orders_meet_modes_where_they_say(found: tuple[ShaftModes, str]) -> None:
     speeds = found[0].speeds_rpm
     for mode in found[0].modes:

@@ -13,7 +13,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.vibration.shaft_chain import estimated_chain
+from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.study import study_vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
@@ -227,6 +227,20 @@ def test_the_range_is_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     every = vibration(study.shaft, harmonics, study.response.speeds_rpm, len(study.response.orders))
     assert vibration_text(study).endswith(DISKS)
     assert study.mean_response.worst_Nm == pytest.approx(every.worst_Nm, rel=1e-4)
+
+
+@pytest.mark.parametrize("throws", [(136e3, 138e3, 138e3, 136e3), (136e3,) * 4])
+def test_the_stiffness_that_it_asks_to_write_is_that_of_the_run(
+    throws: tuple[float, ...], tmp_path: Path
+) -> None:
+    """It asked for the mean of the sections between the throws, which no throw has where they differ."""
+    table = "propeller = {inertia_kg_m2 = 0.6}\n"
+    scene = load_scene(design(tmp_path, table))
+    inertia = throw_balance(scene).inertia_kg_mm2
+    text = vibration_text(study_vibration(scene, shaft_chain(scene, inertia, throws), inertia, "elements"))
+    (asked,) = re.findall(r"that of this run write shaft\.(\w+ = [^.\n]+)\.", text)
+    written = load_scene(design(tmp_path, f"{table}{asked}\n"))
+    assert estimated_chain(written).throws_Nm_per_rad == throws
 
 
 @pytest.mark.parametrize(

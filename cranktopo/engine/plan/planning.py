@@ -34,7 +34,7 @@ from cranktopo.engine.plan.rules import (
     whole_throw,
 )
 from cranktopo.engine.plan.shaft_rule import continuous_shaft
-from cranktopo.engine.plan.simulated import Feature, apply_physics_plan
+from cranktopo.engine.plan.simulated import FEATURES, Feature, apply_physics_plan, without
 from cranktopo.engine.plan.vibration_rule import torsional_vibration
 
 _RULES: dict[str, Callable[[PlanningContext], Estimate]] = {
@@ -159,6 +159,17 @@ def _check_cases(scene: Scene, cases: Sequence[str]) -> None:
 def planned_scene(scene: Scene, kept: Collection[Feature] = ()) -> Scene:
     """Return the scene as its own effects plan has it simulated, features that are `kept` left in anyway."""
     return apply_physics_plan(scene, plan(scene), kept)
+
+
+def left_out_features(scene: Scene, kept: Collection[Feature] = ()) -> str:
+    """Return the features that its plan takes out of a scene's body, and why; empty where none is."""
+    reasons = {effect.name: effect.reason for effect in plan(scene).effects if effect.state == "off"}
+    gone = [name for name in FEATURES if name in reasons and name not in kept]
+    return "; ".join(
+        f"meshed without {name}: {reasons[name]}; effects.{name} = 'on' keeps them"
+        for name in gone
+        if without(scene, name) is not scene
+    )
 
 
 def _for_all_cases(effect: Effect, cases: int) -> Effect:

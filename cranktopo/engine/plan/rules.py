@@ -325,5 +325,7 @@ def _inertia(context: PlanningContext, name: str, what: str) -> Estimate:
     other = next(s for s in without if s.name == "max_radial").case.radial_N
     percent = 100 * abs(other - full) / abs(full)
     because = f"{what}: peak radial force {full:,.0f} N with it, {other:,.0f} N without"
-    changes = f"radial force {signed_percent(100 * (other - full) / abs(full))}"
+    changes = f"radial force {other:,.0f} N in place of {full:,.0f} N"
+    if other * full > 0:
+        changes = f"radial force {signed_percent(100 * (other - full) / full)}"
     return Estimate(percent, because, changes)

@@ -14,6 +14,7 @@ _WITHOUT: dict[Feature, dict[str, float | None]] = {
     "bores": {"bore_diameter_mm": 0.0},
     "fillets": {"fillet_mm": 0.0, "fillet_axial_mm": None, "recess_mm": None},
 }
+FEATURES = tuple(_WITHOUT)
 
 
 def apply_physics_plan(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature] = ()) -> Scene:
@@ -22,7 +23,7 @@ def apply_physics_plan(scene: Scene, plan: PhysicsPlan, kept: Collection[Feature
     These are bores, fillets and the mirror; the manufacturing constraint is on where the plan has it on. It
     is the same object when nothing is left out.
     """
-    for feature in _WITHOUT:
+    for feature in FEATURES:
         if feature not in plan.enabled and feature not in kept:
             scene = without(scene, feature)
     if "lateral_symmetry" not in plan.enabled:

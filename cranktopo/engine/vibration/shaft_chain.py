@@ -30,6 +30,7 @@ class ShaftChain:
     Attributes:
         first: index of the disk of throw 1; those of the other throws follow.
         modulus_mm3: smallest modulus of a journal in torsion, for the stress of the crankshaft's sections.
+        throws_Nm_per_rad: stiffness of each throw; empty where only the chain is known.
     """
 
     chain: DiskChain
@@ -37,6 +38,7 @@ class ShaftChain:
     first: int
     throws: int
     modulus_mm3: float
+    throws_Nm_per_rad: tuple[float, ...] = ()
 
     @property
     def driven(self) -> slice:
@@ -182,7 +184,7 @@ def shaft_chain(
     _add_output_end(row, shaft, second_halves[-1], output)
     journals = (journal for throw in throws for half in halves(throw) for journal, _ in half.throw.journals)
     modulus = min(journal_torsion_modulus_mm3(journal) for journal in journals if journal.length_mm)
-    return ShaftChain(row.chain(), tuple(row.names), first, len(first_halves), modulus)
+    return ShaftChain(row.chain(), tuple(row.names), first, len(first_halves), modulus, throws_Nm_per_rad)
 
 
 def _add_free_end(row: _Row, shaft: ShaftTable, end: EndChain | None) -> complex | None:

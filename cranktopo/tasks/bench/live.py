@@ -263,8 +263,7 @@ def warnings(scene: Scene) -> list[str]:
     """Return what `loads`, `plan` and `vibration` warn of, and loads that are left out."""
     found: list[str] = []
     try:
-        if scene.engine is not None:
-            found += pressure_warnings(scene, analyse(scene).cycle)
+        found += pressure_warnings(scene)
         found += shaft_warnings(scene) if scene.shaft else ()
         missing = left_off(scene, plan_for_stress(scene))
     except CranktopoError as error:

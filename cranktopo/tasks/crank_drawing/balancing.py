@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from cranktopo.base.units import plain_number
 from cranktopo.bodies.crank_ends import main_journal_places_mm
 from cranktopo.design.crank_throws import throw_scenes
+from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.crank import drawn_crank_mass
 from cranktopo.engine.balance.throw import throw_balance
@@ -25,15 +27,15 @@ def balancing_notes(scene: Scene, mass_kg: float) -> list[str]:
         return [f"Balanced to {grade}."]
     speed = max(engine.speed_rpm, engine.overspeed_rpm or 0.0)
     permitted_g_mm = _G_PER_KG * scene.drawing.balance_quality / (2 * math.pi * speed / 60) * mass_kg
-    residual = f"residual unbalance at most {_rounded(permitted_g_mm)} g mm, half of it in each end plane."
+    residual = f"residual unbalance at most {plain_number(permitted_g_mm, 3)} g mm, half of it in each end plane."
     total_g_mm, plane_g_mm = _by_design_g_mm(scene)
     if max(total_g_mm, 2 * plane_g_mm) <= permitted_g_mm:
         return [f"Balanced to {grade} at {speed:g} rpm:", residual]
-    in_plane = f"up to {_rounded(plane_g_mm)} g mm in an end plane"
-    own = f"Unbalance by design {_rounded(total_g_mm)} g mm, {in_plane}:"
+    in_plane = f"up to {plain_number(plane_g_mm, 3)} g mm in an end plane"
+    own = f"Unbalance by design {plain_number(total_g_mm, 3)} g mm, {in_plane}:"
     weights = _bob_weights_kg(scene)
     if min(weights) <= 0:
-        return [own, f"without counterweights it cannot be balanced to {grade}."]
+        return [own, f"{_lacking(scene)} it cannot be balanced to {grade}."]
     alike = max(weights) - min(weights) < _ALIKE_KG
     each = ", ".join(f"{weight:.3f}" for weight in (weights[:1] if alike else weights))
     bob = f"balanced with bob weights of {each} kg on the crankpins"
@@ -53,5 +55,6 @@ def _bob_weights_kg(scene: Scene) -> list[float]:
     return [-throw_balance(one).throw_unbalance_kg_mm / one.throw.radius_mm for one in throws]
 
 
-def _rounded(value: float) -> str:
-    return f"{float(f'{value:.3g}'):g}"
+def _lacking(scene: Scene) -> str:
+    weighted = any(half.web.counterweight for one in throw_scenes(scene) for half in halves(one))
+    return "without heavier counterweights" if weighted else "without counterweights"

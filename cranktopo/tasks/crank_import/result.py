@@ -29,6 +29,8 @@ class ImportedThrow(Result):
     """Throw radius."""
     diameter_mm: float
     """Outer diameter of the crankpin."""
+    bore_mm: float
+    """Diameter of its bore; 0 = solid."""
     length_mm: float
     """Length of the crankpin between the webs."""
     middle_mm: float

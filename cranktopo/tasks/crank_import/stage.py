@@ -179,6 +179,7 @@ def _result(
                 angle_deg=crank.angle_deg(pin),
                 radius_mm=crank.throw_radius_mm(pin),
                 diameter_mm=2 * pin.radius_mm,
+                bore_mm=pin.bore_mm,
                 length_mm=pin.length_mm,
                 middle_mm=pin.middle_mm,
             )

@@ -10,6 +10,7 @@ _THROWS: tuple[Column[ImportedThrow], ...] = (
     Column("angle_deg", 2, lambda t: t.angle_deg),
     Column("radius_mm", 3, lambda t: t.radius_mm),
     Column("pin_diameter_mm", 3, lambda t: t.diameter_mm),
+    Column("bore_mm", 3, lambda t: t.bore_mm),
     Column("pin_length_mm", 3, lambda t: t.length_mm),
     Column("middle_mm", 3, lambda t: t.middle_mm),
 )

@@ -11,7 +11,6 @@ from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import template
 from cranktopo.design.schema import Scene
 from cranktopo.design.starting_point import LayoutName, arrangement_line, sized_example, starting_values
-from cranktopo.engine.analysis import analyse
 from cranktopo.engine.performance import pressure_warnings
 from cranktopo.engine.starting_gas import gas_for_power, gas_line
 
@@ -64,7 +63,7 @@ def begun(
     assumed = (arrangement_line(scene), gas_line(scene))
     text = template(name, values, "\n".join([_ORIGIN, *assumed[1:]]), partial(sized_example, values))
     scene = parse_scene(text, name)
-    return Beginning(text, scene, assumed, pressure_warnings(scene, analyse(scene).cycle))
+    return Beginning(text, scene, assumed, pressure_warnings(scene))
 
 
 def begun_line(

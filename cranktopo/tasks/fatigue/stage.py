@@ -11,8 +11,8 @@ from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.strength import note_strength
-from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
@@ -91,9 +91,7 @@ def assess_by_methods(
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
         note_strength(target.name, target.scene)
-        higher = higher_elsewhere(target.scene)
-        if higher:
-            note(f"{target.name}: judged by the {higher}")
+        note_pressure(target.name, target.scene)
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]

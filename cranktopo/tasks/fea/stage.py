@@ -69,8 +69,10 @@ def evaluate_targets(targets: Sequence[TargetLike], wanted: MeshRequest | None =
 
 
 def print_assumed(targets: Sequence[Target], tables: Sequence[str]) -> None:
-    """Print one line per target of what it does not say and a command uses of these tables of its scene."""
+    """Print what targets do not say and a command uses of these tables, and what plans take out of them."""
     for target in targets:
+        if target.left_out:
+            note(f"{target.name}: {target.left_out}")
         found = filter_by_table(target.assumed, tables)
         if found:
             note(f"{target.name}: {assumed_text(found)}")

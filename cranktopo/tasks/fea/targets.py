@@ -23,7 +23,7 @@ from cranktopo.design.loading import builtin_designs, load_scene, shaped_web
 from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.one_throw import one_throw
-from cranktopo.engine.plan.planning import planned_scene
+from cranktopo.engine.plan.planning import left_out_features, planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.runs.directories import RunStore, open_run, runs_named
 from cranktopo.runs.kind import require_kind
@@ -44,6 +44,7 @@ class Target:
             where `file` is None.
         file: STL or STEP of the half throw, mm.
         assumed: what the design does not say of throw, engine, supports and fatigue.
+        left_out: features that the plan takes out of `scene`, and why; empty where none is.
         throw_stiffness_source: where the stiffness in the shaft table comes from, unless the design gives it.
     """
 
@@ -53,6 +54,7 @@ class Target:
     run: Path | None = None
     align: bool = False
     assumed: tuple[Assumption, ...] = ()
+    left_out: str = ""
     throw_stiffness_source: str = ""
 
     @property
@@ -174,7 +176,10 @@ def _of_scene(scene: Scene, kept: _Kept) -> Target:
     taken = scene if kept.crank else one_throw(scene, kept.throw)
     if not kept.whole:
         require_equal_halves(taken)
-    return Target(taken.name, simulated(taken, kept.fillets), assumed=assumptions(scene, USED))
+    left_out = left_out_features(taken, _kept_features(kept.fillets))
+    return Target(
+        taken.name, simulated(taken, kept.fillets), assumed=assumptions(scene, USED), left_out=left_out
+    )
 
 
 def _run(run: RunStore) -> Target:
@@ -203,5 +208,8 @@ def unlike_fillet_line(targets: Sequence[Target]) -> str:
 
 def simulated(scene: Scene, fillets: bool = False) -> Scene:
     """Return the scene without what its effects plan leaves out; `fillets` keeps these."""
-    kept: tuple[Feature, ...] = ("fillets",) if fillets else ()
-    return planned_scene(scene, kept)
+    return planned_scene(scene, _kept_features(fillets))
+
+
+def _kept_features(fillets: bool) -> tuple[Feature, ...]:
+    return ("fillets",) if fillets else ()

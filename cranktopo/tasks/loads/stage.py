@@ -77,7 +77,7 @@ def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) 
         load_cases=load_cases(scene, effects.enabled),
         extreme_states=tuple(state_of(state) for state in extreme_states(scene, effects.enabled)),
         effects=effects.effects,
-        warnings=pressure_warnings(scene, cycle),
+        warnings=pressure_warnings(scene),
         assumed=assumed,
     )
 

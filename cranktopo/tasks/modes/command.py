@@ -53,7 +53,7 @@ def command(
     Example: cranktopo modes mikron-iiic --speeds 700:2800:31 --report modes.html
     """
     from cranktopo.base.notes import note
-    from cranktopo.design.assumed import VIBRATION
+    from cranktopo.design.assumed import CARRIED
     from cranktopo.tasks.fea.stage import print_assumed
     from cranktopo.tasks.fea.targets import resolve_target
     from cranktopo.tasks.modes.stage import shaft_modes
@@ -63,7 +63,7 @@ def command(
 
     resolved = resolve_target(target, design, align=align, whole=True, crank=True)
     support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
-    print_assumed([resolved], (*shaft_tables(resolved.scene, support), VIBRATION))
+    print_assumed([resolved], (*shaft_tables(resolved.scene, support), *CARRIED))
     note(f"{resolved.name}: condensing one throw")
     found = shaft_modes(resolved, support, element_size_mm, speeds_rpm=speeds_rpm or (), report=report)
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else modes_text(found))

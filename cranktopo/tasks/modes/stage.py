@@ -11,7 +11,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.bodies.memory import check_element_size
-from cranktopo.design.assumed import VIBRATION, filter_by_table
+from cranktopo.design.assumed import CARRIED, filter_by_table
 from cranktopo.design.checks.engine import speed_range_rpm
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.schema import Scene
@@ -118,7 +118,7 @@ def _result(
         torsion = mode.kind.startswith("torsion")
         own = disks.pop(0) if torsion and disks else None
         modes.append(mode.model_copy(update={"disks_Hz": own}))
-    tables = (*shaft_tables(scene, static.bearings), VIBRATION)
+    tables = (*shaft_tables(scene, static.bearings), *CARRIED)
     return ShaftModes(
         design=target.name,
         bearings=static.bearings,

@@ -127,9 +127,9 @@ def fluid_sentence(found: ShaftModes) -> str:
 
 def error_sentence(found: ShaftModes) -> str:
     """Return how far the frequencies are off, as far as it is told."""
-    most = max(abs(mode.last_step_percent) for mode in found.modes)
+    worst = max(found.modes, key=lambda mode: abs(mode.last_step_percent))
     mesh = found.stiffness_error_percent / 2
     return (
         f"{found.unknowns} unknowns. The last of {found.steps} steps of the reduction changed a frequency\n"
-        f"by at most {most:.2g} %. Mesh: frequencies of torsion are at most {mesh:.2g} % too high."
+        f"by at most {abs(worst.last_step_percent):.2g} % (mode {worst.mode}). Mesh: frequencies of torsion are at most {mesh:.2g} % too high."
     )

@@ -9,6 +9,7 @@ from cranktopo.design.goal.outcome import stated_goal
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_remarks
+from cranktopo.engine.performance import pressure_warnings
 from cranktopo.engine.plan.cost import effort
 from cranktopo.engine.plan.planning import plan
 from cranktopo.tasks.plan.result import DesignPlan, PlannedEvaluations
@@ -28,6 +29,6 @@ def design_plan(scene: Scene) -> DesignPlan:
 
 
 def plan_warnings(scene: Scene) -> list[str]:
-    """Return what a user should know of material and shaft before anything is solved."""
+    """Return what a user should know of material, pressure and shaft before anything is solved."""
     material = [f"material: {remark}" for remark in strength_remarks(scene)]
-    return [*material, *(shaft_warnings(scene) if scene.shaft else ())]
+    return [*material, *pressure_warnings(scene), *(shaft_warnings(scene) if scene.shaft else ())]

@@ -16,8 +16,10 @@ from cranktopo.base.notes import note
 from cranktopo.design.assumed import filter_by_table
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.misfire import with_misfire
+from cranktopo.design.strength import note_strength
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
+from cranktopo.engine.performance import note_pressure
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
@@ -78,12 +80,15 @@ def assess_shaft(
     report = as_path(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
+    if stands_on_bearings(resolved.scene, bearings):
+        note_pressure(resolved.name, resolved.scene)
     if method is None:
         found = evaluate_shaft(resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm)
         return ShaftAssessment.model_construct(**dict(found))
     if report is not None:
         check_report_path(report)
     _check(resolved, bearings, method)
+    note_strength(resolved.name, resolved.scene)
     throws = throw_targets(resolved)
     stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
     bodies = {name: stress.body for name, stress in stresses.items()}

@@ -35,6 +35,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
@@ -146,6 +147,7 @@ def shape_design(
         load_history(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
     note_left_off(scene.name, scene, stress)
     note_strength(scene.name, scene)
+    note_pressure(scene.name, scene)
     if "continuous_shaft" in stress.enabled:
         note(
             f"{scene.name}: effect continuous_shaft counts in `fatigue` and `compare`; here a throw is alone"

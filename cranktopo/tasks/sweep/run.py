@@ -18,6 +18,7 @@ from cranktopo.design.named import DesignLike
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import new_run
+from cranktopo.engine.performance import note_pressure
 from cranktopo.report.report_file import REPORT
 from cranktopo.runs.directories import RunStore, check_destination, open_run
 from cranktopo.runs.kind import RESULT_FILES, SWEEP, require_kind, working_in
@@ -97,11 +98,13 @@ def run_sweep(
 
 
 def _note_what_differs(plan: SweepPlan, points: Sequence[SweepPoint]) -> None:
-    """Tell what the table does not: throws farther apart, and what the strength of the material holds for."""
+    """Tell what the table does not: throws farther apart, what strength and pressure hold for."""
     if line := pitch_line(plan, points):
         note(f"sweep: {line}")
     if {"fatigue", "shape"} & set(plan.stages):
         note_strength(plan.original.name, plan.original)
+    if {"fatigue", "shape", "optimise"} & set(plan.stages):
+        note_pressure(plan.original.name, plan.original)
 
 
 def resume_sweep(reference: str, place: Workplace = ALL_CORES) -> SweptRun:

@@ -17,6 +17,7 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.misfire import all_firing, with_misfire
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.vibration.first_frequency import first_mode
 from cranktopo.engine.vibration.shaft_chain import ShaftChain, estimated_chain, shaft_chain
 from cranktopo.engine.vibration.study import (
@@ -77,6 +78,7 @@ def shaft_vibration(
     check_vibration(resolved.scene, run_up_s)
     support = bearings or "rigid"
     print_assumed([resolved], (*shaft_tables(resolved.scene, support), LOADS, VIBRATION))
+    note_pressure(resolved.name, resolved.scene, every_speed=True)
     study = _studied(resolved, support, element_size_mm, run_up_s)
     if misfire == "worst":
         note(f"{resolved.name}: misfire of each of {study.cylinders} cylinders")

@@ -244,15 +244,16 @@ def run_up_sentence(study: VibrationStudy) -> str:
 
 def _stiffness_sentence(study: VibrationStudy) -> str:
     """Return what load cases take instead, where that is not what was given."""
-    scene, chain = study.scene, study.shaft.chain
-    if scene.shaft is None or scene.shaft.gives_stiffness or study.shaft.throws < 2:
+    scene, found = study.scene, [plain_number(one) for one in study.shaft.throws_Nm_per_rad]
+    if scene.shaft is None or scene.shaft.gives_stiffness:
         return ""
-    first = study.shaft.first
-    between = chain.stiffness_Nm_per_rad[first : first + study.shaft.throws - 1]
-    found, estimated = sum(between) / len(between), throw_stiffness_Nm_per_rad(scene)
+    estimated = number_text(throw_stiffness_Nm_per_rad(scene))
+    key, value = "throw_stiffness_Nm_per_rad", found[0]
+    if len(set(found)) > 1:
+        key, value = "throw_stiffnesses_Nm_per_rad", f"[{', '.join(found)}]"
     return (
-        f"Load cases take {number_text(estimated)} N m/rad for a throw, in closed form; to have them take "
-        f"that of this run write shaft.throw_stiffness_Nm_per_rad = {plain_number(found)}."
+        f"Load cases take {estimated} N m/rad for a throw, in closed form; to have them take "
+        f"that of this run write shaft.{key} = {value}."
     )
 
 

@@ -75,6 +75,9 @@ def test_a_whole_crank_with_bevels(tmp_path: Path) -> None:
     check_same(scene, result)
     assert [throw.angle_deg for throw in result.throws] == pytest.approx([0, 180, 180, 0], abs=1e-6)
     assert len(result.main_journals) == 5
+    assert [throw.bore_mm for throw in result.throws] == pytest.approx(
+        [scene.throw.crankpin.bore_diameter_mm] * 4
+    )
     assert len(result.halves[0].webs) == 8
     assert any("cut in their middle" in line for line in result.assumed)
     design = Path(result.halves[0].design)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.plan.planning import plan
+from cranktopo.engine.states import load_cases
 from cranktopo.engine.throw_compliance import radial_energy_Nmm, throw_compliance
 from cranktopo.throw.journal import Journal
 from tests.fast_twin import fast_twin
@@ -33,6 +35,16 @@ def test_fatigue_takes_both_ends_of_the_radial_force() -> None:
     assert effect.estimate_percent == pytest.approx(
         100 * math.hypot(bend, math.sqrt(3) * shear) / strength, rel=1e-3
     )
+
+
+def test_a_radial_force_that_turns_round_is_told_as_that() -> None:
+    """-73.5 kN with all inertia, a push of the gas without the pistons': no percentage says that."""
+    twin = fast_twin(**NO_SHAFT)
+    change = plan(twin)["reciprocating_inertia"].changes
+    full = next(one.radial_N for one in load_cases(twin) if one.name == "bending")
+    found = re.fullmatch(r"radial force ([\d,]+) N in place of (-[\d,]+) N", change)
+    assert found is not None
+    assert float(found[2].replace(",", "")) == pytest.approx(full, abs=1)
 
 
 def straight(scene: Scene) -> Scene:
