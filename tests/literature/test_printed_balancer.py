@@ -15,6 +15,7 @@ from cranktopo.engine.bearings import rating_life_h, roller_spring_N_per_mm
 from cranktopo.tasks.balancer.notch import groove_factor, hole_factor, size_factor
 from cranktopo.tasks.balancer.redesign import redesign_balancer
 from cranktopo.tasks.balancer.stage import check_balancer
+from tests.studies.balancer_forces import BUILT, PRINTED_N, TOLERANCE, any_speed, layouts, readings
 
 SCENE = load_scene("balancer-shaft")
 FOUND = check_balancer(SCENE)
@@ -22,7 +23,6 @@ HK4520, HK6020, AXW45 = FOUND.bearings
 
 
 def test_forces_of_masses_and_gear():
-    """1981.5 and 1877.4 N are printed too, without what they belong to: they are not used."""
     assert [w.force_N for w in FOUND.weights] == pytest.approx([3004.1, 3003.8], abs=0.2)
     assert FOUND.gear.tangential_N == pytest.approx(112.2, abs=0.05)
     assert FOUND.gear.axial_N == pytest.approx(40.8, abs=0.06)
@@ -35,6 +35,51 @@ def test_reactions_by_statics():
     assert HK6020.weights_N == pytest.approx(right, abs=0.5)
     assert HK4520.weights_N == pytest.approx(abs(3004.1 + 3003.8 - right), abs=0.5)
     assert AXW45.max_N == pytest.approx(40.8, abs=0.06)
+
+
+IN_BEARINGS = "in space", "both in one direction"
+"""Sums that are the force of a bearing: the others leave a part of it out, or add what is at right angles."""
+
+
+@pytest.fixture(scope="module")
+def layout():
+    return layouts()
+
+
+def hits(layout, wanted, sums):
+    """Readings with the layouts that meet two forces, and by which share the nearest of all misses them."""
+    off = list(readings(layout, wanted, sums))
+    found = [(*what, layout[share < TOLERANCE]) for *what, share in off if (share < TOLERANCE).any()]
+    return found, min(share.min() for *_, share in off)
+
+
+def test_no_reading_makes_the_other_printed_forces_those_of_bearings(layout):
+    """1981.5 and 1877.4 N stand beside the forces of the masses: not with 161 mm between the bearings."""
+    built = layout[layout[:, 0] == 161.0]
+    found, nearest = hits(built, PRINTED_N, IN_BEARINGS)
+    assert not found
+    assert TOLERANCE < nearest < 1e-2
+
+
+@pytest.mark.slow
+def test_readings_of_any_layout(layout):
+    """Nor elsewhere; but for bearings 32 mm apart where the gear's force along the shaft is left out.
+
+    Masses alone need a speed that is not printed.
+    """
+    found, nearest = hits(layout, PRINTED_N, IN_BEARINGS)
+    assert {(masses, gear) for masses, gear, *_ in found} == {("opposed", "not axial")}
+    assert {span for *_, at in found for span in at[:, 0]} == {32.0}
+    assert nearest == pytest.approx(2.66e-4, abs=1e-6)
+    assert all(abs(speed - 1) > 0.05 for speed in any_speed(layout, PRINTED_N)[1])
+
+
+def test_the_search_of_readings_finds_the_shafts_own_forces(layout):
+    """Forces by the beam on springs, told as if they were printed: the places of all parts come out."""
+    built, own = layout[layout[:, 0] == 161.0], (HK4520.max_N, HK6020.max_N)
+    found, _ = hits(built, own, ("both in one direction",))
+    assert ("on one side", "all") in {(masses, gear) for masses, gear, *_ in found}
+    assert any((at == BUILT).all(axis=1).any() for *_, at in found)
 
 
 def test_stiffness_of_the_needle_bearings_is_that_of_their_whole_rollers():

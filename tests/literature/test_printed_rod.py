@@ -5,6 +5,7 @@ are a reconstruction from these numbers. What can be wrong is then the way from 
 whether one rod meets all its numbers at once.
 """
 
+import functools
 import math
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.fatigue.criterion import LocalStress
 from cranktopo.tasks.fatigue.lsa import LsaStrength, lsa
-from cranktopo.tasks.rod.element_stage import check_rod_elements
+from cranktopo.tasks.rod.element_stage import check_rod_elements, rod_on_elements
 from cranktopo.tasks.rod.eye import pulled_arch, pushed_arch, ring_stress_MPa
 from cranktopo.tasks.rod.lighter import lighten_rod
 from cranktopo.tasks.rod.stage import check_rod_strength
@@ -100,6 +101,21 @@ def test_fatigue_safeties_with_the_pull_taken_as_a_push(rods, name, section, pla
     assert goodman(material, push, -slower) / printed == pytest.approx(0.945, abs=0.03)
 
 
+@pytest.mark.parametrize("name", PRINTED)
+def test_eye_and_cap_have_more_than_fifteen_for_fatigue(rods, name):
+    """By the same rule; the cap at the speed of the push, as at takeoff speed that of aluminium has 11.6."""
+    material = load_scene(name).rod.material
+    crown, cap = of(rods[name], "eye, crown"), of(rods[name], "cap")
+    assert goodman(material, crown.min_MPa, crown.max_MPa) > 15
+    assert goodman(material, cap.max_MPa * (2100 / 2800) ** 2, 0.0) > 15
+
+
+def test_fatigue_of_the_big_end_of_aluminium(rods):
+    found, material = of(rods["mikron-iiic-rod"], "big end"), load_scene("mikron-iiic-rod").rod.material
+    slower = found.max_MPa * (2100 / 2800) ** 2
+    assert goodman(material, -found.min_MPa, slower) == pytest.approx(4.55, rel=0.02)
+
+
 def test_stresses_by_elements_that_are_printed():
     """148, 337 and 382 MPa: yield strength over the printed safety, and Goodman with the pull as a pull."""
     aluminium, steel = (load_scene(name).rod.material for name in ("mikron-iiic-rod", "mikron-iiic-rod-i"))
@@ -112,12 +128,28 @@ def test_stresses_by_elements_that_are_printed():
         assert goodman(material, stress, -stress * 1348 / 34480) == pytest.approx(fatigue, rel=0.012)
 
 
+NECK_MPA = {"mikron-iiic-rod": 148.0, "mikron-iiic-rod-i": 337.0, "mikron-iiic-rod-h": 382.0}
+"""Largest stress of section II by elements."""
 PRINTED_ELEMENTS = {
-    "mikron-iiic-rod": (148.0, 2.54, 1.46),
-    "mikron-iiic-rod-i": (337.0, 3.46, 2.34),
-    "mikron-iiic-rod-h": (382.0, 3.11, 2.06),
+    "mikron-iiic-rod": {"II": (2.02, 1.46), "III": (2.54, 1.83), "big end": (5.59, 4.51)},
+    "mikron-iiic-rod-i": {"II": (2.70, 2.34), "III": (3.46, 3.04), "big end": (8.24, 6.51)},
+    "mikron-iiic-rod-h": {"II": (2.40, 2.06), "III": (3.11, 2.74), "big end": (7.01, 4.74)},
 }
-"""By elements: stress of section II, safety against yield of section III, fatigue safety of section II."""
+"""Safeties by elements, against yield and for fatigue. Eye and cap have more than 15, but the eye of
+aluminium 10.63 and 4.98."""
+
+
+@functools.cache
+def on_elements(name):
+    """A rod whose bores rigid pins touch: the load for which the printed order of its places speaks."""
+    return rod_on_elements(load_scene(name), "lsa", None, contact=True)
+
+
+def as_printed(name, place):
+    """Safety against yield, and by Goodman with the pull at the speed of the push."""
+    material = load_scene(name).rod.material
+    largest, other = sorted((place.max_MPa, -place.min_MPa), reverse=True)
+    return material.yield_MPa / largest, goodman(material, largest, -other * (2100 / 2800) ** 2)
 
 
 @pytest.mark.slow
@@ -125,21 +157,39 @@ PRINTED_ELEMENTS = {
 def test_stresses_by_elements_of_rods_that_meet_the_analytic_numbers(name):
     """With rigid pins the neck has the printed stress within 13 %, from below in all three rods.
 
-    The fatigue safety is Goodman's, as printed. By the cosine over half the bore the small end bends about
-    the narrow neck, and its bore alone has more than all that is printed: it is not the source's load.
+    By the cosine over half the bore the small end bends about the narrow neck, and its bore alone has more
+    than all that is printed: it is not the source's load.
     """
-    stress, third, fatigue = PRINTED_ELEMENTS[name]
-    found = check_rod_elements(name, contact=True).elements
+    found = on_elements(name).strength.elements
     places = {place.place: place for place in found.places}
-    neck = places["eye to shank"]
-    assert 0.87 * stress < -neck.min_MPa < 1.0 * stress
-    material = load_scene(name).rod.material
-    assert material.yield_MPa / -places["mid-shank"].min_MPa == pytest.approx(third, rel=0.15)
-    pull = neck.max_MPa * (2100 / 2800) ** 2
-    assert goodman(material, -neck.min_MPa, -pull) == pytest.approx(fatigue, rel=0.15)
+    assert 0.87 * NECK_MPA[name] < -places["eye to shank"].min_MPa < NECK_MPA[name]
     assert all(place.error_percent < 3 for place in places.values() if place.place != "cap")
-    by_cosine = check_rod_elements(name).elements
+    by_cosine = check_rod_elements(name, element_size_mm=3.0).elements
     assert by_cosine.yield_safety < found.yield_safety
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRINTED_ELEMENTS)
+def test_safeties_by_elements_of_every_section(name):
+    """Neck 3 to 12 % above, shank 3 to 14 % below the printed ones; the big end, of guessed shape, is below.
+
+    Crown and cap have more than 15 in all rods; 10.63 of the eye of aluminium has no place in ours.
+    """
+    places = {place.place: place for place in on_elements(name).strength.elements.places}
+    for section, place, low, high in (
+        ("II", "eye to shank", 1.0, 1.13),
+        ("III", "mid-shank", 0.85, 1.0),
+        ("big end", "big end", 0.5, 1.15),
+    ):
+        for ours, printed in zip(
+            as_printed(name, places[place]), PRINTED_ELEMENTS[name][section], strict=True
+        ):
+            assert low < ours / printed < high
+    stress = on_elements(name).stress
+    x, y, _ = stress.surface.points_mm
+    for at in (y > 166.0, y < 0.0):
+        largest = stress.largest_MPa[:, at & (np.abs(x) < 1.0)].max()
+        assert load_scene(name).rod.material.yield_MPa / largest > 15
 
 
 def test_pull_of_the_piston_group_at_takeoff_speed(rods):
