@@ -11,6 +11,7 @@ from cranktopo.base.table import SceneTable
 from cranktopo.base.units import plain_number
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
+from cranktopo.design.shaft import Rotor
 
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
 GOAL, VIBRATION = "goal", "shaft"
@@ -29,6 +30,7 @@ _CONSEQUENCES = {
     "piston_group_kg": "no inertia force of the piston",
     "rod_reciprocating_kg": "no inertia force of the rod's upper end",
     "rod_rotating_kg": "no centrifugal force of the rod's big end",
+    "loss_factor": "nothing damps that shaft's twist",
 }
 """What the default of a key means where the number alone does not say it."""
 _WIDTH = 110
@@ -131,6 +133,7 @@ def _left_out(table: SceneTable, path: str) -> Iterator[Assumption]:
     mapped = getattr(table, "map", ())
     measured = getattr(table, "indicator_csv", None) is not None or (mapped and all(at.file for at in mapped))
     unused = _QUIET | (_ROD_PARTS if getattr(table, "rod_kg", None) is not None else set())
+    unused |= {"loss_factor"} if isinstance(table, Rotor) and not table.is_elastic else set()
     for name in type(table).model_fields:
         value, key = getattr(table, name), f"{path}.{name}"
         if isinstance(value, SceneTable):

@@ -87,6 +87,13 @@ class Rotor(SceneTable):
     """Inertia about the crank axis."""
     stiffness_Nm_per_rad: TorsionalStiffness | None = Field(default=None, examples=[2.0e6])
     """Torsional stiffness of the shaft between it and its neighbour; rigid when it is not given."""
+    loss_factor: LossFactor = 0.0
+    """Loss factor of that shaft, relative damping over 2 pi; 0 = none. Needs `stiffness_Nm_per_rad`."""
+
+    @property
+    def is_elastic(self) -> bool:
+        """Tell whether a shaft of its own joins it to its neighbour."""
+        return self.stiffness_Nm_per_rad is not None
 
 
 class Carried(SceneTable):
@@ -145,6 +152,9 @@ class Damper(Carried):
     """Loss factor of the rubber."""
 
 
+_ROTORS = ("pulley", "flywheel", "coupling", "driven", "propeller")
+
+
 class ShaftTable(SceneTable):
     """What turns with the crankshaft, and what damps it: the model of torsional vibration.
 
@@ -169,7 +179,8 @@ class ShaftTable(SceneTable):
     throw_damping_Nms_per_rad: TorsionalDamping = 0.0
     """Relative damping: torque between neighbouring throws over their relative angular velocity."""
     throw_loss_factor: LossFactor = 0.02
-    """Relative damping of the crankshaft as loss factor; 0.02 is a dynamic magnifier of 50 by itself."""
+    """Relative damping of the crankshaft, throws and ends, as loss factor; 0.02 is a dynamic magnifier of 50
+    by itself. A shaft that another part gives by `stiffness_Nm_per_rad` has that part's `loss_factor`."""
     permitted_shear_MPa: Strength | None = Field(default=None, examples=[40.0])
     """Largest nominal alternating shear stress of journals and pins; speeds above it are barred."""
     pulley: CarriedRotor | None = None
@@ -186,6 +197,12 @@ class ShaftTable(SceneTable):
     def gives_stiffness(self) -> bool:
         """Tell whether it gives the torsional stiffness of the throws."""
         return self.throw_stiffness_Nm_per_rad is not None or self.throw_stiffnesses_Nm_per_rad is not None
+
+    @property
+    def elastic_rotors(self) -> dict[str, Rotor]:
+        """Parts that a shaft of their own joins to their neighbour, by key, from the free end."""
+        named = {name: getattr(self, name) for name in _ROTORS}
+        return {name: rotor for name, rotor in named.items() if rotor is not None and rotor.is_elastic}
 
     @property
     def has_takeoff(self) -> bool:

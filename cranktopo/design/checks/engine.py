@@ -8,7 +8,7 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.design.checks.engine_size import check_engine_size
 from cranktopo.design.engine import Arrangement, BalancerShaft, Engine, Gas
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import Damper, ShaftTable
+from cranktopo.design.shaft import Damper, Rotor, ShaftTable
 
 _SLOWEST = 1 / 3
 """Share of the engine's speed from which speeds are looked at by default."""
@@ -32,7 +32,19 @@ def check_shaft(scene: Scene) -> None:
             hint="Keep [shaft.driven] or [shaft.propeller].",
         )
     _check_stiffnesses(scene, shaft)
+    _check_losses(scene, shaft)
     _check_speeds(scene, shaft)
+
+
+def _check_losses(scene: Scene, shaft: ShaftTable) -> None:
+    """Refuse a loss factor of a part that turns rigidly with its neighbour."""
+    for name, rotor in shaft:
+        if isinstance(rotor, Rotor) and rotor.loss_factor and not rotor.is_elastic:
+            raise scene.invalid(
+                f"shaft.{name}.loss_factor",
+                f"belongs to shaft.{name}.stiffness_Nm_per_rad, which is not given",
+                "Give that stiffness, or take the loss factor out.",
+            )
 
 
 def _check_stiffnesses(scene: Scene, shaft: ShaftTable) -> None:
@@ -78,9 +90,9 @@ def shaft_warnings(scene: Scene) -> tuple[str, ...]:
 def is_damped(shaft: ShaftTable) -> bool:
     """Tell whether anything takes energy from a vibration."""
     own = (shaft.cylinder_damping_Nms_per_rad, shaft.throw_damping_Nms_per_rad, shaft.throw_loss_factor)
-    coupling, propeller, damper = shaft.coupling, shaft.propeller, shaft.damper
+    propeller, damper = shaft.propeller, shaft.damper
     joined = (
-        coupling.loss_factor if coupling else 0.0,
+        *(rotor.loss_factor for rotor in shaft.elastic_rotors.values()),
         propeller.damping_Nms_per_rad if propeller else 0.0,
         (damper.damping_Nms_per_rad or damper.loss_factor or 0.0) if damper else 0.0,
     )

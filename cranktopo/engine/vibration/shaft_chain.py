@@ -12,7 +12,7 @@ from cranktopo.base.units import MM2_PER_M2, NMM_PER_NM
 from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import Coupling, Damper, Propeller, Rotor, ShaftTable
+from cranktopo.design.shaft import Damper, Propeller, Rotor, ShaftTable
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.throw_compliance import (
     first_half_share,
@@ -190,7 +190,8 @@ def shaft_chain(
 def _add_free_end(row: _Row, shaft: ShaftTable, end: EndChain | None) -> complex | None:
     """Ring and hub; returns the stiffness between the hub and the first journal, None where it is rigid.
 
-    The stiffness that a pulley gives is that of the whole shaft between it and the journal.
+    The stiffness that a pulley gives is that of the whole shaft between it and the journal, with its own loss
+    factor; an end of the crank has that of the crankshaft.
     """
     pulley, damper = shaft.pulley, shaft.damper
     inertia = (pulley.inertia_kg_m2 if pulley else 0.0) + (damper.hub_inertia_kg_m2 if damper else 0.0)
@@ -201,10 +202,19 @@ def _add_free_end(row: _Row, shaft: ShaftTable, end: EndChain | None) -> complex
         parts = [part for part, has in (("hub", damper), ("pulley", pulley)) if has is not None]
         spring, relative = _damper(damper) if damper else (0j, 0.0)
         row.add(" + ".join(parts) or "free end", inertia, spring, relative)
-    stiffness = pulley.stiffness_Nm_per_rad if pulley else None
-    if stiffness is None and end is not None:
-        stiffness = end.stiffness_Nm_per_rad
-    return None if stiffness is None else stiffness * (1 + 1j * shaft.throw_loss_factor)
+    own = _own_spring(pulley) if pulley else None
+    return _end_spring(shaft, end) if own is None else own
+
+
+def _own_spring(rotor: Rotor) -> complex | None:
+    """Complex stiffness of the shaft that a part gives between it and its neighbour; None is rigid."""
+    stiffness = rotor.stiffness_Nm_per_rad
+    return None if stiffness is None else stiffness * (1 + 1j * rotor.loss_factor)
+
+
+def _end_spring(shaft: ShaftTable, end: EndChain | None) -> complex | None:
+    """Complex stiffness of an end of the crank; None where it has none."""
+    return None if end is None else end.stiffness_Nm_per_rad * (1 + 1j * shaft.throw_loss_factor)
 
 
 def _damper(damper: Damper) -> tuple[complex, float]:
@@ -225,15 +235,14 @@ def _add_output_end(row: _Row, shaft: ShaftTable, half: complex, end: EndChain |
         ("propeller", shaft.propeller),
     )
     joint: complex | None = half
-    of_end = None if end is None else end.stiffness_Nm_per_rad * (1 + 1j * shaft.throw_loss_factor)
+    of_end = _end_spring(shaft, end)
     tip = end.tip_kg_m2 if end else 0.0
     for name, part in parts:
         if part is None:
             continue
-        loss = part.loss_factor if isinstance(part, Coupling) else shaft.throw_loss_factor
         absolute = part.damping_Nms_per_rad if isinstance(part, Propeller) else 0.0
-        own = part.stiffness_Nm_per_rad
-        spring = of_end if own is None else own * (1 + 1j * loss)
+        own = _own_spring(part)
+        spring = of_end if own is None else own
         if joint is None and spring is None:
             row.names[-1] += f" + {name}"
             row.inertia[-1] += part.inertia_kg_m2

@@ -20,6 +20,8 @@ from cranktopo.tasks.vibration.text import ends_of
 
 _UNKNOWN = "unknown"
 _Rows = list[tuple[str, Any]]
+_DAMPING_KEYS = {"loss_factor", "damping_Nms_per_rad"}
+"""Keys of the parts of the shaft line that stand in the table of damping."""
 
 
 def engine_section(scene: Scene, cycle: Cycle | None) -> Section:
@@ -108,10 +110,23 @@ def shaft_section(scene: Scene) -> Section:
     damping: _Rows = [
         ("absolute damping of a cylinder", f"{shaft.cylinder_damping_Nms_per_rad:g} N m s/rad"),
         ("relative damping between throws", f"{shaft.throw_damping_Nms_per_rad:g} N m s/rad"),
-        ("loss factor of the throws", f"{shaft.throw_loss_factor:g}"),
+        ("loss factor of the crankshaft: throws and ends", f"{shaft.throw_loss_factor:g}"),
+        *_joined_damping(shaft),
     ]
     tables = (("Shaft line, free end first", pairs(_rotor_rows(shaft))), ("Damping", pairs(damping)))
     return Section("shaft-line", "Shaft line and damping", tables=tables)
+
+
+def _joined_damping(shaft: ShaftTable) -> _Rows:
+    """Return what damps the parts that are joined to the crankshaft; a loss factor of 0 is none."""
+    rows: _Rows = []
+    for name, rotor in shaft.elastic_rotors.items():
+        own = "coupling" if name == "coupling" else f"shaft between {name} and its neighbour"
+        rows.append((f"loss factor of the {own}", f"{rotor.loss_factor:g}"))
+    if shaft.propeller is not None:
+        damping = f"{shaft.propeller.damping_Nms_per_rad:g} N m s/rad"
+        rows.append(("absolute damping of the propeller", damping))
+    return rows
 
 
 def _rotor_rows(shaft: ShaftTable) -> _Rows:
@@ -119,7 +134,7 @@ def _rotor_rows(shaft: ShaftTable) -> _Rows:
     for name in ("damper", "pulley", "flywheel", "coupling", "driven", "propeller"):
         rotor = getattr(shaft, name)
         if rotor is not None:
-            given = rotor.model_dump(exclude_none=True)
+            given = rotor.model_dump(exclude_none=True, exclude=set() if name == "damper" else _DAMPING_KEYS)
             rows.append((name, ", ".join(quantity_words(key, value) for key, value in given.items())))
     return rows or [("rotors", "none")]
 

@@ -279,7 +279,9 @@ def _damping(shaft: ShaftTable) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in shaft.model_dump(exclude_none=True).items():
         if isinstance(value, dict):
-            inner = {key: v for key, v in value.items() if "damping" in key or "loss" in key or key == "kind"}
+            loses = name == "damper" or name in shaft.elastic_rotors
+            inner = {key: v for key, v in value.items() if "damping" in key or key == "kind"}
+            inner |= {key: v for key, v in value.items() if key == "loss_factor" and loses}
             found |= {name: inner} if inner else {}
         elif name not in _NOT_DAMPING:
             found[name] = value
