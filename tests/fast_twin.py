@@ -31,7 +31,11 @@ def fast_twin(*, pulley: bool = True, **tables: Any) -> Scene:
         "flywheel": {"inertia_kg_m2": FLYWHEEL_KG_M2},
     }
     if pulley:
-        shaft["pulley"] = {"inertia_kg_m2": PULLEY_KG_M2, "stiffness_Nm_per_rad": PULLEY_NM}
+        shaft["pulley"] = {
+            "inertia_kg_m2": PULLEY_KG_M2,
+            "stiffness_Nm_per_rad": PULLEY_NM,
+            "loss_factor": LOSS,
+        }
     return scene_from_dict(
         {
             "name": "twin",
