@@ -29,7 +29,13 @@ from cranktopo.runs.destination import check_file
 from cranktopo.tasks.bound.result import AnyBound
 from cranktopo.tasks.bound.text import bound_sections
 from cranktopo.tasks.compare.result import Comparison
-from cranktopo.tasks.compare.text import comparison_tables, fillet_lines, method_lines, safety_method
+from cranktopo.tasks.compare.text import (
+    comparison_tables,
+    fillet_lines,
+    method_lines,
+    safety_method,
+    star_lines,
+)
 from cranktopo.tasks.extraction.text import DesignUndercuts, undercut_table
 from cranktopo.tasks.fatigue.result import FieldFatigue
 from cranktopo.tasks.fatigue.text import FatigueComparison
@@ -218,7 +224,9 @@ def _variants(
         "variants",
         "Variants",
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
-        "those of the full throw with the supports of its design." + _safety(comparison),
+        "those of the full throw with the supports of its design."
+        + "".join(f" {line}" for line in star_lines(comparison))
+        + _safety(comparison),
         tuple(tables),
         scatter_pictures(_scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),
     )

@@ -17,6 +17,7 @@ from cranktopo.tasks.compare.text import (
     flat_table,
     method_lines,
     safety_method,
+    star_lines,
 )
 
 
@@ -48,7 +49,10 @@ def comparison_text(comparison: Comparison, form: str) -> str:
         return comma_separated(flat_table(comparison))
     by = _FORMS[form]
     tables = [by.table(table) for table in comparison_tables(comparison)]
-    above, below = fillet_lines(comparison.bare), [*by.last, *method_lines(comparison)]
+    above, below = (
+        fillet_lines(comparison.bare),
+        [*by.last, *star_lines(comparison), *method_lines(comparison)],
+    )
     parts = [*by.first, *map(by.line, above), *tables, *map(by.line, below), *_verdicts(comparison, by)]
     return "\n\n".join([*parts, *_goals(comparison, by)])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cranktopo.base.units import stem_and_unit
+from cranktopo.base.units import plain_number, stem_and_unit
 from cranktopo.design.published import PublishedValues
 from cranktopo.report.result_table import Cell, ResultTable, Row, records
 from cranktopo.tasks.compare.result import ChangeErrors, Comparison, ComparisonResult, safety_by
@@ -14,6 +14,7 @@ from cranktopo.tasks.fea.quantities import (
     COMPARED,
     SAFETY,
     STIFFNESS,
+    UNBALANCE,
     Quantity,
     throw_values,
 )
@@ -164,6 +165,17 @@ def safety_method(comparison: Comparison) -> list[str]:
     if comparison.fatigue is None or all(limit.quantity != "fatigue_safety" for limit in limits):
         return []
     return [f"fatigue_safety in limits is by {comparison.fatigue.result.method}, the first method asked for."]
+
+
+def star_lines(comparison: Comparison) -> list[str]:
+    """Return what the star of the unbalance marks where the best is not the least."""
+    wanted = comparison.balanced_kg_mm
+    if not wanted or comparison.best(UNBALANCE) is None:
+        return []
+    return [
+        f"The star of the unbalance is at the nearest to {plain_number(wanted, 4)} kg mm, with which the "
+        "counterweights balance what the engine asks for."
+    ]
 
 
 def method_lines(comparison: Comparison) -> list[str]:

@@ -13,6 +13,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.compare.page import _changes
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.compare.stage import balanced_kg_mm, pitch_lines
+from cranktopo.tasks.compare.text import star_lines
 from cranktopo.tasks.fatigue.text import FatigueComparison
 from cranktopo.tasks.fea.quantities import SAFETY, TORSION, UNBALANCE
 from cranktopo.tasks.fea.targets import Target, resolve_target
@@ -57,7 +58,10 @@ def test_stars_by_what_is_wanted() -> None:
     )
     found = compare([Entry(base), Entry(lighter), Entry(over)], "base")
     assert found.best(UNBALANCE) == 1
-    assert replace(found, balanced_kg_mm=-30.0).best(UNBALANCE) == 2
+    assert star_lines(found) == []
+    balanced = replace(found, balanced_kg_mm=-30.0)
+    assert balanced.best(UNBALANCE) == 2
+    assert "nearest to -30 kg mm" in star_lines(balanced)[0]
     scene = load_scene("mikron-iiic-plain")
     balance = throw_balance(scene)
     assert balanced_kg_mm(scene) == balance.throw_unbalance_kg_mm - balance.rotating_unbalance_kg_mm
