@@ -173,8 +173,8 @@ def star_lines(comparison: Comparison) -> list[str]:
     if not wanted or comparison.best(UNBALANCE) is None:
         return []
     return [
-        f"The star of the unbalance is at the nearest to {plain_number(wanted, 4)} kg mm, with which throw and "
-        "rods together are balanced as the engine asks for."
+        f"The star of the unbalance is at the nearest to {plain_number(wanted, 4)} kg mm, with which throw "
+        "and rods together are balanced as the engine asks for."
     ]
 
 
