@@ -9,6 +9,7 @@ from typing import Any
 from cranktopo.bodies.raw_part import forging_of, raw_half_volume_mm3
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
 from cranktopo.bodies.solid.shapes import DimTags, add_solid, cut
+from cranktopo.bodies.solid.throw import built
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
 from cranktopo.throw.feature import Body
@@ -30,12 +31,14 @@ def add_raw_throw(occ: Any, scene: Scene) -> DimTags:
 
 
 def add_raw_half(occ: Any, scene: Scene) -> DimTags:
-    """Return the raw half throw as one checked body."""
+    """Return the raw half throw as one checked body; a refusal names the feature that is wrong."""
+    return built(occ, scene, "raw half throw", _raw_half, lambda part: ClosedForm(raw_half_volume_mm3(part)))
+
+
+def _raw_half(occ: Any, scene: Scene) -> DimTags:
     half = raw_half(scene, forging_of(scene))
     web = [_web(occ, half, cuts) for cuts in dict.fromkeys(half.cuts_of)]
-    body = _fused(occ, [*web, *(_raw_body(occ, one) for one in half.journals)])
-    check_body(occ, body, ClosedForm(raw_half_volume_mm3(scene)), "raw half throw")
-    return body
+    return _fused(occ, [*web, *(_raw_body(occ, one) for one in half.journals)])
 
 
 def _web(occ: Any, half: RawHalf, cuts: tuple[Body, ...]) -> DimTags:

@@ -466,3 +466,20 @@ def test_the_drawing_has_a_sheet_of_the_raw_part(
         "⌀46",
     ):
         assert f"<!-- {words}" in drawn
+
+
+def test_a_raw_part_that_the_kernel_makes_wrong_names_the_feature(
+    plain: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Here by a closed form that is 1 % off where the web has a counterweight."""
+    scene = forged(weighted(roomy_scene(plain), PLAIN))
+
+    def wrong(part: Scene) -> float:
+        return raw_half_volume_mm3(part) * (1.01 if part.web.counterweight else 1.0)
+
+    monkeypatch.setattr("cranktopo.bodies.solid.raw_part.raw_half_volume_mm3", wrong)
+    with (
+        cad_session("raw") as gmsh,
+        pytest.raises(CranktopoError, match=r"raw half throw: .* from web.counterweight on"),
+    ):
+        add_raw_half(gmsh.model.occ, scene)
