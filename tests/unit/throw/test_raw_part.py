@@ -468,6 +468,7 @@ def test_the_drawing_has_a_sheet_of_the_raw_part(
         assert f"<!-- {words}" in drawn
 
 
+@pytest.mark.slow
 def test_a_raw_part_that_the_kernel_makes_wrong_names_the_feature(
     plain: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
