@@ -38,6 +38,17 @@ def plain_number(value: float, digits: int = 4) -> str:
     return f"{Decimal(text):f}" if "e" in text else text
 
 
+def enough_decimals(largest: float, usual: int) -> int:
+    """Return decimals that leave three digits of the largest of some values; the usual ones for rounding."""
+    if abs(largest) < _ROUNDING:
+        return usual
+    return max(usual, 2 - math.floor(math.log10(abs(largest))))
+
+
+_ROUNDING = 1e-6
+"""In any unit that a result is told in, such values are what rounding leaves of zero."""
+
+
 def signed_percent(percent: float, digits: int = 2) -> str:
     """Return a change in percent with its sign: `+170 %`, `-0.35 %`."""
     text = plain_number(percent, digits)

@@ -131,5 +131,6 @@ def error_sentence(found: ShaftModes) -> str:
     mesh = found.stiffness_error_percent / 2
     return (
         f"{found.unknowns} unknowns. The last of {found.steps} steps of the reduction changed a frequency\n"
-        f"by at most {abs(worst.last_step_percent):.2g} % (mode {worst.mode}). Mesh: frequencies of torsion are at most {mesh:.2g} % too high."
+        f"by at most {abs(worst.last_step_percent):.2g} % (mode {worst.mode}). Mesh: frequencies of torsion "
+        f"are at most {mesh:.2g} % too high."
     )
