@@ -39,10 +39,11 @@ def plain_number(value: float, digits: int = 4) -> str:
 
 
 def enough_decimals(largest: float, usual: int) -> int:
-    """Return decimals that leave three digits of the largest of some values; the usual ones for rounding."""
+    """Return the usual decimals; those of three digits where they leave one or none of the largest value."""
     if abs(largest) < _ROUNDING:
         return usual
-    return max(usual, 2 - math.floor(math.log10(abs(largest))))
+    place = math.floor(math.log10(abs(largest)))
+    return usual if usual + place >= 1 else 2 - place
 
 
 _ROUNDING = 1e-6

@@ -209,7 +209,7 @@ class ResultTable:
 
     @cached_property
     def _decimals(self) -> dict[str, int]:
-        """Decimals by column; of what grows with the crank more where these leave less than three digits."""
+        """Decimals by column; of what grows with the crank three digits where these leave one or none."""
         return {
             column: enough_decimals(self._largest(column), digits)
             if stem_and_unit(column)[1] in _BY_SIZE

@@ -182,7 +182,7 @@ def _redundant(states: Sequence[LoadState]) -> str:
 
 
 def _alike(values: Sequence[float], usual: int) -> list[str]:
-    """Return values of one kind, with decimals that leave three digits of the largest."""
+    """Return values of one kind, with decimals that suit the largest."""
     digits = enough_decimals(max(map(abs, values)), usual)
     return [f"{value:.{digits}f}" for value in values]
 
