@@ -38,6 +38,18 @@ def plain_number(value: float, digits: int = 4) -> str:
     return f"{Decimal(text):f}" if "e" in text else text
 
 
+def enough_decimals(largest: float, usual: int) -> int:
+    """Return the usual decimals; those of three digits where they leave one or none of the largest value."""
+    if abs(largest) < _ROUNDING:
+        return usual
+    place = math.floor(math.log10(abs(largest)))
+    return usual if usual + place >= 1 else 2 - place
+
+
+_ROUNDING = 1e-6
+"""In any unit that a result is told in, such values are what rounding leaves of zero."""
+
+
 def signed_percent(percent: float, digits: int = 2) -> str:
     """Return a change in percent with its sign: `+170 %`, `-0.35 %`."""
     text = plain_number(percent, digits)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
-from cranktopo.base.units import stem_and_unit
+from cranktopo.base.units import enough_decimals, stem_and_unit
 
 WIDTH = 80
 """Letters of a line of the terminal that every table fits in."""
@@ -146,6 +146,8 @@ _SIGNIFICANT, _GROUPED = 4, 1e4
 """Digits beyond which an error of a percent leaves no sense; numbers from which thousands stand apart."""
 _LINE = 24
 """Letters of a cell that may break."""
+_BY_SIZE = frozenset(("N", "kN", "N m", "kg", "kg mm", "kg mm2", "N m/rad", "kN m/rad", "N/mm", "kN/mm"))
+"""Units of what grows by powers with the size of a crank, from a model engine's to a ship's."""
 _EXACT = ("", "mm", "deg")
 """Units of what is known to more digits than these, or of nothing in particular."""
 T = TypeVar("T")
@@ -189,7 +191,7 @@ class ResultTable:
 
     def cell(self, row: int, column: str) -> str:
         """Return a cell as text, rounded, with a trailing `*` where it is marked as best."""
-        return self._printed(row, column, lambda value: f"{value:z.{self.columns[column]}f}")
+        return self._printed(row, column, lambda value: f"{value:z.{self._decimals[column]}f}")
 
     def shown(self, row: int, column: str) -> str:
         """Return a cell as a page shows it: four digits of a column's largest value, thousands in groups."""
@@ -206,17 +208,33 @@ class ResultTable:
         return f"{text}*" if (row, column) in self.best else text
 
     @cached_property
+    def _decimals(self) -> dict[str, int]:
+        """Decimals by column; of what grows with the crank three digits where these leave one or none."""
+        return {
+            column: enough_decimals(self._largest(column), digits)
+            if stem_and_unit(column)[1] in _BY_SIZE
+            else digits
+            for column, digits in self.columns.items()
+        }
+
+    @cached_property
     def _shown_digits(self) -> dict[str, int]:
         """Decimals by column; lengths and angles keep theirs, and so does what mixes units."""
         return {
             column: digits if stem_and_unit(column)[1] in _EXACT else min(digits, self._sensible(column))
-            for column, digits in self.columns.items()
+            for column, digits in self._decimals.items()
         }
 
     def _sensible(self, column: str) -> int:
+        largest = self._largest(column)
+        if 0 < largest < 1:
+            return enough_decimals(largest, _SIGNIFICANT - 1)
+        return max(0, _SIGNIFICANT - len(str(int(largest))))
+
+    def _largest(self, column: str) -> float:
         values = (row[column] for row in self.rows)
-        sizes = [abs(value) for value in values if isinstance(value, int | float) and math.isfinite(value)]
-        return max(0, _SIGNIFICANT - len(str(int(max(sizes, default=0.0)))))
+        sizes = (abs(value) for value in values if isinstance(value, int | float) and math.isfinite(value))
+        return max(sizes, default=0.0)
 
     def cells(self, row: int) -> list[str]:
         """Return all cells of a row as text."""

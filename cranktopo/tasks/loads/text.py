@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from cranktopo.base.units import enough_decimals
 from cranktopo.engine.balance.crank import CrankMass
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.report.result_table import text_table
@@ -13,6 +14,8 @@ _LABELS = {"inertia_force": "inertia force of piston"}
 """Beside the names of the keys: the rod's oscillating part is in the rod force."""
 _AS_NEEDED = 2e-3
 """Share of its counterweights to which a throw is balanced: what a radius in 0.01 mm leaves."""
+_WHOLE = 10_000
+"""Numbers from which on are told without decimals."""
 
 
 def loads_text(loads: Loads) -> str:
@@ -39,17 +42,16 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
         "main journal\nN",
     ]
     header += ["engine mean\nN m", "max\nN m", "min\nN m"]
-    rows = []
+    values = []
     for loads in sweep:
         extremes, torque = loads.extremes, loads.engine_torque_Nm
-        cells = [f"{loads.speed_rpm:g}", _number(extremes["small_end_force_N"].max.value)]
-        cells.append(_number(extremes["inertia_force_N"].min.value))
-        cells += [
-            _number(extremes[name].max.value)
-            for name in ("web_force_N", "tangential_force_N", "main_journal_force_N")
+        forces = [extremes["small_end_force_N"].max.value, extremes["inertia_force_N"].min.value]
+        forces += [
+            extremes[name].max.value for name in ("web_force_N", "tangential_force_N", "main_journal_force_N")
         ]
-        rows.append([*cells, *(_number(value) for value in (torque.mean, torque.max, torque.min))])
-    return text_table("r" * len(header), header, rows)
+        values.append([*forces, torque.mean, torque.max, torque.min])
+    columns = [[f"{loads.speed_rpm:g}" for loads in sweep], *map(_numbers, zip(*values, strict=True))]
+    return text_table("r" * len(header), header, list(zip(*columns, strict=True)))
 
 
 def _heading(loads: Loads) -> str:
@@ -65,9 +67,8 @@ def _extremes(extremes: Mapping[str, Range]) -> str:
     rows = []
     for name, pair in extremes.items():
         label, unit = name.rsplit("_", 1)
-        cells = []
-        for end in (pair.max, pair.min):
-            cells += [_number(end.value), f"{end.deg:g}"]
+        high, low = _numbers((pair.max.value, pair.min.value))
+        cells = [high, f"{pair.max.deg:g}", low, f"{pair.min.deg:g}"]
         rows.append([_LABELS.get(label, label.replace("_", " ")), {"Nm": "N m"}.get(unit, unit), *cells])
     return text_table("llrrrr", ("extremes of one throw", "unit", "max", "at deg", "min", "at deg"), rows)
 
@@ -95,12 +96,15 @@ def _torque(loads: Loads) -> str:
     torque, difference = loads.engine_torque_Nm, loads.series_difference_percent
     if difference is None:
         return ""
+    mean, high, low = _numbers((torque.mean, torque.max, torque.min))
+    (work,) = _numbers((loads.indicated_work_per_cylinder_J,))
+    (power,) = _numbers((loads.indicated_power_kW,))
     return (
-        f"engine torque: mean {_number(torque.mean)} N m, max {_number(torque.max)} at "
-        f"{torque.max_deg:g} deg, min {_number(torque.min)} at {torque.min_deg:g} deg\n"
-        f"indicated work per cylinder and cycle: {loads.indicated_work_per_cylinder_J:.1f} J\n"
+        f"engine torque: mean {mean} N m, max {high} at "
+        f"{torque.max_deg:g} deg, min {low} at {torque.min_deg:g} deg\n"
+        f"indicated work per cylinder and cycle: {work} J\n"
         f"indicated mean pressure {loads.indicated_mean_pressure_MPa:.3f} MPa, power of the engine "
-        f"{loads.indicated_power_kW:.1f} kW, without friction\n"
+        f"{power} kW, without friction\n"
         f"textbook series off the exact motion: displacement {difference.displacement:.2f} %, "
         f"velocity {difference.velocity:.2f} %, acceleration {difference.acceleration:.2f} %"
     )
@@ -122,24 +126,34 @@ def _piston(piston: PistonExtremes | None) -> str:
 
 def _balance(balance: ThrowMassProperties) -> str:
     one, other = balance.own_counterweight_kg, balance.own_second_counterweight_kg
-    masses = f"2 x {one:.3f}" if one == other else f"{one:.3f} and {other:.3f}"
-    own = f"\nits counterweights: {masses} kg take {balance.own_counterweight_kg_mm:.2f} kg mm"
+    whole, alone, own, needed = _alike(
+        (
+            balance.rotating_unbalance_kg_mm,
+            balance.throw_unbalance_kg_mm,
+            balance.own_counterweight_kg_mm,
+            abs(balance.counterweight_kg_mm),
+        ),
+        2,
+    )
+    first, second = _alike((one, other), 3)
+    masses = f"2 x {first}" if one == other else f"{first} and {second}"
+    weights = f"\nits counterweights: {masses} kg take {own} kg mm"
     factor = balance.balance_factor_percent
-    own += "" if factor is None else f", balance factor {factor:z.1f} % of the oscillating mass"
+    weights += "" if factor is None else f", balance factor {factor:z.1f} % of the oscillating mass"
+    (inertia,), (mass,) = _alike((balance.inertia_kg_mm2,), 0), _alike((balance.throw_mass_kg,), 3)
     return (
-        f"balance of the throw: rotating unbalance {balance.rotating_unbalance_kg_mm:.2f} kg mm "
-        f"(throw alone {balance.throw_unbalance_kg_mm:.2f}), counterweights {_needed_words(balance)}, "
-        f"inertia {balance.inertia_kg_mm2:.0f} kg mm2, mass "
-        f"{balance.throw_mass_kg:.3f} kg{own if one or other else ''}"
+        f"balance of the throw: rotating unbalance {whole} kg mm (throw alone {alone}), counterweights "
+        f"{_needed_words(balance, needed)}, inertia {inertia} kg mm2, mass {mass} kg"
+        f"{weights if one or other else ''}"
     )
 
 
-def _needed_words(balance: ThrowMassProperties) -> str:
+def _needed_words(balance: ThrowMassProperties, kg_mm: str) -> str:
     """Return what counterweights are needed beside the throw's own."""
     needed = balance.counterweight_kg_mm
     if abs(needed) < _AS_NEEDED * balance.own_counterweight_kg_mm:
         return "as needed"
-    return f"{'needed' if needed >= 0 else 'too heavy by'} {abs(needed):.2f} kg mm"
+    return f"{'needed' if needed >= 0 else 'too heavy by'} {kg_mm} kg mm"
 
 
 def crank_words(crank: CrankMass | None) -> str:
@@ -156,11 +170,10 @@ def crank_words(crank: CrankMass | None) -> str:
 
 def _cases(cases: Sequence[LoadCase]) -> str:
     header = ("load case", "radial\nN", "tangential\nN", "torque\nN m", "body\nrpm", "from")
-    rows = []
-    for case in cases:
-        loads = (case.radial_N, case.tangential_N, case.torque_Nm, case.speed_rpm)
-        rows.append([case.name, *map(_number, loads), case.source])
-    return text_table("lrrrrl", header, rows)
+    loads = [(case.radial_N, case.tangential_N, case.torque_Nm, case.speed_rpm) for case in cases]
+    columns = [_numbers(values) for values in zip(*loads, strict=True)]
+    names, sources = [case.name for case in cases], [case.source for case in cases]
+    return text_table("lrrrrl", header, list(zip(names, *columns, sources, strict=True)))
 
 
 def _redundant(states: Sequence[LoadState]) -> str:
@@ -168,7 +181,15 @@ def _redundant(states: Sequence[LoadState]) -> str:
     return "\n".join(["states that need no load case of their own:", *lines]) if lines else ""
 
 
-def _number(value: float | None) -> str:
-    if value is None:
-        return "-"
-    return f"{value:z.1f}" if abs(value) < 10000 else f"{value:.0f}"
+def _alike(values: Sequence[float], usual: int) -> list[str]:
+    """Return values of one kind, with decimals that suit the largest."""
+    digits = enough_decimals(max(map(abs, values)), usual)
+    return [f"{value:.{digits}f}" for value in values]
+
+
+def _numbers(values: Sequence[float | None]) -> list[str]:
+    """Return values of one kind as `_alike` with a decimal, those from ten thousand on without."""
+    digits = enough_decimals(max((abs(value) for value in values if value is not None), default=0.0), 1)
+    return [
+        "-" if value is None else f"{value:z.{0 if abs(value) >= _WHOLE else digits}f}" for value in values
+    ]

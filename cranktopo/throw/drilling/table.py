@@ -118,10 +118,15 @@ class Drilling(Feature):
     @override
     def mirrored(self) -> Self:
         ends = {
-            name: end.model_copy(update={"angle_deg": -end.angle_deg})
+            name: end.model_copy(update={"angle_deg": _across(end.angle_deg)})
             for name, end in (("start", self.start), ("end", self.end))
         }
         return self.model_copy(update=ends)
+
+
+def _across(angle_deg: float) -> float:
+    """Return the angle of the mirror image; in the plane of the throw it is the same."""
+    return angle_deg if angle_deg % 180.0 == 0 else -angle_deg
 
 
 def drill_bores(scene: ThrowView) -> tuple[DrillBore, ...]:

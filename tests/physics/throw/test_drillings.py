@@ -186,6 +186,8 @@ def test_mirror() -> None:
     pair = [drilling(("crankpin", a, 0.0), ("crankpin_bore", a, 0.0)) for a in (50.0, -50.0)]
     assert not drilling_asymmetry(mikron(*pair))
     assert drilling_asymmetry(mikron(pair[0])) == "throw.drilling[0]"
+    straight = mikron(STRAIGHT)
+    assert mirror_image(straight) == straight, "the drawing had it at -180 and -0 deg in the second web"
     turned = drilled(mirror_image(mikron(LEANING)))
     assert turned.first_x == pytest.approx(-drilled(mikron(LEANING)).first_x, rel=1e-6)
 

@@ -81,8 +81,8 @@ def test_a_table_of_booktabs() -> None:
     table = ResultTable(
         columns,
         (
-            dict(zip(columns, ("[a_b] & 5 %", 1.5, 7.0, -3.25, None), strict=True)),
-            dict(zip(columns, ("b", 10.0, 8.0, 2.0, 1.0), strict=True)),
+            dict(zip(columns, ("[a_b] & 5 %", 1.5, 2057.0, -3.25, None), strict=True)),
+            dict(zip(columns, ("b", 10.0, 2068.0, 2.0, 1.0), strict=True)),
         ),
         frozenset({(0, "mass_kg")}),
     )
@@ -95,8 +95,8 @@ def test_a_table_of_booktabs() -> None:
     assert head[-1][2] == r"kg\,mm\textsuperscript{2}"
     assert [typeset(cell) for cell in head[0]] == ["target", "mass", "inertia", "change", "safety"]
     assert typeset(rows[0][0]) == "[a_b] & 5 %"
-    assert rows[0][1:] == [r"1.50\rlap{*}", "7", "$-$3.2", "--"]
-    assert rows[1][1:] == ["10.00", "8", "2.0", "1.000"]
+    assert rows[0][1:] == [r"1.50\rlap{*}", "2057", "$-$3.2", "--"]
+    assert rows[1][1:] == ["10.00", "2068", "2.0", "1.000"]
 
 
 def test_a_wide_table_is_folded_with_the_names_of_its_rows() -> None:
