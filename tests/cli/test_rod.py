@@ -161,12 +161,13 @@ def test_a_lighter_rod_says_what_elements_have_judged(rods, words):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "share"), [("mikron-iiic-rod-h", 0.985), ("mikron-iiic-rod-i", 0.89), ("mikron-iiic-rod", 0.95)]
+    ("name", "size_mm", "share"),
+    [("mikron-iiic-rod-h", "6", 0.985), ("mikron-iiic-rod-i", "3", 0.89), ("mikron-iiic-rod", "3", 0.95)],
 )
-def test_a_lighter_rod_is_no_less_safe_by_elements(capsys, tmp_path, name, share):
+def test_a_lighter_rod_is_no_less_safe_by_elements(capsys, tmp_path, name, size_mm, share):
     """The written design is evaluated anew."""
     file, out = tmp_path / "lighter.toml", tmp_path / "found"
-    mesh = ("--fea", "--contact", "--element-size-mm", "6", "--json")
+    mesh = ("--fea", "--contact", "--element-size-mm", size_mm, "--json")
     code, text, err = run(capsys, "rod", name, "--lighter", str(file), "--out", str(out), *mesh)
     assert code == 0, err
     data = json.loads(text)

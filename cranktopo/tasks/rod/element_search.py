@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from cranktopo.base.arrays import Array
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.design.named import DesignLike, as_scene
@@ -77,16 +78,25 @@ def lighten_rod_by_elements(
 def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnElements]:
     """Return the lightest rod that a judge finds no less safe than the own one, and how it judged it.
 
+    A rod that the judge cannot mesh or solve is left out, and the next one is nearer to the best.
+
     Raises:
-        CranktopoError: as the judge does, or no lighter rod was found.
+        CranktopoError: as the judge does of the own rod or of every other, or no lighter rod was found.
     """
     own = _Judged(search.scene, np.ones(len(search.names)), judge(search.scene).strength)
-    tried, best, found, reach = [own], own, None, np.inf
+    tried, best, found, reach, refused = [own], own, None, np.inf, None
     for number in range(1, _ROUNDS + 1):
         near = search.within(best.values, reach)
         lighter = search.rod_at(near.best(_limits(search.names, tried, best), best.values))
-        answer = judge(lighter)
-        last = _Judged(lighter, search.values_of(lighter), answer.strength)
+        values = search.values_of(lighter)
+        try:
+            answer = judge(lighter)
+        except CranktopoError as error:
+            refused = _of_the_mesh(error)
+            note(f"{own.scene.name}: rod {number} is left out: {refused.message}")
+            reach = _SHORTER * best.distance(values)
+            continue
+        last = _Judged(lighter, values, answer.strength)
         tried.append(last)
         note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
         lost, least = _lost(search, own, last), np.inf if best is own else _lost(search, own, best)
@@ -94,14 +104,23 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
             settled = least == lost == 0 and last.kg > (1 - _SETTLED) * best.kg
             best, found, reach = last, answer, _LONGER * reach
         else:
-            reach = _SHORTER * best.distance(last)
+            reach = _SHORTER * best.distance(values)
             settled = least == 0 and reach < _NEAREST
         if settled:
             break
+    if refused is not None and len(tried) == 1:
+        raise refused
     if found is None or _lost(search, own, best) > 0:
         raise search.nothing_found(" by elements")
     told = search.told(best.scene, best.strength)
     return best.scene, found.with_search(_with_elements(told, own, best, len(tried) - 1))
+
+
+def _of_the_mesh(error: CranktopoError) -> CranktopoError:
+    """Return an error of a mesh or a solver, which says nothing of other rods; raise any other."""
+    if error.code != ExitCode.SOLVER:
+        raise error
+    return error
 
 
 def _lost(search: RodSearch, own: _Judged, one: _Judged) -> float:
@@ -132,9 +151,9 @@ class _Judged:
         """Smallest against yield and for fatigue."""
         return self.elements.yield_safety, self.elements.fatigue_safety
 
-    def distance(self, other: _Judged) -> float:
-        """Largest change of a dimension from one to the other."""
-        return float(np.abs(self.values - other.values).max())
+    def distance(self, values: Array) -> float:
+        """Largest change of a dimension to those of another rod."""
+        return float(np.abs(self.values - values).max())
 
     def ratios(self) -> dict[str, Array]:
         """Logarithm of both safeties of each place by elements over those of its section."""

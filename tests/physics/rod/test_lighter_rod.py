@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 from cranktopo.design.loading import load_scene
 from cranktopo.tasks.rod import element_search
 from cranktopo.tasks.rod.element_search import corrected_search
@@ -97,3 +97,37 @@ def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):
 
     with pytest.raises(CranktopoError, match="no lighter rod of this shape at no less safety by elements"):
         corrected_search(search(), strict)
+
+
+def test_a_rod_that_has_no_mesh_is_left_out():
+    """The search goes on nearer to the best one: it ends as light as without, or within a percent."""
+    task, calls = search(), []
+
+    def second_fails(scene):
+        calls.append(scene)
+        if len(calls) == 3:
+            raise solver_error("mesh: an element is bent too much.", "Choose a smaller element size.")
+        return narrow(scene)
+
+    _, found = corrected_search(task, second_fails)
+    _, without = corrected_search(task, narrow)
+    lighter = found.strength.lighter
+    assert lighter.result_kg == pytest.approx(without.strength.lighter.result_kg, rel=0.01)
+    assert lighter.rods_by_elements == len(calls) - 2
+
+
+@pytest.mark.parametrize(("code", "rods"), [(ExitCode.SOLVER, 2), (ExitCode.INVALID_INPUT, 1)])
+def test_an_error_of_every_rod_is_told(monkeypatch, code, rods):
+    """That of the mesh after all were tried, any other at once."""
+    monkeypatch.setattr(element_search, "_ROUNDS", 2)
+    calls = []
+
+    def failing(scene):
+        calls.append(scene)
+        if len(calls) > 1:
+            raise CranktopoError("no mesh.", code=code)
+        return narrow(scene)
+
+    with pytest.raises(CranktopoError, match="no mesh"):
+        corrected_search(search(), failing)
+    assert len(calls) == 1 + rods
