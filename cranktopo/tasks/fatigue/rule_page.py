@@ -126,7 +126,7 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
     worst = min(checks, key=lambda check: check.safety)
     answers = {check.verdict for check in checks}
     answer = next(_ANSWERS[verdict] for verdict in _ANSWERS if verdict in answers)
-    place = min(worst.places, key=lambda name: worst.places[name].acceptability)
+    place = worst.least_place
     uncovered = next((f" ({check.not_covered})" for check in checks if check.not_covered), "")
     return (
         f"The throw {answer}{uncovered}: least acceptability factor Q = {worst.safety:.3f} at the "
@@ -145,7 +145,8 @@ def _strength(record: RuleRecord) -> list[str]:
 
 
 def _factors_at(check: RuleCheck, place: str) -> str:
-    by = {"polynomials": "polynomials of the rule", "elements": "finite elements"}
+    by: dict[str | None, str] = {"polynomials": "polynomials of the rule", "elements": "finite elements"}
+    by[None] = "finite elements that prove nothing"
     return (
         f"concentration factors from {by[check.governing[place]] if place in check.governing else 'the rule'}"
     )
@@ -199,7 +200,9 @@ def _acceptability(check: RuleCheck) -> Section:
 
 def _governs(check: RuleCheck) -> str:
     """Return which of the two sets of factors decides, and what they differ in."""
-    chosen = ", ".join(f"{by} at the {fillet} fillet" for fillet, by in check.governing.items())
+    chosen = ", ".join(
+        f"{by or 'neither set'} at the {fillet} fillet" for fillet, by in check.governing.items()
+    )
     differ = "".join(f" The sets differ at the {line}." for line in check.departures)
     return f"Factors that govern (fatigue.m53_factors = '{check.wanted_factors}'): {chosen}.{differ}"
 
