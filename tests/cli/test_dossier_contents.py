@@ -73,8 +73,9 @@ def test_engine_data_of_the_design_and_unknown_for_what_it_does_not_give(tmp_pat
 def _misfire_told(text: str) -> list[float]:
     """Worst cylinder, its torque amplitude, and that over the judged one."""
     found = re.search(
-        r"torque amplitude of ([\d.,]+) N m; where cylinder (\d) does not fire, the worst of all, it is "
-        r"([\d.,]+) N m at \d+ rpm, ([\d.]+) of that",
+        r"torque amplitude of ([\d.,]+) N m for every section of the crankshaft; where cylinder "
+        r"(\d) does not fire, the worst of all, the largest "
+        r"is ([\d.,]+) N m between .*? at \d+ rpm, ([\d.]+) of what is checked",
         text,
     )
     assert found

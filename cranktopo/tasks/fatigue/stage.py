@@ -14,6 +14,7 @@ from cranktopo.design.strength import note_strength
 from cranktopo.engine.gas import higher_elsewhere
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method
@@ -94,6 +95,9 @@ def assess_by_methods(
         higher = higher_elsewhere(target.scene)
         if higher:
             note(f"{target.name}: judged by the {higher}")
+        spectrum = target.scene.fatigue.spectrum
+        if spectrum and (told := pressure_words(target.scene, [step.rpm for step in spectrum.step])):
+            note(f"{target.name}: spectrum: {told}")
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]

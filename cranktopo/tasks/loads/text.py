@@ -49,7 +49,8 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
             for name in ("web_force_N", "tangential_force_N", "main_journal_force_N")
         ]
         rows.append([*cells, *(_number(value) for value in (torque.mean, torque.max, torque.min))])
-    return text_table("r" * len(header), header, rows)
+    table = text_table("r" * len(header), header, rows)
+    return f"{table}\n{sweep[0].pressure}".rstrip()
 
 
 def _heading(loads: Loads) -> str:
@@ -58,7 +59,8 @@ def _heading(loads: Loads) -> str:
     heading = f"{loads.design} at {loads.speed_rpm:g} rpm"
     if not loads.points:
         return f"{heading}: the scene gives only peak loads, no curves"
-    return f"{heading}, cycle {loads.cycle_deg:g} deg\npressure: {loads.pressure_source}"
+    told = f"\n{loads.pressure}" if loads.pressure else ""
+    return f"{heading}, cycle {loads.cycle_deg:g} deg\npressure: {loads.pressure_source}{told}"
 
 
 def _extremes(extremes: Mapping[str, Range]) -> str:
