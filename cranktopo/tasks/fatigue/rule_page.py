@@ -25,7 +25,7 @@ from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
-from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
+from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, M53, ratios
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.plan.section import effects_section
@@ -139,7 +139,7 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
 
 def _strength(record: RuleRecord) -> list[str]:
     """Return what the strength that the verdict rests on does not hold for."""
-    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(record.scene)]
+    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(record.scene, M53.needs)]
     process = dict.fromkeys(check.process_remark for check in record.checks if check.process_remark)
     return remarks + [f"Process: {remark}." for remark in process]
 
@@ -233,7 +233,7 @@ def _material(scene: Scene) -> list[tuple[str, str]]:
     material, fatigue = scene.material, scene.fatigue
     return [
         ("material", f"{material.name} {material.source}".strip()),
-        *(("remark", f"{remark}.") for remark in strength_remarks(scene)),
+        *(("remark", f"{remark}.") for remark in strength_remarks(scene, (*M53.needs, "yield_MPa"))),
         ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
         ("yield strength", f"{material.yield_MPa:g} MPa" if material.yield_MPa else "unknown"),
         ("heat treatment", material.heat_treatment or "unknown"),

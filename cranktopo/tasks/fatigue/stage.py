@@ -17,7 +17,7 @@ from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
 from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
-from cranktopo.tasks.fatigue.criteria import safety_method
+from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
@@ -91,7 +91,7 @@ def assess_by_methods(
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
-        note_strength(target.name, target.scene)
+        note_strength(target.name, target.scene, strengths_of(methods))
         higher = higher_elsewhere(target.scene)
         if higher:
             note(f"{target.name}: judged by the {higher}")
