@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from math import isclose
 
 from cranktopo.base.notes import note
@@ -11,9 +12,13 @@ from cranktopo.design.schema import Scene
 from cranktopo.throw.journal import Journal
 
 
-def strength_remarks(scene: Scene) -> tuple[str, ...]:
-    """Return what the library's strengths do not hold for: thicker sections, another tensile strength."""
-    return tuple(filter(None, (_section_remark(scene), _proportion_remark(scene))))
+def strength_remarks(scene: Scene, used: Collection[str] = LIBRARY_STRENGTHS) -> tuple[str, ...]:
+    """Return what the library's strengths do not hold for: thicker sections, another tensile strength.
+
+    Args:
+        used: strengths beside the tensile one on which the judgement rests; others are not told.
+    """
+    return tuple(filter(None, (_section_remark(scene), _proportion_remark(scene, used))))
 
 
 def strength_notes(scene: Scene) -> list[str]:
@@ -34,9 +39,9 @@ def strength_notes(scene: Scene) -> list[str]:
     return [f"{material.name}: {', '.join(told)}."] if told else []
 
 
-def note_strength(name: str, scene: Scene) -> None:
+def note_strength(name: str, scene: Scene, used: Collection[str] = LIBRARY_STRENGTHS) -> None:
     """Tell the remarks of a design that is judged by its strength."""
-    for remark in strength_remarks(scene):
+    for remark in strength_remarks(scene, used):
         note(f"{name}: material: {remark}")
 
 
@@ -68,7 +73,7 @@ def _section_remark(scene: Scene) -> str:
     )
 
 
-def _proportion_remark(scene: Scene) -> str:
+def _proportion_remark(scene: Scene, used: Collection[str]) -> str:
     material = scene.material
     entry = material_library().get(material.name)
     if entry is None or material.ultimate_MPa in (None, entry["ultimate_MPa"]):
@@ -77,7 +82,9 @@ def _proportion_remark(scene: Scene) -> str:
     scaled = [
         f"{key} = {value:g}"
         for key in LIBRARY_STRENGTHS
-        if (value := getattr(material, key)) is not None and isclose(value, entry[key] * share)
+        if key in used
+        and (value := getattr(material, key)) is not None
+        and isclose(value, entry[key] * share)
     ]
     if not scaled:
         return ""

@@ -273,8 +273,19 @@ def between(curves: tuple[tuple[float, PressureCurve], ...], speed_rpm: float) -
     part = (speed_rpm - low) / (high - low) if high > low else 0.0
     part = min(max(part, 0.0), 1.0)
     pressure = below.pressure_MPa + part * (above.pressure_MPa - below.pressure_MPa)
-    source = f"map over speed at {speed_rpm:g} rpm, between {low:g} and {high:g} rpm"
-    return PressureCurve(below.angle_deg, pressure, below.cycle_deg, source)
+    return PressureCurve(below.angle_deg, pressure, below.cycle_deg, _place_in_map(curves, speed_rpm))
+
+
+def _place_in_map(curves: tuple[tuple[float, PressureCurve], ...], speed_rpm: float) -> str:
+    """Return which entries of a map the pressure at a speed is of, and their sources."""
+    (low, below), (high, above) = _around(curves, speed_rpm)
+    if low != high and speed_rpm != low:
+        return (
+            f"map over speed at {speed_rpm:g} rpm, in proportion between {low:g} rpm ({below.source}) and "
+            f"{high:g} rpm ({above.source})"
+        )
+    at = "" if speed_rpm == low else f" at {speed_rpm:g} rpm, beyond its ends: that of the nearest"
+    return f"map over speed{at or ','} entry of {low:g} rpm: {below.source}"
 
 
 def mapped_curves(scene: Scene) -> tuple[tuple[float, PressureCurve], ...]:

@@ -73,8 +73,9 @@ def test_engine_data_of_the_design_and_unknown_for_what_it_does_not_give(tmp_pat
 def _misfire_told(text: str) -> list[float]:
     """Worst cylinder, its torque amplitude, and that over the judged one."""
     found = re.search(
-        r"torque amplitude of ([\d.,]+) N m; where cylinder (\d) does not fire, the worst of all, it is "
-        r"([\d.,]+) N m at \d+ rpm, ([\d.]+) of that",
+        r"torque amplitude of ([\d.,]+) N m for every section of the crankshaft; where cylinder "
+        r"(\d) does not fire, the worst of all, the largest "
+        r"is ([\d.,]+) N m between .*? at \d+ rpm, ([\d.]+) of what is checked",
         text,
     )
     assert found
@@ -106,6 +107,13 @@ def test_the_verdict_says_what_its_strength_does_not_hold_for(tmp_path: Path) ->
     path.write_text(re.sub(r'(name = )"31CrMoV9"[^\[]*', '\\1"34CrNiMo6"\n', design), encoding="utf-8")
     assert main(["fatigue", str(path), "--method", "m53", "--report", str(tmp_path / "d.md"), "--quiet"]) == 6
     assert "Strength of the material: ultimate\\_MPa" in _headline(tmp_path / "d.md")
+    own = re.sub(r'(name = )"31CrMoV9"[^\[]*', '\\1"34CrNiMo6"\nultimate_MPa = 900.0\n', design)
+    path.write_text(own, encoding="utf-8")
+    assert main(["fatigue", str(path), "--method", "m53", "--report", str(tmp_path / "d.md"), "--quiet"]) == 6
+    text = (tmp_path / "d.md").read_text(encoding="utf-8").replace("\\", "")
+    assert "Strength of the material" not in text, "M53 uses the tensile strength, which the design gives"
+    assert "fatigue_tension_MPa" not in text
+    assert row(text, "remark")[1].startswith("yield_MPa = 736.364: those of 34CrNiMo6 in proportion")
 
 
 def _headline(path: Path) -> str:

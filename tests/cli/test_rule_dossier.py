@@ -104,6 +104,36 @@ def test_only_a_check_that_the_mesh_misses_is_told_as_missed() -> None:
     assert "jump" in replace(one, jump_percent=5.1).shortfall
 
 
+def test_a_fillet_of_elements_that_prove_nothing_has_no_card_of_its_q(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    strong, better = FilletCheck(200.0, 250.0), FilletCheck(200.0, 260.0)
+    by_rule, by_elements = (
+        {"pin": better, "journal": strong},
+        {"pin": FilletCheck(200.0, 248.0), "journal": better},
+    )
+
+    def check(target: Target, *_: object) -> tuple[RuleCheck, ...]:
+        quality = replace(QUALITY, jump_percent=5.4)
+        (one,) = checked(target)
+        return (replace(one, rule_checks=by_rule, fem_checks=by_elements, quality=quality),)
+
+    monkeypatch.setattr("cranktopo.tasks.fatigue.stage.check_rule", check)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.dossier._drawings", lambda _: ())
+    path = tmp_path / "dossier.md"
+    line = ["fatigue", "mikron-iiic-plain", "--method", "m53", "--report", str(path), "--json", "--quiet"]
+    main(line)
+    (entry,) = json.loads(capsys.readouterr().out)["fatigue"]
+    assert entry["governing_factors"] == {"pin": None, "journal": "polynomials"}
+    assert (entry["verdict"], entry["safety"]) == ("not judged", pytest.approx(1.24))
+    text = path.read_text(encoding="utf-8").replace("\\", "")
+    assert "Q = 1.240 at the pin, 1.15 asked, with concentration factors from finite elements that" in text
+    assert text.count("Q at the pin") == 1, "the card that says not judged"
+    assert "neither set at the pin fillet, polynomials at the journal fillet" in text
+    elements = [one for one in text.splitlines() if "| elements (prove nothing here) |" in one]
+    assert [one.strip("| ").split(" | ")[-1] for one in elements] == ["not judged", "not judged"]
+
+
 @pytest.mark.parametrize(("journal_MPa", "code"), [(230.0, 0), (229.0, 6)])
 def test_the_exit_code_tells_what_the_rule_accepts(
     journal_MPa: float, code: int, monkeypatch: pytest.MonkeyPatch

@@ -18,6 +18,7 @@ from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.shaft import Supports
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.shaft.stage import shaft_tables
 from cranktopo.tasks.shaft_safety.page import shaft_page
@@ -106,6 +107,7 @@ def test_the_shaft_stands_on_all_its_bearings(
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines if line.startswith(("900 ", "1500 ", "2100 "))]
     assert max(map(len, lines)) <= 80
+    assert "The pressure is that of 2100 rpm at every speed: with less load it is lower;" in lines
 
 
 def test_speeds_without_forces_on_bearings_are_wrong_use(capsys: pytest.CaptureFixture[str]) -> None:
@@ -242,6 +244,17 @@ def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: d
         assert fact.label == "Least safety"
         assert fact.status == status
         assert (missed in page.headline) == (missed in fact.note) == told
+        assert "The pressure" not in page.sections[0].text
+    told = page_of_one_pressure(data, loads)
+    assert told.endswith("takes the pressure over speed.")
+
+
+def page_of_one_pressure(data: dict[str, Any], loads: BearingPolar) -> str:
+    """Text of the first section where the shaft turns at other speeds than that of its pressure."""
+    words = pressure_words(load_scene("mikron-iiic-plain"), (900.0, 2100.0))
+    assert words.startswith("The pressure is that of 2100 rpm at every speed")
+    shaft = ShaftAssessment.model_validate({**data, "pressure": words})
+    return shaft_page(shaft, loads, "").sections[0].text
 
 
 def test_the_bars_of_a_web_have_the_part_with_the_least_safety() -> None:

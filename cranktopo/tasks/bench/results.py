@@ -63,7 +63,7 @@ def _fatigue_words(told: dict[str, Any]) -> list[str]:
     for fillet, governs in found["governing_factors"].items():
         values = {way: found["fillets"][name][fillet]["acceptability"] for way, name in names.items()}
         both = ", ".join(f"{value:.3g} by {way}" for way, value in values.items())
-        lines.append(f"{fillet} fillet: {both}; {governs} govern")
+        lines.append(f"{fillet} fillet: {both}; {f'{governs} govern' if governs else 'not judged'}")
     return lines
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from cranktopo.design.assumed import Assumption
 from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.histories import HistoryKind
+from cranktopo.tasks.fatigue.criteria import strengths_of
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, FilletCheck
 from cranktopo.tasks.fatigue.m53_outlet import OutletCheck
@@ -71,7 +72,11 @@ class FatigueAssessment:
             for one, told, by in zip(results, self.assumed, map(_treatment, self.targets), strict=True)
         ]
         entries = [
-            entry.model_copy(update={"strength_remarks": strength_remarks(target.scene) or None})
+            entry.model_copy(
+                update={
+                    "strength_remarks": strength_remarks(target.scene, strengths_of([self.method])) or None
+                }
+            )
             for entry, target in zip(entries, self.targets, strict=True)
         ]
         return FatigueResult(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,16 @@ def safety_method(name: str) -> SafetyMethod:
     module, _, constant = METHODS[name].partition(":")
     found: SafetyMethod = getattr(import_module(module), constant)
     return found
+
+
+def strengths_of(methods: Iterable[str]) -> set[str]:
+    """Return the keys of the material that some methods rest on.
+
+    Those of local stresses say where it yields; the rule has no such place.
+    """
+    taken = set(methods)
+    needed = {key for name in taken for key in safety_method(name).needs}
+    return needed | ({"yield_MPa"} if taken - {"m53"} else set())
 
 
 def criterion(name: str) -> FatigueCriterion:

@@ -11,7 +11,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ShaftTable
 from cranktopo.engine.analysis import Cycle
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.gas import mapped_curves, pressure_curve
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Section, pairs, quantity_words
@@ -51,6 +51,7 @@ def _engine_rows(scene: Scene, engine: Engine, cycle: Cycle | None) -> _Rows:
         *_performance_rows(scene, engine, cycle),
         ("maximum cylinder pressure (absolute)", pressure),
         *_gas_rows(gas, cycle),
+        *_map_rows(scene),
         ("firing order", "-".join(map(str, engine.order))),
         ("firing angles of the cylinders", _listed(engine.firing_angles_deg, "deg")),
         ("angles of the throws", _listed(engine.throw_angles_deg, "deg")),
@@ -76,6 +77,14 @@ def _gas_rows(gas: Gas | None, cycle: Cycle | None) -> _Rows:
         ("charge-air pressure (intake, absolute)", f"{intake:g} MPa" if intake else _UNKNOWN),
         ("compression ratio", f"{ratio:g}" if ratio else _UNKNOWN),
         ("cylinder pressure over crank angle", cycle.pressure.source if cycle else _UNKNOWN),
+    ]
+
+
+def _map_rows(scene: Scene) -> _Rows:
+    """Return every entry of a map over speed: its source and its peak."""
+    return [
+        (f"cylinder pressure at {rpm:g} rpm", f"{curve.source}; largest {curve.pressure_MPa.max():.4g} MPa")
+        for rpm, curve in mapped_curves(scene)
     ]
 
 

@@ -196,7 +196,8 @@ class _TargetFatigue(Result):
     throw_kg: float
     """Mass of one throw."""
     safety: float
-    """Least safety of fillets, oil outlets, rounded edges and faces; by the rule, acceptability."""
+    """Least safety of fillets, oil outlets, rounded edges and faces; by the rule, acceptability, that of
+    unproven elements at a fillet among it."""
     strength_remarks: tuple[str, ...] | None = UNLESS_NONE
     """Limits of what the strengths of the material hold for, such as the section of the crank."""
 
@@ -338,8 +339,9 @@ class RuleFatigue(_TargetFatigue):
     verdict: str
     """Answer of the rule: "accepted", "not accepted", "not judged" with an outlet beyond its factors, or "not
     covered" where the material is no steel."""
-    governing_factors: dict[str, str]
-    """Factors that govern at each fillet, "polynomials" or "elements", as `fatigue.m53_factors` has it."""
+    governing_factors: dict[str, str | None]
+    """Factors that govern at each fillet, "polynomials" or "elements", as `fatigue.m53_factors` has it; null
+    where the fillet is not judged."""
     not_judged: dict[str, str]
     """Places that neither the rule's polynomials nor proven elements judge, and why."""
     not_covered: str | None = UNLESS_NONE

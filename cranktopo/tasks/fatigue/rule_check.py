@@ -87,11 +87,23 @@ class RuleCheck:
     process_remark: str = ""
 
     @property
-    def governing(self) -> dict[str, GoverningFactors]:
-        """The set of factors that governs at each fillet."""
+    def governing(self) -> dict[str, GoverningFactors | None]:
+        """The set of factors that governs at each fillet; None where the fillet is not judged.
+
+        Elements whose mesh misses the rule's checks never govern. Where they have less than valid polynomials
+        these do not prove the fillet either, unless they refuse it by themselves.
+        """
         return {fillet: self._governing(fillet) for fillet in self.fem_checks}
 
-    def _governing(self, fillet: str) -> GoverningFactors:
+    def _governing(self, fillet: str) -> GoverningFactors | None:
+        chosen = self._chosen(fillet)
+        if chosen == "polynomials" or self.quality.within_limits:
+            return chosen
+        refused = not (self.outside or self.rule_checks[fillet].accepted)
+        return "polynomials" if refused and self.wanted_factors == "lower" else None
+
+    def _chosen(self, fillet: str) -> GoverningFactors:
+        """The set that the scene asks for, proven or not."""
         if self.wanted_factors != "lower":
             return self.wanted_factors
         by_rule, by_elements = self.rule_checks[fillet], self.fem_checks[fillet]
@@ -102,7 +114,7 @@ class RuleCheck:
     def places(self) -> dict[str, FilletCheck]:
         """Every place that is judged: fillets with the factors that govern, outlets that the rule covers."""
         sets = {"polynomials": self.rule_checks, "elements": self.fem_checks}
-        fillets = {fillet: sets[name][fillet] for fillet, name in self.governing.items()}
+        fillets = {fillet: sets[name][fillet] for fillet, name in self.governing.items() if name is not None}
         outlets = ((outlet.place, outlet.judged) for outlet in self.outlets)
         return fillets | {place: found for place, found in outlets if found is not None}
 
@@ -113,11 +125,15 @@ class RuleCheck:
 
     @property
     def unproven(self) -> dict[str, str]:
-        """Fillets at which factors of elements govern whose mesh misses the rule's checks, and these."""
-        if self.quality.within_limits:
-            return {}
-        fillets = [fillet for fillet, by in self.governing.items() if by == "elements"]
-        return {f"{fillet} fillet": self.quality.shortfall for fillet in fillets}
+        """Fillets that elements alone could judge whose mesh misses the rule's checks, and these."""
+        return {
+            f"{fillet} fillet": f"{self.quality.shortfall} (Q {found.acceptability:.3f} by these elements)"
+            for fillet, found in self._unproven_checks.items()
+        }
+
+    @property
+    def _unproven_checks(self) -> dict[str, FilletCheck]:
+        return {name: self.fem_checks[name] for name, by in self.governing.items() if by is None}
 
     @property
     def uncovered(self) -> dict[str, str]:
@@ -126,9 +142,20 @@ class RuleCheck:
         return open_ones | dict(self.journal_outlets)
 
     @property
+    def least_place(self) -> str:
+        """The place of least acceptability, fillets with unproven factors of elements among them."""
+        every = self.places | self._unproven_checks
+        return min(every, key=lambda place: every[place].acceptability)
+
+    @property
     def safety(self) -> float:
-        """Least acceptability factor of all places that are judged."""
-        return min(check.acceptability for check in self.places.values())
+        """Least acceptability factor, fillets with unproven factors of elements among them."""
+        return (self.places | self._unproven_checks)[self.least_place].acceptability
+
+    @property
+    def judged_safety(self) -> float | None:
+        """Least acceptability factor of all places that are judged; None where none is."""
+        return min((check.acceptability for check in self.places.values()), default=None)
 
     @property
     def verdict(self) -> Verdict:
@@ -139,7 +166,7 @@ class RuleCheck:
         """
         if self.not_covered:
             return "not covered"
-        if self.safety < LEAST_FACTOR:
+        if self.safety < LEAST_FACTOR:  # even by elements that prove nothing
             return "not accepted"
         return "not judged" if self.not_judged else "accepted"
 
@@ -152,11 +179,18 @@ class RuleCheck:
         return tuple(
             f"{fillet} fillet: Q {rule.acceptability:.3f} by polynomials, {fem.acceptability:.3f} by "
             f"elements ({100 * (fem.acceptability / rule.acceptability - 1):+z.1f} %, element error "
-            f"{self.quality.jump_percent:.1f} %): {self.governing[fillet]} govern"
+            f"{self.quality.jump_percent:.1f} %): {_which_govern(self.governing[fillet])}"
             for (fillet, rule), fem in zip(self.rule_checks.items(), self.fem_checks.values(), strict=True)
             if abs(fem.acceptability / rule.acceptability - 1) > self.quality.jump_percent / 100
-            or self.places[fillet].acceptability > min(rule.acceptability, fem.acceptability)
+            or (
+                fillet in self.places
+                and self.places[fillet].acceptability > min(rule.acceptability, fem.acceptability)
+            )
         )
+
+
+def _which_govern(chosen: GoverningFactors | None) -> str:
+    return f"{chosen} govern" if chosen else "neither governs"
 
 
 def check_rule(

@@ -25,7 +25,7 @@ from cranktopo.report.plot import Picture
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.fatigue import rule_tables as tables
 from cranktopo.tasks.fatigue.dossier_sections import engine_section, shaft_section, vibration_sections
-from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, ratios
+from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR, M53, ratios
 from cranktopo.tasks.fatigue.rule_check import RuleCheck
 from cranktopo.tasks.loads.section import loads_section
 from cranktopo.tasks.plan.section import effects_section
@@ -126,7 +126,7 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
     worst = min(checks, key=lambda check: check.safety)
     answers = {check.verdict for check in checks}
     answer = next(_ANSWERS[verdict] for verdict in _ANSWERS if verdict in answers)
-    place = min(worst.places, key=lambda name: worst.places[name].acceptability)
+    place = worst.least_place
     uncovered = next((f" ({check.not_covered})" for check in checks if check.not_covered), "")
     return (
         f"The throw {answer}{uncovered}: least acceptability factor Q = {worst.safety:.3f} at the "
@@ -139,13 +139,14 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
 
 def _strength(record: RuleRecord) -> list[str]:
     """Return what the strength that the verdict rests on does not hold for."""
-    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(record.scene)]
+    remarks = [f"Strength of the material: {remark}." for remark in strength_remarks(record.scene, M53.needs)]
     process = dict.fromkeys(check.process_remark for check in record.checks if check.process_remark)
     return remarks + [f"Process: {remark}." for remark in process]
 
 
 def _factors_at(check: RuleCheck, place: str) -> str:
-    by = {"polynomials": "polynomials of the rule", "elements": "finite elements"}
+    by: dict[str | None, str] = {"polynomials": "polynomials of the rule", "elements": "finite elements"}
+    by[None] = "finite elements that prove nothing"
     return (
         f"concentration factors from {by[check.governing[place]] if place in check.governing else 'the rule'}"
     )
@@ -199,7 +200,9 @@ def _acceptability(check: RuleCheck) -> Section:
 
 def _governs(check: RuleCheck) -> str:
     """Return which of the two sets of factors decides, and what they differ in."""
-    chosen = ", ".join(f"{by} at the {fillet} fillet" for fillet, by in check.governing.items())
+    chosen = ", ".join(
+        f"{by or 'neither set'} at the {fillet} fillet" for fillet, by in check.governing.items()
+    )
     differ = "".join(f" The sets differ at the {line}." for line in check.departures)
     return f"Factors that govern (fatigue.m53_factors = '{check.wanted_factors}'): {chosen}.{differ}"
 
@@ -230,7 +233,7 @@ def _material(scene: Scene) -> list[tuple[str, str]]:
     material, fatigue = scene.material, scene.fatigue
     return [
         ("material", f"{material.name} {material.source}".strip()),
-        *(("remark", f"{remark}.") for remark in strength_remarks(scene)),
+        *(("remark", f"{remark}.") for remark in strength_remarks(scene, (*M53.needs, "yield_MPa"))),
         ("tensile strength", f"{material.ultimate_MPa:g} MPa"),
         ("yield strength", f"{material.yield_MPa:g} MPa" if material.yield_MPa else "unknown"),
         ("heat treatment", material.heat_treatment or "unknown"),

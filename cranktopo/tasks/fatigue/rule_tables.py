@@ -33,6 +33,8 @@ _FACTORS = {
     "beta_torsion": ("beta T", "torsion at the journal fillet"),
 }
 """Symbol of the rule and meaning of each factor."""
+_UNPROVEN = "elements (prove nothing here)"
+"""Of elements whose mesh misses the checks of Appendix III."""
 _RATIO_COLUMNS: tuple[Column[Ratio], ...] = (
     Column("ratio", 0, lambda r: r.name),
     Column("value", 3, lambda r: r.value),
@@ -98,17 +100,19 @@ def acceptability_table(check: RuleCheck) -> ResultTable:
     rows: list[dict[str, Cell]] = []
     for by, checks in (("elements", check.fem_checks), ("polynomials", check.rule_checks)):
         for place, found in checks.items():
-            band = found.acceptability * check.quality.jump_percent / 100 if by == "elements" else None
-            valid = by == "elements" or not check.outside
+            elements = by == "elements"
+            band = found.acceptability * check.quality.jump_percent / 100 if elements else None
+            valid, proven = elements or not check.outside, not elements or check.quality.within_limits
+            named = by if proven else _UNPROVEN
             rows.append(
                 {
                     "fillet": place,
-                    "factors_by": by if valid else f"{by} (not valid here)",
+                    "factors_by": named if valid else f"{by} (not valid here)",
                     "equivalent_MPa": found.equivalent_MPa,
                     "strength_MPa": found.strength_MPa,
                     "Q": found.acceptability,
                     "plus_or_minus": band,
-                    "accepted": _accepted(check, found) if valid else "-",
+                    "accepted": _accepted(check, found, proven) if valid else "-",
                 }
             )
     for outlet in check.outlets:
@@ -122,10 +126,10 @@ def _outlet_rows(judged: RuleCheck, outlet: OutletCheck) -> Iterator[dict[str, C
     sets: list[tuple[str, FilletCheck, float | None, str]] = []
     if (found := outlet.by_elements) and outlet.elements:
         scatter = found.acceptability * outlet.elements.checks.jump_percent / 100
-        by = "elements (prove nothing here)" if outlet.unproven else "elements"
-        sets.append((by, found, scatter, "not judged" if outlet.unproven else _accepted(judged, found)))
+        by = _UNPROVEN if outlet.unproven else "elements"
+        sets.append((by, found, scatter, _accepted(judged, found, not outlet.unproven)))
     by = "polynomials (not valid here)" if outlet.outside else "polynomials"
-    sets.append((by, outlet.check, None, "not judged" if outlet.outside else _accepted(judged, outlet.check)))
+    sets.append((by, outlet.check, None, _accepted(judged, outlet.check, not outlet.outside)))
     for by, check, band, answer in sets:
         valid = by.startswith("elements") or not outlet.outside
         yield {
@@ -139,7 +143,10 @@ def _outlet_rows(judged: RuleCheck, outlet: OutletCheck) -> Iterator[dict[str, C
         }
 
 
-def _accepted(check: RuleCheck, found: FilletCheck) -> str:
+def _accepted(check: RuleCheck, found: FilletCheck, proven: bool) -> str:
+    """Return the rule's answer to a number, which factors give that hold there or not."""
+    if not proven:
+        return "not judged"
     return "not covered" if check.not_covered else _yes(found.accepted)
 
 

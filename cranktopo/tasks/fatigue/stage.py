@@ -14,9 +14,10 @@ from cranktopo.design.strength import note_strength
 from cranktopo.engine.histories import HistoryKind
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
-from cranktopo.tasks.fatigue.criteria import safety_method
+from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
@@ -90,8 +91,18 @@ def assess_by_methods(
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
+<<<<<<< HEAD
         note_strength(target.name, target.scene)
         note_pressure(target.name, target.scene)
+=======
+        note_strength(target.name, target.scene, strengths_of(methods))
+        higher = higher_elsewhere(target.scene)
+        if higher:
+            note(f"{target.name}: judged by the {higher}")
+        spectrum = target.scene.fatigue.spectrum
+        if spectrum and (told := pressure_words(target.scene, [step.rpm for step in spectrum.step])):
+            note(f"{target.name}: spectrum: {told}")
+>>>>>>> h-marine
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]

@@ -42,14 +42,14 @@ _FILLETS_END = 9
 _RULE_COLUMNS: tuple[Column[RuleCheck], ...] = (
     Column("target", 0, lambda c: c.name),
     Column("throw_kg", MASS.digits, lambda c: c.throw_kg),
-    Column("governing_Q", SAFETY.digits, lambda c: c.safety),
+    Column("governing_Q", SAFETY.digits, lambda c: c.judged_safety),
     Column("pin_Q_rule", 3, lambda c: _by_rule(c, "pin")),
     Column("pin_Q_FE", 3, lambda c: c.fem_checks["pin"].acceptability),
     Column("journal_Q_rule", 3, lambda c: _by_rule(c, "journal")),
     Column("journal_Q_FE", 3, lambda c: c.fem_checks["journal"].acceptability),
     Column("strength_MPa", 1, lambda c: min(check.strength_MPa for check in c.fem_checks.values())),
     Column("verdict", 0, lambda c: c.verdict),
-    Column("governed_by", 0, lambda c: ", ".join(f"{name} {by}" for name, by in c.governing.items())),
+    Column("governed_by", 0, lambda c: _governed_by(c)),
 )
 _SAFETY_COLUMNS = (SAFETY.column, "governing_Q")
 """Mass and safety in percent stand behind the safety, whichever it is."""
@@ -359,6 +359,10 @@ def _summary(result: _FatigueResult) -> _Summary:
     if isinstance(result, FatigueField):
         return _Summary(result.model.name, result.model.throw_kg, result.critical.safety)
     return _Summary(result.name, result.throw_kg, result.safety)
+
+
+def _governed_by(check: RuleCheck) -> str:
+    return ", ".join(f"{name} {by or 'not judged'}" for name, by in check.governing.items())
 
 
 def _by_rule(check: RuleCheck, fillet: str) -> float | None:

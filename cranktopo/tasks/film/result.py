@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pydantic import Field
+
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 
@@ -59,6 +61,7 @@ class FilmResult(Result):
         viscosity_mPas: dynamic, of the oil in the film.
         loads: what the bearings carry.
         gas: whether the pressure of the gas is among the loads.
+        pressure: sentence on the pressure at speeds other than the engine's own.
         misfire: cylinders that do not fire, where there are any; the big end is of one that fires.
         permitted_film_um, permitted_pressure_MPa: null where the scene gives none.
         holds: whether all films are within what is permitted; null where nothing is.
@@ -70,6 +73,7 @@ class FilmResult(Result):
     viscosity_mPas: float
     loads: str
     gas: bool
+    pressure: str = Field(default="", exclude=True)
     misfire: tuple[int, ...] | None = UNLESS_NONE
     speeds: tuple[FilmsAtSpeed, ...]
     permitted_film_um: float | None

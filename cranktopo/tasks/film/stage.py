@@ -23,6 +23,7 @@ from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
@@ -71,6 +72,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         viscosity_mPas=1e3 * table.dynamic_viscosity_Pas,
         loads=ALONE,
         gas=pressure_curve(scene) is not None,
+        pressure=pressure_words(scene, speeds),
         misfire=misfire(scene) or None,
         speeds=found,
         permitted_film_um=table.permitted_film_um,

@@ -138,6 +138,8 @@ class LoadsAtSpeed(Result):
     """Cylinders that do not fire, where there are any; the work is that of one that fires."""
     silent: str = Field(default="", exclude=True)
     """Sentence on them."""
+    pressure: str = Field(default="", exclude=True)
+    """Sentence on the pressure at the speeds asked for, where none of them is the engine's own."""
     piston: PistonExtremes | None
     series_difference_percent: SeriesDifference | None
     balance: ThrowMassProperties

@@ -22,6 +22,7 @@ from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_w
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states, load_cases
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.tasks.loads.plot import plot_loads
 from cranktopo.tasks.loads.result import (
     Loads,
@@ -48,7 +49,9 @@ def loads_at_speeds(scene: DesignLike, speeds_rpm: Sequence[float] | None = None
     """
     scene = as_scene(scene)
     assumed = assumptions(scene, (THROW, LOADS, VIBRATION))
-    return tuple(_loads(at, plan(all_firing(at)), assumed) for at in _at_speeds(scene, speeds_rpm))
+    told = pressure_words(scene, speeds_rpm or ())
+    found = (_loads(at, plan(all_firing(at)), assumed) for at in _at_speeds(scene, speeds_rpm))
+    return tuple(one.model_copy(update={"pressure": told}) for one in found)
 
 
 def _loads(scene: Scene, effects: PhysicsPlan, assumed: tuple[Assumption, ...]) -> Loads:

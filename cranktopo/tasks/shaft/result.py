@@ -126,6 +126,8 @@ class ShaftEvaluation(Result):
     """Object of the mass, in words."""
     silent: str = Field(default="", exclude=True)
     """Sentence on the cylinders that do not fire."""
+    pressure: str = Field(default="", exclude=True)
+    """Sentence on the pressure at speeds other than the engine's own."""
 
     @property
     def error_percent(self) -> float:

@@ -15,13 +15,14 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.misfire import misfire, misfire_words
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import at_speed
+from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.tasks.fea.error_bound import change_bound_percent
 from cranktopo.tasks.fea.evaluation import (
@@ -90,6 +91,7 @@ def evaluate_shaft(
         on_bearings=_at_speeds(shaft, stiff_scene, bearings, speeds_rpm or ()) if loaded else (),
         misfire=(misfire(scene) or None) if loaded else None,
         silent=misfire_words(scene) if loaded else "",
+        pressure=pressure_words(scene, _speeds(scene, speeds_rpm or ())) if loaded else "",
         assumed=filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded)),
         throw_inertias_kg_mm2=shaft.inertias_kg_mm2,
         throw_by_bearings_Nm_per_rad=_throw_by_bearings(shaft, scene, bearings, stiffness),
@@ -250,3 +252,7 @@ def throw_targets(target: Target) -> tuple[Target, ...]:
     if target.file is not None or all(throw is throws[0] for throw in throws):
         return (target,) * len(throws)
     return tuple(replace(target, name=throw.name, scene=throw) for throw in throws)
+
+
+def _speeds(scene: Scene, speeds_rpm: Sequence[float]) -> list[float]:
+    return [engine_of(at).speed_rpm for at in speed_scenes(scene, speeds_rpm)]

@@ -37,7 +37,8 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
                 "safety",
                 "Safety of every web",
                 "The least over all points of a part, all crank angles and all speeds. The shaft stands on "
-                f"all its main bearings; each cylinder acts at its own phase. {shaft.silent}".rstrip(),
+                "all its main bearings; each cylinder acts at its own phase. "
+                f"{shaft.silent} {shaft.pressure}".rstrip(),
                 (("By web, from the free end", web_table(found)), *over_speed),
                 safety_pictures(found),
             ),

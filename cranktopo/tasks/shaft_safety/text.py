@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
@@ -20,13 +21,15 @@ _BEARING_DIGITS = {
     "film_um": 2,
     "pressure_MPa": 1,
 }
+_WIDTH = 80
 
 
 def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    parts = [*_torsion(shaft), *([shaft.silent] if shaft.silent else []), *_on_bearings(shaft.on_bearings)]
+    said = [line for line in (shaft.silent, fill(shaft.pressure, _WIDTH)) if line]
+    parts = [*_torsion(shaft), *said, *_on_bearings(shaft.on_bearings)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
     return "\n\n".join((*parts, errors))

@@ -11,6 +11,7 @@ from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
     DISKS,
     JOINED,
+    ORDER_AND_SUM,
     WEAK,
     barred_sentence,
     cancelled_sentence,
@@ -70,7 +71,8 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
 
 def _critical(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:
     table = critical_table(study)
-    return (("Critical speeds at which the cylinders help each other", table),) if table.rows else ()
+    caption = f"Critical speeds at which the cylinders help each other. {ORDER_AND_SUM}"
+    return ((caption, table),) if table.rows else ()
 
 
 def _misfires(study: VibrationStudy) -> tuple[tuple[str, ResultTable], ...]:

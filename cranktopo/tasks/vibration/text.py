@@ -10,6 +10,7 @@ from cranktopo.base.units import number_text, plain_number
 from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 
@@ -20,6 +21,11 @@ DISKS = (
 """Error of the model itself, as the page of torsional vibration has it."""
 JOINED = "Outside the crankshaft, where the worst cylinder does not fire"
 """Title of what a misfire does to coupling, damper and line."""
+ORDER_AND_SUM = (
+    "Torque amplitudes are the largest of the crankshaft's sections: of this order alone, and of the sum of "
+    "all orders over the cycle at that speed, whose stress it is."
+)
+"""Meaning of the torques of the table of critical speeds."""
 WEAK = 0.05
 """Share of the cylinders that help each other below which a critical speed is not listed."""
 
@@ -36,7 +42,10 @@ def modes_table(study: VibrationStudy) -> ResultTable:
 
 
 def critical_table(study: VibrationStudy) -> ResultTable:
-    """Critical speeds at which the cylinders help each other, with the torque that they cause."""
+    """Critical speeds at which the cylinders help each other, with the crankshaft's largest torques there.
+
+    Those of the order alone stand beside the sum of all orders over the cycle, to which it may add little.
+    """
     response = study.response
     rows: list[Row] = []
     for found in study.critical:
@@ -44,12 +53,17 @@ def critical_table(study: VibrationStudy) -> ResultTable:
             continue
         low, high = found.speed_rpm, found.speed_rpm * (1 + study.varying.rise)
         near = (response.speeds_rpm >= low) & (response.speeds_rpm <= high)
-        torque = float(response.torque_amplitude_Nm[near][:, list(study.shaft.in_crankshaft)].max())
+        inside = np.array(study.shaft.in_crankshaft)
+        place = int(np.argmin(np.abs(response.orders - found.order)))
+        own = float(np.abs(response.torque_Nm[near, place][:, inside]).max())
+        every = float(response.torque_amplitude_Nm[near][:, inside].max())
         row: dict[str, Cell] = {"speed_rpm": found.speed_rpm, "order": found.order, "mode": str(found.mode)}
         row |= {"kind": "major" if found.major else "minor", "cylinders_helping_percent": 100 * found.share}
-        rows.append({**row, "torque_amplitude_Nm": torque, "shear_MPa": study.shaft.shear_MPa(torque)})
+        row |= {"this_order_alone_Nm": own, "sum_of_all_orders_Nm": every}
+        rows.append({**row, "shear_of_sum_MPa": study.shaft.shear_MPa(every)})
     columns = {"speed_rpm": 0, "order": 1, "mode": 0, "kind": 0, "cylinders_helping_percent": 0}
-    return ResultTable({**columns, "torque_amplitude_Nm": 1, "shear_MPa": 1}, tuple(rows))
+    columns |= {"this_order_alone_Nm": 1, "sum_of_all_orders_Nm": 1, "shear_of_sum_MPa": 1}
+    return ResultTable(columns, tuple(rows))
 
 
 def cancelled_sentence(study: VibrationStudy) -> str:
@@ -75,13 +89,13 @@ def misfire_table(study: VibrationStudy) -> ResultTable:
             "cylinder": str(one.cylinder),
             "section": study.shaft.sections[one.crankshaft.section],
             "speed_rpm": one.crankshaft.speed_rpm,
-            "order": one.crankshaft.order,
+            "mostly_of_order": one.crankshaft.order,
             "torque_amplitude_Nm": one.crankshaft.torque_amplitude_Nm,
             "shear_MPa": study.shaft.shear_MPa(one.crankshaft.torque_amplitude_Nm),
         }
         for one in study.misfires
     )
-    columns = {"cylinder": 0, "section": 0, "speed_rpm": 0, "order": 1, "torque_amplitude_Nm": 1}
+    columns = {"cylinder": 0, "section": 0, "speed_rpm": 0, "mostly_of_order": 1, "torque_amplitude_Nm": 1}
     return ResultTable({**columns, "shear_MPa": 1}, rows)
 
 
@@ -92,10 +106,11 @@ def joined_misfire_table(study: VibrationStudy) -> ResultTable:
         cylinder, swing = _worst_of((one.cylinder, one.joined[place]) for one in study.misfires)
         firing = largest_swing(study.response, section)
         row: dict[str, Cell] = {"section": study.shaft.sections[section], "worst_cylinder": str(cylinder)}
-        row |= {"speed_rpm": swing.speed_rpm, "order": swing.order}
+        row |= {"speed_rpm": swing.speed_rpm, "mostly_of_order": swing.order}
         row |= {"torque_amplitude_Nm": swing.torque_amplitude_Nm}
         rows.append({**row, "all_fire_Nm": firing.torque_amplitude_Nm})
-    columns = {"section": 0, "worst_cylinder": 0, "speed_rpm": 0, "order": 1, "torque_amplitude_Nm": 1}
+    columns = {"section": 0, "worst_cylinder": 0, "speed_rpm": 0, "mostly_of_order": 1}
+    columns |= {"torque_amplitude_Nm": 1}
     return ResultTable({**columns, "all_fire_Nm": 1}, tuple(rows))
 
 
@@ -188,14 +203,8 @@ def worst_sentence(study: VibrationStudy) -> str:
 
 
 def pressure_sentence(study: VibrationStudy) -> str:
-    """Tell that one pressure acts at all speeds; empty where the design gives it over speed."""
-    engine = engine_of(study.scene)
-    if engine.gas is None or engine.gas.map:
-        return ""
-    return (
-        f"The pressure is that of {engine.speed_rpm:.0f} rpm at every speed: with less load an engine swings "
-        "less; [[engine.gas.map]] takes the pressure over speed."
-    )
+    """Return what pressure acts over the range of speeds."""
+    return pressure_words(study.scene, study.response.speeds_rpm.tolist())
 
 
 def barred_sentence(study: VibrationStudy) -> str:
@@ -268,7 +277,7 @@ def vibration_text(study: VibrationStudy) -> str:
     ]
     critical = critical_table(study)
     parts.append(
-        terminal(critical)
+        f"{terminal(critical)}\n{ORDER_AND_SUM}"
         if critical.rows
         else "No critical speed in this range at which the cylinders help one another."
     )

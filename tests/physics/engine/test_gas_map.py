@@ -13,10 +13,13 @@ from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.gas import higher_elsewhere, pressure_curve
+from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
+from cranktopo.tasks.fatigue.dossier_sections import engine_section
 from cranktopo.tasks.loads.stage import loads_at_speeds
+from cranktopo.tasks.loads.text import loads_text, sweep_text
 
 TEXT = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
 PEAK = "peak_pressure_MPa = 5.16\npeak_angle_deg = 11.0\n"
@@ -119,6 +122,56 @@ def test_a_higher_peak_at_another_speed_is_told() -> None:
     told = higher_elsewhere(at_speed(mapped(), 2500.0))
     assert told == "pressure at 2500 rpm: peak 5 MPa; the map over speed has 6 MPa at 2000 rpm"
     assert loads_at_speeds(mapped(), [2500.0])[0].warnings[-1] == told
+
+
+WIEBE = "Wiebe combustion model fitted to {} MPa at 11 deg"
+
+
+def source(rpm: float) -> str:
+    curve = pressure_curve(at_speed(mapped(), rpm))
+    assert curve is not None
+    return curve.source
+
+
+def test_the_source_names_the_entries_of_the_map_that_act() -> None:
+    """One at an entry and beyond the ends, two between: "between 2500 and 2500 rpm" is none of them."""
+    assert source(2500.0).startswith(f"map over speed, entry of 2500 rpm: {WIEBE.format(5)}")
+    beyond = "map over speed at {} rpm, beyond its ends: that of the nearest entry of {} rpm: "
+    assert source(700.0).startswith(beyond.format(700, 1000) + WIEBE.format(4))
+    assert source(2800.0).startswith(beyond.format(2800, 2500) + WIEBE.format(5))
+    between = source(1250.0)
+    assert between.startswith(
+        f"map over speed at 1250 rpm, in proportion between 1000 rpm ({WIEBE.format(4)}"
+    )
+    assert f"and 2000 rpm ({WIEBE.format(6)}" in between
+    (at,) = loads_at_speeds(mapped(), [2500.0])
+    assert at.pressure_source == source(2500.0)
+
+
+def test_every_entry_of_a_map_is_told() -> None:
+    scene = mapped()
+    words = pressure_words(scene, (1000.0, 1800.0))
+    assert words.startswith("The pressure is that of the map over speed, in proportion between its entries: ")
+    for rpm, peak in PEAKS.items():
+        assert f"{rpm:g} rpm: {WIEBE.format(f'{peak:g}')}" in words
+    assert "beyond its ends that of the nearest entry" not in words
+    assert "beyond its ends that of the nearest entry" in pressure_words(scene, (700.0, 1800.0))
+    data = engine_section(scene, analyse(scene).cycle).tables[0][1]
+    rows = {str(row["what"]): str(row["value"]) for row in data.rows}
+    for rpm, peak in PEAKS.items():
+        told = rows[f"cylinder pressure at {rpm:g} rpm"]
+        assert told.startswith(WIEBE.format(f"{peak:g}"))
+        assert told.endswith(f"; largest {peak:g} MPa")
+
+
+def test_one_pressure_at_other_speeds_is_told() -> None:
+    scene = single(5.16)
+    line = "The pressure is that of 2100 rpm at every speed: with less load it is lower; "
+    assert pressure_words(scene, [2100.0]) == pressure_words(scene, []) == ""
+    assert pressure_words(scene, [900.0]).startswith(line)
+    assert line in loads_text(loads_at_speeds(scene, [900.0])[0])
+    assert line in sweep_text(loads_at_speeds(scene, [900.0, 2100.0]))
+    assert line not in loads_text(loads_at_speeds(scene)[0])
 
 
 def test_nothing_changes_without_a_map() -> None:

@@ -12,6 +12,7 @@ from cranktopo.design.loading import designs_folder, load_scene, scene_from_dict
 from cranktopo.design.material import Material, library_section_mm, material_library
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import ruling_section_mm, strength_notes, strength_remarks
+from cranktopo.tasks.fatigue.criteria import strengths_of
 
 LIBRARY = material_library()
 
@@ -78,6 +79,11 @@ def test_other_strengths_follow_an_own_tensile_strength() -> None:
     (remark,) = strength_remarks(made_of(60.0, name="34CrNiMo6", ultimate_MPa=800.0))
     assert "fatigue_bending_MPa = 381.818" in remark
     assert "in proportion to ultimate_MPa" in remark
+    scene = made_of(60.0, name="34CrNiMo6", ultimate_MPa=800.0)
+    assert strength_remarks(scene, strengths_of(["m53"])) == (), "the rule has the tensile strength alone"
+    (by_fkm,) = strength_remarks(scene, strengths_of(["fkm"]))
+    assert by_fkm.startswith("yield_MPa = 654.545: those of"), "beyond which its stresses do not hold"
+    assert strength_remarks(scene, strengths_of(["m53", "lsa"])) == (remark,)
     given = Material(name="34CrNiMo6", ultimate_MPa=800.0, yield_MPa=600.0, source="our forge")
     assert (given.yield_MPa, given.source) == (600.0, "our forge")
 

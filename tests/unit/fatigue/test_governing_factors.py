@@ -35,6 +35,8 @@ ALLOWED = FilletCheck(200.0, 240.0)
 """Q = 1.2."""
 WEAK = FilletCheck(200.0, 226.0)
 """Q = 1.13, below the 1.15 of the rule."""
+MISSED = Quality(1.0, 0.2, 5000, 1.0, 5.4, 1.0, 1.0)
+"""A mesh that misses the jump of 5 % between elements."""
 
 
 def check(pin_by_rule: FilletCheck, pin_by_elements: FilletCheck) -> RuleCheck:
@@ -112,10 +114,30 @@ def test_a_difference_beyond_the_error_of_the_elements_is_said() -> None:
 def test_a_mesh_that_misses_the_rules_checks_is_said() -> None:
     coarse = replace(check(ALLOWED, ALLOWED), quality=Quality(1.0, 0.4, 5000, 6.7, 9.2, 1.0, 1.0))
     assert any("surface-normal stress 6.7 % (at most 3 %)" in line for line in rule_remarks([coarse]))
-    assert coarse.governing == {"pin": "elements", "journal": "elements"}
-    assert coarse.verdict == "not judged", "what governs is of elements that prove nothing"
+    assert coarse.governing == {"pin": None, "journal": None}
+    assert coarse.verdict == "not judged", "elements that prove nothing have no more than the polynomials"
+    assert (coarse.places, coarse.safety, coarse.judged_safety) == ({}, pytest.approx(1.2), None)
+    assert rule_table([coarse], None).rows[0]["governed_by"] == "pin not judged, journal not judged"
     low = {"pin": FilletCheck(200.0, 236.0), "journal": FilletCheck(200.0, 236.0)}
     assert replace(coarse, rule_checks=low).verdict == "accepted", "the polynomials govern, and suffice"
+    refused = replace(check(WEAK, FilletCheck(200.0, 220.0)), quality=coarse.quality)
+    assert refused.governing["pin"] == "polynomials"
+    assert refused.verdict == "not accepted", "the polynomials alone refuse it"
+    outside = replace(refused, outside=("web width / pin diameter",))
+    assert outside.governing["pin"] is None
+    assert outside.verdict == "not accepted", "a number below what is asked is never accepted"
+
+
+def test_elements_that_prove_nothing_are_nowhere_accepted() -> None:
+    """Pin 1.3 by polynomials and 1.2 by elements, journal 1.2 and 1.25: the mesh misses the jump alone."""
+    found = replace(check(FilletCheck(200.0, 260.0), ALLOWED), quality=MISSED)
+    found = replace(found, fem_checks=found.fem_checks | {"journal": FilletCheck(200.0, 250.0)})
+    assert found.governing == {"pin": None, "journal": "polynomials"}
+    assert found.not_judged["pin fillet"].endswith("(Q 1.200 by these elements)")
+    rows = acceptability_table(found).rows
+    assert [row["accepted"] for row in rows] == ["not judged", "not judged", "yes", "yes"]
+    assert [row["factors_by"] for row in rows[:2]] == ["elements (prove nothing here)"] * 2
+    assert [line for line in found.departures if "govern" in line and "neither governs" not in line] == []
 
 
 def test_a_comparison_says_first_what_the_rule_answers() -> None:

@@ -108,6 +108,14 @@ def test_what_is_worse_than_permitted_is_said_first() -> None:
     assert oil_films(scene(OIL + "permitted_film_um = 0.5")).holds is True
 
 
+def test_the_pressure_of_another_speed_is_told() -> None:
+    result = oil_films(scene(OIL), [900.0])
+    lines = film_text(result).splitlines()
+    assert "The pressure is that of 2100 rpm at every speed: with less load it is lower;" in lines
+    assert all(len(line) <= 80 for line in lines)
+    assert "The pressure is that" not in film_text(oil_films(scene(OIL)))
+
+
 def test_the_oil_is_assumed_where_none_is_given() -> None:
     told = {one.key: one.value for one in oil_films(scene("clearance_mm = 0.05")).assumed}
     assert (told["bearings.oil"], told["bearings.temperature_C"]) == ("ISO VG 46", 100.0)
