@@ -27,14 +27,8 @@ def balancing_notes(scene: Scene, mass_kg: float) -> list[str]:
         return [f"Balanced to {grade}."]
     speed = max(engine.speed_rpm, engine.overspeed_rpm or 0.0)
     permitted_g_mm = _G_PER_KG * scene.drawing.balance_quality / (2 * math.pi * speed / 60) * mass_kg
-<<<<<<< HEAD
     permitted = f"{plain_number(permitted_g_mm, 3)} g mm"
     residual = f"residual unbalance at most {permitted}, half of it in each end plane."
-=======
-    residual = (
-        f"residual unbalance at most {plain_number(permitted_g_mm, 3)} g mm, half of it in each end plane."
-    )
->>>>>>> h-hostile
     total_g_mm, plane_g_mm = _by_design_g_mm(scene)
     if max(total_g_mm, 2 * plane_g_mm) <= permitted_g_mm:
         return [f"Balanced to {grade} at {speed:g} rpm:", residual]

@@ -91,18 +91,11 @@ def assess_by_methods(
     print_assumed(resolved, USED)
     for target in resolved:
         note_left_off(target.name, target.scene, plan_for_stress(target.scene))
-<<<<<<< HEAD
-        note_strength(target.name, target.scene)
-        note_pressure(target.name, target.scene)
-=======
         note_strength(target.name, target.scene, strengths_of(methods))
-        higher = higher_elsewhere(target.scene)
-        if higher:
-            note(f"{target.name}: judged by the {higher}")
+        note_pressure(target.name, target.scene)
         spectrum = target.scene.fatigue.spectrum
         if spectrum and (told := pressure_words(target.scene, [step.rpm for step in spectrum.step])):
             note(f"{target.name}: spectrum: {told}")
->>>>>>> h-marine
         if target.scene.fatigue.treatment:
             note(f"{target.name}: {target.scene.fatigue.treatment}")
     resolved = [with_throw_stiffness(target) for target in resolved]

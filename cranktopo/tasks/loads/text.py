@@ -49,15 +49,10 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
         forces += [
             extremes[name].max.value for name in ("web_force_N", "tangential_force_N", "main_journal_force_N")
         ]
-<<<<<<< HEAD
         values.append([*forces, torque.mean, torque.max, torque.min])
     columns = [[f"{loads.speed_rpm:g}" for loads in sweep], *map(_numbers, zip(*values, strict=True))]
-    return text_table("r" * len(header), header, list(zip(*columns, strict=True)))
-=======
-        rows.append([*cells, *(_number(value) for value in (torque.mean, torque.max, torque.min))])
-    table = text_table("r" * len(header), header, rows)
+    table = text_table("r" * len(header), header, list(zip(*columns, strict=True)))
     return f"{table}\n{sweep[0].pressure}".rstrip()
->>>>>>> h-marine
 
 
 def _heading(loads: Loads) -> str:
