@@ -40,6 +40,34 @@ class LoadHistory:
     labels: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class WebLoads:
+    """What a web, or webs that are to be equal, carry in a shaft on all its bearings.
+
+    Attributes:
+        histories: pin forces and torque that load the web of a throw that stands alone as the shaft does, one
+            for each such web and speed, in the axes of the half throw nearer to z = 0; each is judged by
+            itself, and on that half alone.
+    """
+
+    histories: tuple[LoadHistory, ...]
+
+
+Loads = HistoryKind | WebLoads
+"""Load states of a throw that stands alone, or of webs in their shaft."""
+LoadsName = Literal["extremes", "cycle", "shaft"]
+
+
+def loads_name(loads: Loads) -> LoadsName:
+    """Return the word for load states in results."""
+    return "shaft" if isinstance(loads, WebLoads) else loads
+
+
+def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> tuple[LoadHistory, ...]:
+    """Return the load histories that are judged one by one; errors as of `load_history`."""
+    return loads.histories if isinstance(loads, WebLoads) else (load_history(scene, loads, enabled),)
+
+
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
     """Return the load states of a scene; raises CranktopoError where the scene does not tell the loads.
 

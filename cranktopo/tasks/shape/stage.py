@@ -22,13 +22,15 @@ from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import Loads
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.evaluated_web import (
     EvaluatedWeb,
+    Judging,
     coarse_shares,
     evaluated_original,
     evaluated_web,
@@ -74,7 +76,9 @@ class ShapeSettings:
         mesh_mm: elements on which trials are judged and gradients taken.
         rounds: most finishes; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
-        loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`.
+        loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`, or
+            of webs in their shaft the safety.
+        fillet_fraction: element size in a fillet over its radius where these are evaluated.
     """
 
     cell_mm: float = 4.0
@@ -82,7 +86,13 @@ class ShapeSettings:
     rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
-    loads: HistoryKind = "extremes"
+    loads: Loads = "extremes"
+    fillet_fraction: float = RULE_FRACTION
+
+    @property
+    def judging(self) -> Judging:
+        """Return what evaluates stresses."""
+        return Judging(self.loads, self.fillet_fraction)
 
 
 @dataclass(frozen=True)
@@ -151,7 +161,9 @@ def optimise_shape(
     settings, work = settings or ShapeSettings(), work or Work()
     stressed = stresses_in(goal.quantities)
     own = None if scene.original is None else Path(scene.original.file)
-    before, judged = evaluated_original(scene, stressed, settings.element_size_mm, work, own, settings.loads)
+    before, judged = evaluated_original(
+        scene, stressed, settings.element_size_mm, work, own, settings.judging
+    )
     cells = web_model(scene, settings.limits, settings.cell_mm)
     cases, chosen_for = cells.model.cases, goal_on_cells(goal, before.values, lambda: judged().values)
     if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
@@ -302,7 +314,7 @@ class _LocalRefinement:
         name = f"evaluation-{number}"
         if name not in self._work.kept:
             self._on_coarse_mesh(values).begin()
-        web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.loads)
+        web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.judging)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
         note(_round_text(number, found, self._original, self._goal))
         return found

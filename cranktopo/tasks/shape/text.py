@@ -209,7 +209,10 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
 def stress_loads(found: ShapeResult) -> str:
     """Return the load states of what stresses tell in words; empty for joined extremes, the default."""
     told = [QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in found.values.result]
-    return f"{' and '.join(told)} over every angle of the cycle" if found.loads == "cycle" else ""
+    where = {"cycle": "", "shaft": ", as the shaft on all its bearings loads these webs"}.get(
+        found.loads or ""
+    )
+    return "" if where is None else f"{' and '.join(told)} over every angle of the cycle{where}"
 
 
 def _going_on(found: ShapeResult, folder: Path) -> list[str]:
