@@ -47,7 +47,7 @@ def test_a_throw_between_two_bearings_has_the_loads_of_its_pin(throw: LoadedThro
 
 
 def test_a_shaft_that_is_turned_around_has_the_loads_of_the_other_end(throw: LoadedThrow) -> None:
-    """Torque is passed on to the output, so it is no matter of the mirror, nor what it does across a throw."""
+    """Torque goes to the output, so neither that nor what it does across a throw is its own image."""
     forces, angles = cycle_forces(FOUR), FOUR.shaft_angles_deg
     webs = web_histories([throw] * 4, [FOUR] * 4, forces, shaft_cycle([throw] * 4, angles, forces, None))
     assert [history.labels[0] for history in webs] == [f"web {n}, 0 deg" for n in range(1, 9)]

@@ -48,7 +48,9 @@ def test_webs_of_one_die_stay_together_and_take_no_others() -> None:
 
 def test_without_symmetry_every_web_stands_for_itself() -> None:
     lonely = (0.0, 90.0, 180.0, 200.0, 300.0)
-    assert webs(lonely, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0), []) == [[n] for n in range(1, 11)]
+    assert webs(lonely, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0), []) == [
+        [n] for n in range(1, 11)
+    ]
 
 
 def test_the_written_crank_has_each_web_at_its_place(tmp_path: Path) -> None:

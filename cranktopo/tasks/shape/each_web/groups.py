@@ -19,13 +19,20 @@ class WebGroup:
     @property
     def name(self) -> str:
         """Name of its folder in the run."""
-        return "web-" + "-".join(map(str, self.webs))
+        return "web-" + (f"{self.webs[0]}-to-{self.webs[-1]}" if self._row else "-".join(map(str, self.webs)))
 
     @property
     def words(self) -> str:
         """The webs in a sentence: `web 3`, `webs 1 and 8`."""
         *more, last = map(str, self.webs)
+        if self._row:
+            return f"webs {self.webs[0]} to {last}"
         return f"webs {', '.join(more)} and {last}" if more else f"web {last}"
+
+    @property
+    def _row(self) -> bool:
+        """Tell whether they are many that follow each other."""
+        return len(self.webs) > 2 and self.webs == tuple(range(self.webs[0], self.webs[-1] + 1))
 
     def least(self, safeties: Sequence[float]) -> float:
         """Return the least of safeties, one for each web of the shaft."""

@@ -133,7 +133,7 @@ class CrankSearch:
 
     def _first(self, group: WebGroup) -> Searched:
         share = self.required / group.least(self.original.figures.safeties)
-        return self._searched(group, 1, f"{100 * share:.6g} %", self.original.loads(group), None)
+        return self._searched(group, 1, f"{100 * share:.5g} %", self.original.loads(group), None)
 
     def _again(self, before: Searched, shaft: LoadedShaft, number: int) -> Searched:
         """Search once more, from the web that was found, under the loads of the shaft that has it."""
@@ -142,7 +142,7 @@ class CrankSearch:
         judging = Judging(loads, self.settings.fillet_fraction)
         alone = self.work.once(name, lambda: {"safety": web_safety(before.scene, judging)})["safety"]
         required = alone * self.required / group.least(shaft.figures.safeties)
-        return self._searched(group, number, f"{required:.6g}", loads, before.scene)
+        return self._searched(group, number, f"{required:.5g}", loads, before.scene)
 
     def _searched(
         self, group: WebGroup, number: int, limit: str, loads: WebLoads, begun: Scene | None

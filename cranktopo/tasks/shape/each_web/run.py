@@ -8,15 +8,16 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json
-from cranktopo.base.notes import Pace, note
-from cranktopo.base.progress import StageCache, Work
+from cranktopo.base.notes import Pace, indented, note
+from cranktopo.base.progress import Json, StageCache, Work
 from cranktopo.design.assumed import assumed_text, assumptions
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import GoalWords
+from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.shape import FreeDimensions
@@ -111,10 +112,12 @@ def _check(scene: Scene) -> None:
     """Check that the webs are alike to begin with, and that something asks for them to differ."""
     if scene.crank is not None and not scene.crank.uniform:
         raise scene.invalid(
-            "crank", "its throws differ; with --each-web all begin with one web", "Give a design of one web."
+            "crank.throws", "with --each-web all begin with one web", "Give a design whose throws are alike."
         )
     if scene.original is not None:
-        raise scene.invalid("original", "the body of a web says nothing of its place", "Take [original] out.")
+        raise scene.invalid(
+            "original.file", "the body of a web says nothing of its place", "Take [original] out."
+        )
     if scene.supports.bending == "clamped":
         raise scene.invalid(
             "supports.bending", "the sections of a shaft tilt in their bearings", "Set it to 'pinned'."
@@ -126,9 +129,13 @@ def _check(scene: Scene) -> None:
             "Leave it out.",
         )
     if scene.engine is None or pressure_curve(scene) is None:
-        raise scene.invalid(
-            "engine.gas", "the loads of a shaft over the cycle need it", "Add an [engine.gas] table."
+        raise invalid(
+            "engine.gas", None, "the loads of a shaft over the cycle need it", "Add an [engine.gas] table."
         )
+    most = 2 * throw_count(scene)
+    if any(web > most for group in scene.shape.same_webs for web in group):
+        raise scene.invalid("shape.same_webs", f"the crank has webs 1 to {most}", "Correct the numbers.")
+    require_equal_halves(scene)
     _safety_limit(scene, shape_goal(scene))
 
 
@@ -167,9 +174,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
     with working_in(run, "finished searches are kept") as check:
         work, goal = Work(StageCache(run.path / _KEPT), check), shape_goal(scene)
         limit = _safety_limit(scene, goal)
-        note(f"{scene.name}: the shaft with the design's web")
-        fraction = settings.fillet_fraction
-        original = LoadedShaft.of_json(work.once("design", lambda: loaded_shaft(scene, fraction).as_json()))
+        original = LoadedShaft.of_json(work.once("design", lambda: _design_shaft(scene, settings)))
         required = limit.required(original.figures.safety)
         assert required is not None
         groups = web_groups(scene.shaft_angles_deg, original.figures.safeties, scene.shape.same_webs)
@@ -199,6 +204,12 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
         write_report(each_web_page(found, run.manifest()), run.path / REPORT)
     run.log("limits kept" if found.held else "limits missed")
     return EachWebRun(run.path, found)
+
+
+def _design_shaft(scene: Scene, settings: ShapeSettings) -> Json:
+    note(f"{scene.name}: the shaft with the design's web")
+    with indented():
+        return loaded_shaft(scene, settings.fillet_fraction).as_json()
 
 
 def _without_bound(scene: Scene) -> Scene:
