@@ -30,6 +30,9 @@ from cranktopo.tasks.shape.run import resume_shape, shape_design
 from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ROUNDS = 2
+_ROOM = 0.05
+"""Share of the required safety that a web keeps too much where the safety does not decide: a search that
+ends early may leave some percent of a limit that does."""
 _SLACK = 0.01
 """Share of the required safety that a web has too much, above which a second round makes use of it."""
 
@@ -57,13 +60,14 @@ class Searched:
     def settled(self, safeties: Sequence[float], required: float) -> bool:
         """Tell whether its webs have the safety that is required in the shaft, and no useless one."""
         least = self.group.least(safeties)
-        useless = self.safety_decides and least > required * (1 + _SLACK)
+        at_limit = self.result.values.result["fatigue_safety"] <= self.required * (1 + _SLACK)
+        useless = at_limit and least > required * (1 + _SLACK)
         return least >= required * (1 - TOLERANCE) and not useless
 
     @property
     def safety_decides(self) -> bool:
-        """True where the web is at its least safety."""
-        return any(one.active for one in self.result.goal.limits if one.quantity == "fatigue_safety")
+        """True where the web is near its least safety, so that another limit of it gives another web."""
+        return self.result.values.result["fatigue_safety"] < self.required * (1 + _ROOM)
 
 
 @dataclass(frozen=True)
