@@ -41,16 +41,26 @@ class LoadHistory:
 
 
 @dataclass(frozen=True)
+class WebHistory(LoadHistory):
+    """Load states of a throw that stands alone, under which its near half carries what a web of a shaft does.
+
+    Attributes:
+        moment_Nm, side_moment_Nm: on its near section about +x and about +y, opposite ones on the far one.
+    """
+
+    moment_Nm: Array
+    side_moment_Nm: Array
+
+
+@dataclass(frozen=True)
 class WebLoads:
     """What a web, or webs that are to be equal, carry in a shaft on all its bearings.
 
     Attributes:
-        histories: pin forces and torque that load the web of a throw that stands alone as the shaft does, one
-            for each such web and speed, in the axes of the half throw nearer to z = 0; each is judged by
-            itself, and on that half alone.
+        histories: one for each such web and speed; each is judged by itself, and on the near half alone.
     """
 
-    histories: tuple[LoadHistory, ...]
+    histories: tuple[WebHistory, ...]
 
 
 Loads = HistoryKind | WebLoads
@@ -63,7 +73,7 @@ def loads_name(loads: Loads) -> LoadsName:
     return "shaft" if isinstance(loads, WebLoads) else loads
 
 
-def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> tuple[LoadHistory, ...]:
+def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
     """Return the load histories that are judged one by one; errors as of `load_history`."""
     return loads.histories if isinstance(loads, WebLoads) else (load_history(scene, loads, enabled),)
 

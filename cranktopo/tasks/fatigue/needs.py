@@ -10,8 +10,10 @@ from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import FieldKind
 
 _EVERY: tuple[LoadKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
+_IN_SHAFT: tuple[FieldKind, ...] = ("moment", "side_moment", *_EVERY)
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -60,14 +62,14 @@ def check_loads(target: Target, kind: Loads) -> None:
     histories_of(target.scene, kind, load_kinds(target.scene, kind)[0])
 
 
-def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
+def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKind, ...]]:
     """Effects that the plan of a scene switches on for stress, and the loads to be solved.
 
-    The extreme states hold radial force and torque; the tangential force only acts in the cycle. A shaft on
-    all its bearings has every load.
+    The extreme states hold radial force and torque; the tangential force only acts in the cycle. A web in
+    its shaft has every load, and moments of its neighbours.
     """
     if isinstance(kind, WebLoads):
-        return frozenset(_EVERY), _EVERY
+        return frozenset(_EVERY), _IN_SHAFT
     enabled = plan_for_stress(scene).enabled
     possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
     if kind == "cycle":

@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, WebLoads, load_history
+from cranktopo.engine.histories import HistoryKind, LoadHistory, WebHistory, WebLoads, load_history
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress, PointSafety
 from cranktopo.tasks.fatigue.fillets import place
@@ -267,7 +267,12 @@ def _off_the_fillets(scene: Scene) -> Scene:
 
 def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
     """Factor of each unit field in each load state, shape (states, fields)."""
-    return np.stack([_UNIT_OF[kind](history) for kind in kinds], axis=1)
+    moments: dict[FieldKind, Array] = {}
+    if isinstance(history, WebHistory):
+        moments = {"moment": history.moment_Nm, "side_moment": history.side_moment_Nm}
+    return np.stack(
+        [moments[kind] * NMM_PER_NM if kind in moments else _UNIT_OF[kind](history) for kind in kinds], axis=1
+    )
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
-"""What each web of a shaft carries, as pin forces and torque on a throw that stands alone.
+"""What each web of a shaft carries, as loads of a throw that stands alone.
 
-A web is loaded by the forces of its neighbours on the section beside it. In the middle of the web these have
-two bending moments and a torque; a throw between its own two bearings has the same there under other forces
-on its pin. So whatever takes the loads of a throw that stands alone can take those of one web of a shaft. The
-shear force is not that of the shaft: with the moments it is half the pin force.
+A web is loaded by forces and moments on the section beside it: those of its bearing, and those of its
+neighbour. A throw that stands alone between its own two bearings has the same on its near section under other
+forces on its pin, with a moment on both sections beside them. From that section to the pin all is statics, so
+the web has the same stress; whatever takes the loads of a throw alone can take those of one web of a shaft.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.design.halves import halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import LoadHistory
+from cranktopo.engine.histories import WebHistory
 from cranktopo.tasks.fea.condense import RX, RY, RZ, UX, UY
 from cranktopo.tasks.shaft.continuous import CycleForces, ShaftCycle, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
@@ -24,7 +23,7 @@ from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
 
 def web_histories(
     throws: Sequence[LoadedThrow], scenes: Sequence[Scene], forces: CycleForces, cycle: ShaftCycle
-) -> tuple[LoadHistory, ...]:
+) -> tuple[WebHistory, ...]:
     """Return the loads of every web from the free end, each in the axes of the half nearer to z = 0.
 
     The web beyond the crankpin is mirrored in the middle of the pin. Centrifugal force on the throw itself is
@@ -32,28 +31,23 @@ def web_histories(
     """
     found = []
     for index, (throw, scene) in enumerate(zip(throws, scenes, strict=True)):
-        ends = cycle.throw_N[index] - _turning_alone(throw, forces)
-        for side in (0, 1):
-            labels = tuple(f"web {2 * index + side + 1}, {angle:g} deg" for angle in forces.angle_deg)
-            found.append(_history(ends, scene, side, forces.angular_speed_rad_s, labels))
+        both = cycle.throw_N[index] - _turning_alone(throw, forces)
+        for side, mirror in ((0, 1.0), (1, -1.0)):
+            end = both[6 * side : 6 * side + 6]
+            radial, tangential = 2 * end[UY], -2 * end[UX]
+            passed_on = scene.throw.radius_mm * tangential / 2 - end[RZ]
+            number = 2 * index + side + 1
+            history = WebHistory(
+                radial_N=radial,
+                tangential_N=tangential,
+                torque_Nm=passed_on / NMM_PER_NM,
+                angular_speed_rad_s=np.full(forces.angle_deg.size, forces.angular_speed_rad_s),
+                labels=tuple(f"web {number}, {angle:g} deg" for angle in forces.angle_deg),
+                moment_Nm=mirror * end[RX] / NMM_PER_NM,
+                side_moment_Nm=mirror * end[RY] / NMM_PER_NM,
+            )
+            found.append(history)
     return tuple(found)
-
-
-def _history(
-    ends: Array, scene: Scene, side: int, speed_rad_s: float, labels: tuple[str, ...]
-) -> LoadHistory:
-    half = halves(scene)[side]
-    middle = sum(half.web_z_mm) / 2
-    if side:
-        end = ends[6:]
-        about_x, about_y = middle * end[UY] - end[RX], -(middle * end[UX] + end[RY])
-    else:
-        end = ends[:6]
-        about_x, about_y = middle * end[UY] + end[RX], end[RY] - middle * end[UX]
-    radial, tangential = 2 * about_x / middle, 2 * about_y / middle
-    passed_on = half.throw.radius_mm * tangential / 2 - end[RZ]
-    speed = np.full(len(labels), speed_rad_s)
-    return LoadHistory(radial, tangential, passed_on / NMM_PER_NM, speed, labels)
 
 
 def _turning_alone(throw: LoadedThrow, forces: CycleForces) -> Array:

@@ -18,7 +18,7 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.design.misfire import with_misfire
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
-from cranktopo.engine.histories import LoadHistory
+from cranktopo.engine.histories import WebHistory
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
 from cranktopo.tasks.fatigue.criteria import criterion
@@ -171,7 +171,7 @@ class JudgedShaft:
             assumed=filter_by_table(self.target.assumed, USED),
         )
 
-    def web_histories(self) -> list[tuple[LoadHistory, ...]]:
+    def web_histories(self) -> list[tuple[WebHistory, ...]]:
         """Return at each speed what loads each web, as `web_histories` has it."""
         scene, found = self.target.scene, []
         for at in speed_scenes(scene, self.speeds_rpm):

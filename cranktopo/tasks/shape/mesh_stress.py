@@ -31,6 +31,8 @@ from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 _SMOOTH = {"fatigue_safety": least_safety, "stress": largest_stress}
 _PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
 """Axis and sign of the unit forces on the pin."""
+_SIDEWAYS: tuple[FieldKind, ...] = ("side_moment", "tangential")
+"""Symmetric loads that the mirror x -> -x turns around."""
 
 
 class MeshStress:
@@ -68,10 +70,12 @@ class MeshStress:
             latter by the nodes, (3, nodes).
         """
         blocks: dict[FieldKind, Superelement] = dict.fromkeys(self.kinds, bend)
-        blocks["torsion"], blocks["tangential"] = twist, side or bend
+        blocks |= {"torsion": twist, **dict.fromkeys(_SIDEWAYS, side or bend)}
         pushed = [kind for kind in self.kinds if blocks[kind] is bend]
         by_kind = {**loaded(bend, self.scene, pushed), "torsion": twisted(twist, self.scene)}
-        by_kind |= loaded(side, self.scene, ["tangential"]) if side else {}
+        by_kind |= (
+            loaded(side, self.scene, [kind for kind in self.kinds if kind in _SIDEWAYS]) if side else {}
+        )
         fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)

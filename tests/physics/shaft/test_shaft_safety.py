@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_speed, at_worst_speed
-from cranktopo.engine.histories import LoadHistory
+from cranktopo.engine.histories import LoadHistory, WebLoads
 from cranktopo.tasks.fatigue import shaft_stress
-from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field
+from cranktopo.tasks.fatigue.needs import load_kinds
+from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field, unit_loads
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress, worst_throw
 from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
@@ -24,6 +25,7 @@ from cranktopo.tasks.shaft.assembly import SPLITS
 from cranktopo.tasks.shaft.continuous import CycleForces, cycle_forces, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LOADS, loaded_throw
 from cranktopo.tasks.shaft.stage import shaft_effects
+from cranktopo.tasks.shaft.web_loads import web_histories
 from cranktopo.tasks.shaft_safety.least import Part, least_safeties, web_parts
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.physics.shaft.test_continuous_shaft import meshed_body
@@ -210,6 +212,28 @@ def test_fatigue_takes_the_worst_throw_of_the_shaft(stress: ShaftStress) -> None
     assert found.critical.states[0].startswith("throw 4, ")
     assert len(found.labels) == 720
     assert found.on_bearings
+
+
+@pytest.mark.slow
+def test_a_throw_alone_with_the_loads_of_a_web_has_its_safety(stress: ShaftStress) -> None:
+    """Two ways to the stress of each of eight webs: fields of the shaft, and unit loads of a throw alone.
+
+    From the section beside it to the pin both have the same forces. On the pin itself they are spread
+    differently, which its fillet feels a little.
+    """
+    scene = stress.model.scene
+    throws, forces = [loaded_throw(stress.body.blocks, scene)] * 4, cycle_forces(scene)
+    cycle = shaft_cycle(throws, scene.shaft_angles_deg, forces, None)
+    histories = web_histories(throws, [scene] * 4, forces, cycle)
+    of_throws = loads(stress, scene.shaft_angles_deg, forces, None)
+    in_shaft = least_safeties(stress.model, [own[None] for own in of_throws], "lsa")
+    alone = solve_stresses(Target("mikron", scene), load_kinds(scene, WebLoads(histories))[1], COARSE)
+    within: dict[Part, float] = {"pin_fillet": 0.03, "journal_fillet": 5e-3, "elsewhere": 0.03}
+    for number, history in enumerate(histories):
+        found = least_safeties(alone, [unit_loads(history, alone.kinds)[None]], "lsa")[0]
+        for part, error in within.items():
+            expected = float(in_shaft[number // 2][number % 2, part][0])
+            assert float(found[0, part][0]) == pytest.approx(expected, rel=error), (number + 1, part)
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.progress import Json
 from cranktopo.base.result import Result
+from cranktopo.base.units import MM_PER_M
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_worst_speed, engine_of
 from cranktopo.engine.bearings import bearing_spring_N_per_mm
-from cranktopo.engine.histories import LoadHistory, WebLoads
+from cranktopo.engine.histories import WebHistory, WebLoads
 from cranktopo.tasks.fea.targets import resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.stage import shaft_effects
@@ -24,17 +26,17 @@ _METHOD = "lsa"
 
 
 class WebInShaft(Result):
-    """A web of a shaft: its loads, largest less smallest over the cycle, and its least safety."""
+    """A web of a shaft: moments in its middle, largest less smallest over the cycle, and its least safety."""
 
     web: int
     """Its number from the free end, 1 first."""
     throw: int
-    radial_range_N: float
-    """Range of the force on the pin along the throw that bends a throw alone as the shaft bends this web."""
-    tangential_range_N: float
-    """The same across the throw."""
+    bending_range_Nm: float
+    """Range of the bending moment in the plane of the throw."""
+    side_bending_range_Nm: float
+    """Range of that across the throw."""
     torque_range_Nm: float
-    """Range of the torque that a throw alone passes on beside it, mean of its two ends."""
+    """Range of the torque about the crank axis."""
     safety: float
     """Least safety over the cycle, in the shaft."""
     part: str
@@ -61,7 +63,7 @@ class LoadedShaft:
     """A judged shaft with the load histories of each web, one for each speed."""
 
     figures: ShaftFigures
-    histories: tuple[tuple[LoadHistory, ...], ...]
+    histories: tuple[tuple[WebHistory, ...], ...]
 
     def loads(self, group: WebGroup) -> WebLoads:
         """Return what the webs of a group carry."""
@@ -103,11 +105,9 @@ def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
         WebInShaft(
             web=web.web,
             throw=web.throw,
-            radial_range_N=max(float(np.ptp(own.radial_N)) for own in histories[web.web - 1]),
-            tangential_range_N=max(float(np.ptp(own.tangential_N)) for own in histories[web.web - 1]),
-            torque_range_Nm=max(float(np.ptp(own.torque_Nm)) for own in histories[web.web - 1]),
             safety=web.safety,
             part=web.part,
+            **_ranges(target.scene, histories[web.web - 1]),
         )
         for web in safety.webs
     )
@@ -118,13 +118,28 @@ def loaded_shaft(design: Scene | str, fillet_fraction: float) -> LoadedShaft:
     return LoadedShaft(figures, histories)
 
 
-def _plain(history: LoadHistory) -> Json:
+def _ranges(scene: Scene, histories: Sequence[WebHistory]) -> dict[str, float]:
+    """Return the ranges of the moments in the middle of a web, of several speeds the largest."""
+    lever_m = sum(scene.web_z_mm) / 2 / MM_PER_M
+    radius_m = scene.throw.radius_mm / MM_PER_M
+    found = [
+        {
+            "bending_range_Nm": one.moment_Nm + lever_m * one.radial_N / 2,
+            "side_bending_range_Nm": one.side_moment_Nm + lever_m * one.tangential_N / 2,
+            "torque_range_Nm": radius_m * one.tangential_N / 2 - one.torque_Nm,
+        }
+        for one in histories
+    ]
+    return {name: max(float(np.ptp(moments[name])) for moments in found) for name in found[0]}
+
+
+def _plain(history: WebHistory) -> Json:
     return {
         name: value.tolist() if isinstance(value, np.ndarray) else list(value)
         for name, value in vars(history).items()
     }
 
 
-def _history(data: Json) -> LoadHistory:
+def _history(data: Json) -> WebHistory:
     curves: dict[str, Array] = {name: np.array(data[name]) for name in data if name != "labels"}
-    return LoadHistory(**curves, labels=tuple(data["labels"]))
+    return WebHistory(**curves, labels=tuple(data["labels"]))

@@ -44,9 +44,9 @@ def each_web_page(found: EachWebResult, manifest: Mapping[str, Any]) -> Page:
             Section(
                 "loads",
                 "What each web carries",
-                "The shaft stands on all its main bearings, and each cylinder acts at its own phase. A throw "
-                "between its own two bearings bends and twists the middle of a web as the shaft does under "
-                "these ranges of force on its pin, along and across the throw, and of torque.",
+                "The shaft stands on all its main bearings, and each cylinder acts at its own phase. Moments "
+                "in the middle of each web, largest less smallest over the cycle: in the plane of its throw, "
+                "across it, and about the crank axis.",
                 (("By web, from the free end", load_table(found)),),
             ),
             Section(

@@ -43,15 +43,15 @@ def _verdict(crank: CrankVariant) -> str:
 
 
 def load_table(found: EachWebResult) -> ResultTable:
-    """Return what each web of the design carries, and its safety in the shaft before and after."""
+    """Return the moments in each web of the design's shaft, and its safety before and after."""
     one, own = (_safeties(crank.shaft) for crank in (found.one_web, found.each_web))
     rows: tuple[Row, ...] = tuple(
         {
             "web": str(web.web),
             "throw": str(web.throw),
-            "radial_range_kN": _KILO * web.radial_range_N,
-            "across_range_kN": _KILO * web.tangential_range_N,
-            "torque_range_Nm": web.torque_range_Nm,
+            "bending_Nm": web.bending_range_Nm,
+            "across_Nm": web.side_bending_range_Nm,
+            "torque_Nm": web.torque_range_Nm,
             "safety": web.safety,
             "one_web": one[web.web],
             "own_web": own[web.web],
@@ -59,7 +59,7 @@ def load_table(found: EachWebResult) -> ResultTable:
         }
         for web in found.original.webs
     )
-    digits = {"web": 0, "throw": 0, "radial_range_kN": 2, "across_range_kN": 2, "torque_range_Nm": 0}
+    digits = {"web": 0, "throw": 0, "bending_Nm": 0, "across_Nm": 0, "torque_Nm": 0}
     return ResultTable({**digits, "safety": 3, "one_web": 3, "own_web": 3, "own_web_kg": 3}, rows)
 
 
@@ -167,7 +167,8 @@ def each_web_summary(found: EachWebResult, folder: Path) -> str:
         "",
         terminal(crank_table(found)),
         "",
-        "Load of each web in the design's shaft, and its least safety there with each kind of webs:",
+        "Ranges of the moments in the middle of each web of the design's shaft, and its least safety there,",
+        "then with one web for all and with its own:",
         terminal(load_table(found)),
         "",
         "The searches, each for a throw of two such webs under the loads of the shaft:",
