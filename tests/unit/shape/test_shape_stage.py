@@ -53,7 +53,7 @@ class Told:
 
     def evaluated(self, scene: Scene, stressed: Any, size: Any, name: str, *rest: Any) -> Any:
         assert stressed == {"fatigue_safety"}
-        self.loads += [("web", loads) for loads in rest[1:]]
+        self.loads += [("web", judging.loads) for judging in rest[1:]]
         share: Mapping[str, float] = {} if name == "original" else self.percent[int(name[-1])]
         values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
         return SimpleNamespace(scene=scene, values=values, evaluation={})
@@ -101,7 +101,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         original = told.evaluated(scene, {"fatigue_safety"}, None, "original")
 
         def told_original(*given: Any) -> Any:
-            told.loads.append(("original", given[-1]))
+            told.loads.append(("original", given[-1].loads))
             return original, lambda: original
 
         def meshes(*given: Any, **more: Any) -> Meshes:
