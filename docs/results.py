@@ -29,7 +29,7 @@ ROOTS = {
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),
     "shape": ("`shape --json` and `shape.json`", "cranktopo.tasks.shape.result:ShapeResult"),
-    "each-web": (
+    "each_web": (
         "`shape --each-web --json` and `each-web.json`",
         "cranktopo.tasks.shape.each_web.result:EachWebResult",
     ),
