@@ -22,7 +22,7 @@ from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import Loads
+from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.refit.family import Layout, with_free
@@ -54,6 +54,8 @@ _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
 _MISSED, _FARTHER = 1e-2, 5.0
 """Violation of a limit from which on a finish reaches farther, in proportion, and how much at most."""
+_FARTHER_IN_SHAFT = 2.0
+"""The same under the loads of webs in their shaft, where many places are near the least safety."""
 _LATE_ROUNDS = 2
 """So many times the finishes where none has kept the limits yet, as long as each comes nearer."""
 _FREE_ROUNDS = 3
@@ -235,6 +237,7 @@ class _LocalRefinement:
         """Return the web of the cells and those of the finishes, until they keep limits and settle."""
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+        farthest = _FARTHER_IN_SHAFT if isinstance(self._settings.loads, WebLoads) else _FARTHER
         pace = Pace("finish on body-fitted elements", maximum, at_most=True, quiet_s=0.0)
         for number in range(1, _LATE_ROUNDS * maximum + 1):
             best = _best(rounds, self._goal)
@@ -243,7 +246,7 @@ class _LocalRefinement:
                 break
             pace.begin()
             try:
-                found = self._finished(before, number, _farther(effort, before), violation)
+                found = self._finished(before, number, _farther(effort, before, farthest), violation)
             except CranktopoError as error:
                 note(f"finish {number} ended early, the best web before it stands: {error}")
                 break
@@ -320,9 +323,9 @@ class _LocalRefinement:
         return found
 
 
-def _farther(effort: SearchBudget, before: ShapeRound) -> SearchBudget:
+def _farther(effort: SearchBudget, before: ShapeRound, most: float) -> SearchBudget:
     """Return the length of a finish: it reaches farther beside a web that misses its limits by much."""
-    return replace(effort, reach=effort.reach * min(max(before.violation / _MISSED, 1.0), _FARTHER))
+    return replace(effort, reach=effort.reach * min(max(before.violation / _MISSED, 1.0), most))
 
 
 def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:

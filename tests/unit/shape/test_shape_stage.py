@@ -18,7 +18,7 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import HistoryKind, WebLoads
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
@@ -179,6 +179,9 @@ def test_a_finish_reaches_farther_and_there_are_more_while_limits_are_missed(sha
     away = Told([missed[1], *[missed[0]] * 9])
     assert (shaped(away).best, away.finishes) == (0, 4)
     assert away.reaches == pytest.approx([3.2, 0.8, 0.2, 0.05])
+    shaft = Told([*missed, held, held, held])
+    shaped(shaft, settings=ShapeSettings(loads=WebLoads(())))
+    assert shaft.reaches == pytest.approx([1.6, 1.6, 1.6, 1.6, 1.2, 0.8])  # no farther: many places decide
 
 
 def test_a_finish_names_the_limits_that_its_web_misses(shaped: Shaped) -> None:
