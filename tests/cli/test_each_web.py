@@ -72,10 +72,16 @@ def test_the_whole_run(stand_in: ShapeStandIn, capsys: pytest.CaptureFixture[str
 def test_webs_that_safety_does_not_decide_gain_nothing(
     stand_in: ShapeStandIn, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """The one search is that for all; what two webs share is not free in it."""
     stand_in.percent["fatigue_safety"] = 120.0
-    assert main(["shape", "mikron-iiic", "--each-web", "--out", "out"]) == ExitCode.DONE
-    assert "Webs of their own gain nothing: the least safety of 1.200 does not" in capsys.readouterr().out
-    assert len(stand_in.asked) == 1  # only that of one web for all
+    free = "[shape.free]\npin_fillet_mm = [2.0, 5.0]\n\n[effects]\n"
+    Path("mine.toml").write_text(design_text("mikron-iiic").replace("[effects]\n", free, 1), encoding="utf-8")
+    assert main(["shape", "mine.toml", "--each-web", "--out", "out"]) == ExitCode.DONE
+    said = capsys.readouterr()
+    assert "Webs of their own gain nothing: the least safety of 1.200 does not" in said.out
+    assert "pin_fillet stay as they are: webs of their own share their journals" in said.err
+    ((scene, _, _),) = stand_in.asked
+    assert scene.shape.free.pin_fillet_mm is None
 
 
 def test_an_interrupted_run_tells_how_to_go_on(

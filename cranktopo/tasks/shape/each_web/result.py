@@ -91,6 +91,8 @@ class EachWebResult(Result):
     """Least safety of every web in the shaft."""
     alike_percent: float
     """Webs whose least safeties in the design's shaft differ by less were searched for together."""
+    same_webs: tuple[tuple[int, ...], ...]
+    """Webs that the design makes equal, by their numbers."""
     mirrored: bool
     """Whether mirror pairs of webs were taken as equal."""
     original: ShaftFigures

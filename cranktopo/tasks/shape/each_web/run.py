@@ -190,6 +190,7 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
             limits={one.quantity: one.condition for one in goal.limits if one is not limit},
             required_safety=required,
             alike_percent=ALIKE_PERCENT,
+            same_webs=tuple(tuple(sorted(webs)) for webs in scene.shape.same_webs),
             mirrored=is_mirrored(scene.shaft_angles_deg),
             original=original.figures,
             one_web=one,

@@ -55,12 +55,12 @@ def load_table(found: EachWebResult) -> ResultTable:
             "safety": web.safety,
             "one_web": one[web.web],
             "own_web": own[web.web],
-            "own_web_kg": found.each_web.group_of(web.web).throw_kg / 2,
+            "half_throw_kg": found.each_web.group_of(web.web).throw_kg / 2,
         }
         for web in found.original.webs
     )
     digits = {"web": 0, "throw": 0, "bending_Nm": 0, "across_Nm": 0, "torque_Nm": 0}
-    return ResultTable({**digits, "safety": 3, "one_web": 3, "own_web": 3, "own_web_kg": 3}, rows)
+    return ResultTable({**digits, "safety": 3, "one_web": 3, "own_web": 3, "half_throw_kg": 3}, rows)
 
 
 def _safeties(shaft: ShaftFigures) -> dict[int, float]:
@@ -141,11 +141,15 @@ def each_web_headline(found: EachWebResult) -> str:
 
 def grouping_text(found: EachWebResult) -> str:
     """Return which webs are equal, and why."""
-    groups = "; ".join(WebGroup(group.webs).words for group in found.each_web.groups)
+    given = "; ".join(WebGroup(webs).words for webs in found.same_webs)
+    rest = [group.webs for group in found.each_web.groups if group.webs not in found.same_webs]
+    named = f"Equal by shape.same_webs: {given}. " if given else ""
+    if not rest:
+        return named.rstrip()
     pairs = "Mirror pairs are equal, and webs" if found.mirrored else "Webs are equal"
     return (
-        f"{pairs} whose least safeties in the design's shaft differ by less than {found.alike_percent:g} %: "
-        f"{groups}."
+        f"{named}{pairs} whose least safeties in the design's shaft differ by less than "
+        f"{found.alike_percent:g} %: {'; '.join(WebGroup(webs).words for webs in rest)}."
     )
 
 
@@ -156,6 +160,13 @@ def limits_text(found: EachWebResult) -> str:
         f"Every web keeps {limits}; safety of {found.required_safety:.3f} in the shaft, within "
         f"{100 * TOLERANCE:g} %."
     )
+
+
+def _dimensions(found: EachWebResult) -> list[str]:
+    table = dimension_table(found)
+    if not table.rows:
+        return ["No dimension of the webs differs."]
+    return ["Dimensions in which the webs differ, mm or degrees:", terminal(table)]
 
 
 def each_web_summary(found: EachWebResult, folder: Path) -> str:
@@ -174,8 +185,7 @@ def each_web_summary(found: EachWebResult, folder: Path) -> str:
         "The searches, each for a throw of two such webs under the loads of the shaft:",
         terminal(search_table(found)),
         "",
-        "Dimensions in which the webs differ, mm or degrees:",
-        terminal(dimension_table(found)),
+        *_dimensions(found),
         "",
         terminal(round_table(found)),
         "",
