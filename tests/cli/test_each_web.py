@@ -79,7 +79,7 @@ def test_webs_that_safety_does_not_decide_gain_nothing(
     assert main(["shape", "mine.toml", "--each-web", "--out", "out"]) == ExitCode.DONE
     said = capsys.readouterr()
     assert "Webs of their own gain nothing: the least safety of 1.200 does not" in said.out
-    assert "pin_fillet stay as they are: webs of their own share their journals" in said.err
+    assert "pin_fillet not free here: webs of their own share their journals" in said.err
     ((scene, _, _),) = stand_in.asked
     assert scene.shape.free.pin_fillet_mm is None
 

@@ -163,7 +163,7 @@ def _without_free_journals(scene: Scene) -> Scene:
     free = [name for name in DIMENSIONS if free_range_mm(scene, name) and not is_of_counterweight(name)]
     if not free:
         return scene
-    note(f"{scene.name}: {', '.join(free)} stay as they are: webs of their own share their journals")
+    note(f"{scene.name}: {', '.join(free)} not free here: webs of their own share their journals")
     given = scene.shape.free.model_dump(include={"counterweight_radius_mm", "counterweight_angle_deg"})
     shape = scene.shape.model_copy(update={"free": FreeDimensions(**given)})
     return scene.model_copy(update={"shape": shape})
