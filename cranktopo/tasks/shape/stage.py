@@ -65,6 +65,8 @@ _SAFE, _SURE = 5e-4, 2e-3
 _BY_MASSES = frozenset({"inertia", "unbalance", "balance_factor"})
 """Quantities that grow with a power of a counterweight's radius, and that closed forms tell of any web."""
 _CLOSED_FORM_TRIES = 4
+_FIRST = {True: "web of the cells", False: "web of the start"}
+"""The web that finishes begin with, by whether features were sought."""
 _SCATTER = 5e-3
 """The same of safety and stress: those of nearly equal webs scatter by half a percent from mesh to mesh."""
 
@@ -81,6 +83,8 @@ class ShapeSettings:
         loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`, or
             of webs in their shaft the safety.
         fillet_fraction: element size in a fillet over its radius where these are evaluated.
+        features: whether outline and features are sought on cells before the finishes; else these begin with
+            the web of the start, whose features stay.
     """
 
     cell_mm: float = 4.0
@@ -90,6 +94,7 @@ class ShapeSettings:
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
     loads: Loads = "extremes"
     fillet_fraction: float = RULE_FRACTION
+    features: bool = True
 
     @property
     def judging(self) -> Judging:
@@ -180,10 +185,13 @@ def optimise_shape(
     selection = FeatureSelection(cells, coarse, goals, before.values, work)
     start = start or scene_start(scene, settings.limits)
     told = first_on_cells(scene, start.sizes)
-    outline = selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
-    candidate, original = selection.select(outline), judged()
+    layout, begin = with_free(start.layout, start.values, scene, told, start.sizes)
+    if settings.features:
+        candidate = selection.select(selection.first(layout, begin))
+        layout, begin = candidate.layout, candidate.values
+    original = judged()
     stated = search_goal_of(goal, original.values, original.values, cases)
-    layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
+    layout, first = with_free(layout, begin, scene, not_on_cells(scene), start.sizes)
     finish = _LocalRefinement(cells, stated, layout, original, settings, work)
     rounds = finish.rounds(first)
     best, web = _best(rounds, stated), cells.web(layout)
@@ -319,7 +327,8 @@ class _LocalRefinement:
             self._on_coarse_mesh(values).begin()
         web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.judging)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
-        note(_round_text(number, found, self._original, self._goal))
+        told = f"finish {number}" if number else _FIRST[self._settings.features]
+        note(_round_text(told, found, self._original, self._goal))
         return found
 
 
@@ -336,13 +345,12 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
     return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].violation, 4), i))
 
 
-def _round_text(number: int, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
+def _round_text(told: str, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
         for name in TOLD_FIRST
         if name in original.values
     )
-    told = f"finish {number}" if number else "web of the cells"
     missed = {
         limit.quantity: f"{limit.quantity} by {excess:.2f} %"
         for limit, excess in zip(goal.limits, found.excess_percent, strict=True)

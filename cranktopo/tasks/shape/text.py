@@ -143,7 +143,7 @@ def rounds_table(found: ShapeResult) -> ResultTable:
     columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed by": 0}
     rows: tuple[Row, ...] = tuple(
         {
-            "web": f"finish {number}" if number else "of the cells",
+            "web": f"finish {number}" if number else "of the cells" if found.trials else "of the start",
             **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
             "limits missed by": f"{worst:.2f} %" if worst > _KEPT_PERCENT else "-",
         }

@@ -88,16 +88,20 @@ class CrankSearch:
     required: float
     pace: Pace
 
-    def variant(self, name: str, groups: Sequence[WebGroup]) -> tuple[CrankVariant, bool]:
+    def variant(
+        self, name: str, groups: Sequence[WebGroup], begun: Scene | None = None
+    ) -> tuple[CrankVariant, bool]:
         """Return the crank with the best web of every group, and whether the safety decides one of them.
 
         Args:
             name: of its folder.
+            begun: web that every search begins with, and whose features it keeps; by default that of the
+                design, and features are sought.
 
         Raises:
             CranktopoError: no web that keeps limits and rules, a failed solve, or interruption.
         """
-        rounds = list(self._rounds(name, groups))
+        rounds = list(self._rounds(name, groups, begun))
         safe = [n for n, (_, _, shaft) in enumerate(rounds) if is_safe(shaft.figures, self.required)]
         nearest = max(range(len(rounds)), key=lambda n: rounds[n][2].figures.safety)
         best = safe[-1] if safe else nearest
@@ -120,9 +124,9 @@ class CrankSearch:
         return crank, any(one.safety_decides for one in found)
 
     def _rounds(
-        self, name: str, groups: Sequence[WebGroup]
+        self, name: str, groups: Sequence[WebGroup], begun: Scene | None
     ) -> Iterator[tuple[Path, tuple[Searched, ...], LoadedShaft]]:
-        found: tuple[Searched, ...] = tuple(self._first(group) for group in groups)
+        found: tuple[Searched, ...] = tuple(self._first(group, begun) for group in groups)
         for number in range(1, _ROUNDS + 1):
             folder = self.folder / (name if number == 1 else f"{name}-{number}")
             shaft = self._shaft(folder, found)
@@ -135,9 +139,9 @@ class CrankSearch:
                 for one in found
             )
 
-    def _first(self, group: WebGroup) -> Searched:
+    def _first(self, group: WebGroup, begun: Scene | None) -> Searched:
         share = self.required / group.least(self.original.figures.safeties)
-        return self._searched(group, 1, f"{100 * share:.5g} %", self.original.loads(group), None)
+        return self._searched(group, 1, f"{100 * share:.5g} %", self.original.loads(group), begun)
 
     def _again(self, before: Searched, shaft: LoadedShaft, number: int) -> Searched:
         """Search once more, from the web that was found, under the loads of the shaft that has it."""
@@ -157,7 +161,8 @@ class CrankSearch:
         scene = with_goal(self.scene, limits=[f"fatigue_safety >= {limit}"])
         scene = scene.model_copy(update={"name": f"{scene.name}-{folder.name}"})
         with indented():
-            result = _shaped(folder, scene, replace(self.settings, loads=loads), begun)
+            settings = replace(self.settings, loads=loads, features=begun is None)
+            result = _shaped(folder, scene, settings, begun)
         required = next(one.required for one in result.goal.limits if one.quantity == "fatigue_safety")
         return Searched(group, number, folder, required or 0.0, result)
 
