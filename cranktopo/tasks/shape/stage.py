@@ -172,9 +172,32 @@ def optimise_shape(
         scene, stressed, settings.element_size_mm, work, own, settings.judging
     )
     cells = web_model(scene, settings.limits, settings.cell_mm)
-    cases, chosen_for = cells.model.cases, goal_on_cells(goal, before.values, lambda: judged().values)
+    start = start or scene_start(scene, settings.limits)
+    told, trials = first_on_cells(scene, start.sizes), tuple[FeatureTrial, ...]()
+    layout, begin = with_free(start.layout, start.values, scene, told, start.sizes)
+    if settings.features:
+        chosen_for = goal_on_cells(goal, before.values, lambda: judged().values)
+        selection = _selection(cells, goal, chosen_for, before, settings, work)
+        candidate = selection.select(selection.first(layout, begin))
+        layout, begin, trials = candidate.layout, candidate.values, tuple(selection.trials)
+    original = judged()
+    stated = search_goal_of(goal, original.values, original.values, cells.model.cases)
+    layout, first = with_free(layout, begin, scene, not_on_cells(scene), start.sizes)
+    finish = _LocalRefinement(cells, stated, layout, original, settings, work)
+    rounds = finish.rounds(first)
+    best, web = _best(rounds, stated), cells.web(layout)
+    found = finish.anchored(rounds[best])
+    paid = multipliers_of(scene, web, rounds[best].values, found, stated)
+    return ShapeOptimum(goal, stated, original, web, rounds, best, trials, found, paid)
+
+
+def _selection(
+    cells: WebModel, goal: Goal, chosen_for: Goal, before: EvaluatedWeb, settings: ShapeSettings, work: Work
+) -> FeatureSelection:
+    """Return what seeks outline and features on cells, for a goal that stands for the true one there."""
     if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
         note(f"cells have no fillets; features are chosen there by another {goal_text(chosen_for, 'shape')}")
+    scene, cases = cells.scene, cells.model.cases
     known = {name: before.values[name] for name in cells.original if name in before.values}
     goals = (
         search_goal_of(chosen_for, cells.original, before.values, cases),
@@ -182,22 +205,7 @@ def optimise_shape(
     )
     shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, before.values))
     coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
-    selection = FeatureSelection(cells, coarse, goals, before.values, work)
-    start = start or scene_start(scene, settings.limits)
-    told = first_on_cells(scene, start.sizes)
-    layout, begin = with_free(start.layout, start.values, scene, told, start.sizes)
-    if settings.features:
-        candidate = selection.select(selection.first(layout, begin))
-        layout, begin = candidate.layout, candidate.values
-    original = judged()
-    stated = search_goal_of(goal, original.values, original.values, cases)
-    layout, first = with_free(layout, begin, scene, not_on_cells(scene), start.sizes)
-    finish = _LocalRefinement(cells, stated, layout, original, settings, work)
-    rounds = finish.rounds(first)
-    best, web = _best(rounds, stated), cells.web(layout)
-    found = finish.anchored(rounds[best])
-    paid = multipliers_of(scene, web, rounds[best].values, found, stated)
-    return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
+    return FeatureSelection(cells, coarse, goals, before.values, work)
 
 
 def stresses_in(quantities: Collection[str]) -> frozenset[str]:

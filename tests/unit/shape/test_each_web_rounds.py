@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import Pace
 from cranktopo.base.progress import Work
 from cranktopo.design.loading import load_scene
-from cranktopo.design.named import with_goal
+from cranktopo.design.named import with_goal, with_values
 from cranktopo.engine.histories import WebLoads
 from cranktopo.tasks.shape.each_web import rounds
 from cranktopo.tasks.shape.each_web.groups import WebGroup
@@ -25,6 +25,7 @@ from tests.shaft_stand_in import told_shaft
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn
 
 SCENE = with_goal(load_scene("mikron-iiic"), minimise="mass")
+WIDER = with_values(SCENE, {"web.width_mm": 52.0})
 OUTER, INNER = WebGroup((1, 2, 7, 8)), WebGroup((3, 4, 5, 6))
 ALL = WebGroup(tuple(range(1, 9)))
 DESIGN = (1.2, 1.3, 1.6, 1.5, 1.5, 1.6, 1.3, 1.2)
@@ -63,7 +64,9 @@ def asked(stand_in: ShapeStandIn) -> list[tuple[str, set[int]]]:
 def test_a_web_that_is_safer_may_lose_as_much(searches: Searches) -> None:
     """Required is the least safety of the design; a web with 1.5 times that needs 1 / 1.5 of its own."""
     search, stand_in = searches(DESIGN, percent={"mass": 90.0})
-    crank, decides = search.variant("own", (OUTER, INNER))
+    crank, decides = search.variant("own", (OUTER, INNER), begun=WIDER)
+    assert [begun for _, _, begun in stand_in.asked] == [WIDER, WIDER]
+    assert not any(settings.features for _, settings, _ in stand_in.asked)
     assert asked(stand_in) == [(">= 100 %", {1, 2, 7, 8}), (">= 80 %", {3, 4, 5, 6})]
     assert crank.held
     assert decides  # the outer webs have 100 % of what they need, and no more
@@ -88,6 +91,7 @@ def test_a_web_that_falls_short_is_sought_again_under_its_new_loads(searches: Se
 def test_a_web_that_is_safer_than_its_search_knew_is_sought_again(searches: Searches) -> None:
     search, stand_in = searches(tuple(2.0 for _ in DESIGN), DESIGN, percent={"mass": 90.0})
     search.variant("own", (ALL,))
+    assert [settings.features for _, settings, _ in stand_in.asked] == [True, False]
     assert asked(stand_in)[1:] == [(">= 1.8", set(ALL.webs))]  # at its limit, and 1.2 of 2.0 would do
 
 

@@ -151,6 +151,14 @@ def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_ce
     assert (found.best, len(found.rounds)) == (1, 3)
 
 
+def test_without_features_the_finishes_begin_with_the_start(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 107.9}])
+    found = shaped(told, settings=ShapeSettings(features=False))
+    assert told.goals == []  # nothing is sought on cells
+    assert told.lines[0].startswith("web of the start: ")
+    assert (found.best, len(found.rounds), found.trials) == (1, 3, ())
+
+
 def test_a_web_that_keeps_the_limits_is_left_where_little_is_promised(shaped: Shaped) -> None:
     near = {"fatigue_safety": 108.0}
     assert len(shaped(Told([near, near], promised=-1.081)).rounds) == 1
