@@ -6,13 +6,13 @@ The stages, in the order in which data flows through them; each takes what the o
     -> fit_web -> evaluate_target -> compare
 
 What a command does is one call as well: `optimise_design`, `resume_optimisation`, `extract_surface`,
-`remodel_run`, `shape_design`, `resume_shape`, `bound_of`, `start_loop`, `continue_loop`, `evaluate_targets`,
-`compare_targets`, `assess_fatigue`, `shaft_vibration`, `shaft_modes`, `sweep`, `check_bolts`,
-`check_rod_strength`, `check_rod_elements`, `lighten_rod`, `lighten_rod_by_elements`, `check_balancer`,
-`redesign_balancer`, `draw_balancer`, `oil_films`,
+`remodel_run`, `shape_design`, `resume_shape`, `shape_each_web`, `resume_each_web`, `bound_of`,
+`start_loop`, `continue_loop`, `evaluate_targets`, `compare_targets`, `assess_fatigue`, `shaft_vibration`,
+`shaft_modes`, `sweep`, `check_bolts`, `check_rod_strength`, `check_rod_elements`, `lighten_rod`,
+`lighten_rod_by_elements`, `check_balancer`, `redesign_balancer`, `draw_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
-`report_run`, `report_comparison`, `export_solid`, `draw_crank`,
-`summarise_runs`, `clean_runs`, `check_machine`.
+`report_run`, `report_comparison`, `export_solid`, `draw_crank`, `summarise_runs`, `clean_runs`,
+`check_machine`.
 
 A design is a `Scene`, the path of a file or a name, whatever the function; a target may be a `Target` too.
 What they return is a class of this list (`Loads`, `EvaluationResult`, `FatigueResult`, `RunMetrics`, ...).
@@ -99,6 +99,8 @@ if TYPE_CHECKING:
     from cranktopo.tasks.shaft.stage import evaluate_shaft
     from cranktopo.tasks.shaft_safety.result import ShaftAssessment
     from cranktopo.tasks.shaft_safety.stage import assess_shaft
+    from cranktopo.tasks.shape.each_web.result import EachWebResult
+    from cranktopo.tasks.shape.each_web.run import EachWebRun, resume_each_web, shape_each_web
     from cranktopo.tasks.shape.result import ShapeResult
     from cranktopo.tasks.shape.run import ShapedRun, resume_shape, shape_design, shape_settings
     from cranktopo.tasks.sweep.run import sweep
@@ -166,6 +168,10 @@ _HOMES = {
     "WebTarget": "tasks.designs.run_webs",
     "web_target": "tasks.designs.run_webs",
     "resume_shape": "tasks.shape.run",
+    "EachWebResult": "tasks.shape.each_web.result",
+    "EachWebRun": "tasks.shape.each_web.run",
+    "resume_each_web": "tasks.shape.each_web.run",
+    "shape_each_web": "tasks.shape.each_web.run",
     "import_crank": "tasks.crank_import.stage",
     "CrankImport": "tasks.crank_import.result",
     "bound_of": "tasks.bound.stage",
@@ -239,6 +245,8 @@ __all__ = [
     "ComparisonResult",
     "CrankImport",
     "CranktopoError",
+    "EachWebResult",
+    "EachWebRun",
     "EngineBalance",
     "Entry",
     "Evaluation",
@@ -326,12 +334,14 @@ __all__ = [
     "report_run",
     "resolve_target",
     "resolve_targets",
+    "resume_each_web",
     "resume_optimisation",
     "resume_shape",
     "save_scene",
     "shaft_modes",
     "shaft_vibration",
     "shape_design",
+    "shape_each_web",
     "shape_settings",
     "start_loop",
     "study_accuracy",

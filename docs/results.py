@@ -29,6 +29,10 @@ ROOTS = {
     "compare": ("`compare --format json`", "cranktopo.tasks.compare.result:ComparisonResult"),
     "bound": ("`bound --json`", "cranktopo.tasks.bound.result:BoundResult"),
     "shape": ("`shape --json` and `shape.json`", "cranktopo.tasks.shape.result:ShapeResult"),
+    "each_web": (
+        "`shape --each-web --json` and `each-web.json`",
+        "cranktopo.tasks.shape.each_web.result:EachWebResult",
+    ),
     "metrics": ("`optimise --json` and `metrics.json`", "cranktopo.tasks.optimise.result:RunMetrics"),
     "extraction": ("`extract --json`", "cranktopo.tasks.extraction.result:Extraction"),
     "remodel": ("`remodel --json` and `remodel.json`", "cranktopo.tasks.refit.result:RefitResult"),

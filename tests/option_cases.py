@@ -221,6 +221,7 @@ TABLE: dict[str, dict[str, Case]] = {
         "--minimise": Acts(MIKRON, "--minimise inertia"),
         "--loads": Acts(MIKRON, "--loads cycle"),
         "--no-bound": Acts(MIKRON, "--no-bound"),
+        "--each-web": Acts(MIKRON, "--each-web"),
         "--json": Shown("cli/test_shape.py::test_the_design_evaluates_as_it_says"),
     },
     "bound": {

@@ -22,6 +22,26 @@ def _ascending(value: Any, most: float = LARGEST_MM, unit: str = "mm", example: 
     return float(low), float(high)
 
 
+def _groups(value: Any) -> Any:
+    groups = value if isinstance(value, list | tuple) else None
+    if groups is None or not all(isinstance(group, list | tuple) and len(group) > 1 for group in groups):
+        raise refused("must be lists of two web numbers or more", "Write [[1, 8], [2, 7]], for example.")
+    numbers = [web for group in groups for web in group]
+    if any(
+        isinstance(web, bool) or not isinstance(web, int) or not 1 <= web <= _MOST_WEBS for web in numbers
+    ):
+        raise refused(f"must hold whole numbers from 1 to {_MOST_WEBS}", "Webs count from the free end.")
+    if len(set(numbers)) < len(numbers):
+        raise refused("has a web in two places", "Keep each web once.")
+    return tuple(tuple(group) for group in groups)
+
+
+_MOST_WEBS = 96
+WebGroups = Annotated[
+    tuple[tuple[int, ...], ...],
+    BeforeValidator(_groups),
+    WithJsonSchema({"type": "array", "kind": "lists of web numbers", "minimum": 1, "maximum": _MOST_WEBS}),
+]
 Range = Annotated[
     tuple[float, float],
     BeforeValidator(_ascending),
@@ -69,4 +89,7 @@ class ShapeTable(SceneTable):
     tolerance_mm: Length = 0.5
     """Tolerance of every dimension of the web, mm, of angles in degrees; the table of sensitivities tells the
     worst case within it."""
+    same_webs: WebGroups = Field(default=(), examples=[[[1, 8], [2, 4, 5, 7]]])
+    """Webs that `shape --each-web` makes equal, such as those of one die: lists of their numbers from the
+    free end, 1 first. The others are equal by mirror pairs and by what they carry."""
     free: FreeDimensions = FreeDimensions()

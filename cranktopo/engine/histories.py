@@ -40,6 +40,44 @@ class LoadHistory:
     labels: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class WebHistory(LoadHistory):
+    """Load states of a throw that stands alone, under which its near half carries what a web of a shaft does.
+
+    Attributes:
+        moment_Nm, side_moment_Nm: on its near section about +x and about +y, opposite ones on the far one.
+    """
+
+    moment_Nm: Array
+    side_moment_Nm: Array
+
+
+@dataclass(frozen=True)
+class WebLoads:
+    """What a web, or webs that are to be equal, carry in a shaft on all its bearings.
+
+    Attributes:
+        histories: one for each such web and speed; each is judged by itself, and on the near half alone.
+    """
+
+    histories: tuple[WebHistory, ...]
+
+
+Loads = HistoryKind | WebLoads
+"""Load states of a throw that stands alone, or of webs in their shaft."""
+LoadsName = Literal["extremes", "cycle", "shaft"]
+
+
+def loads_name(loads: Loads) -> LoadsName:
+    """Return the word for load states in results."""
+    return "shaft" if isinstance(loads, WebLoads) else loads
+
+
+def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
+    """Return the load histories that are judged one by one; errors as of `load_history`."""
+    return loads.histories if isinstance(loads, WebLoads) else (load_history(scene, loads, enabled),)
+
+
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
     """Return the load states of a scene; raises CranktopoError where the scene does not tell the loads.
 

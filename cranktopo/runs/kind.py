@@ -16,17 +16,20 @@ from cranktopo.base.interruption import closed_by
 from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, delete_folder
 
-RunKind = Literal["optimise", "iterate", "shape", "sweep"]
-"""The command that made a run: a density optimisation, the loop over many, a shape optimisation, a sweep."""
+RunKind = Literal["optimise", "iterate", "shape", "sweep", "each-web"]
+"""What made a run: a density optimisation, the loop over many, a shape optimisation, a sweep, a shape
+optimisation of every web of a shaft. All but the last are the names of commands."""
 LOOP: RunKind = "iterate"
 SHAPE: RunKind = "shape"
 SWEEP: RunKind = "sweep"
+EACH_WEB: RunKind = "each-web"
 """Kinds of runs, and the keys of their settings among the manifest's options."""
 RESULT_FILES: dict[RunKind, str] = {
     "optimise": "metrics.json",
     "iterate": "iterate.json",
     "shape": "shape.json",
     "sweep": "sweep.json",
+    "each-web": "each-web.json",
 }
 """Name of the file that a run of each kind writes last."""
 
@@ -34,7 +37,7 @@ RESULT_FILES: dict[RunKind, str] = {
 def kind_of(run: RunStore) -> RunKind:
     """Return the command that made a run; raises CranktopoError when its manifest cannot be used."""
     options = run.manifest()["options"]
-    return next((kind for kind in (LOOP, SHAPE, SWEEP) if kind in options), "optimise")
+    return next((kind for kind in (LOOP, SHAPE, SWEEP, EACH_WEB) if kind in options), "optimise")
 
 
 def read_result(run: RunStore) -> dict[str, Any] | None:
@@ -57,7 +60,11 @@ def shown_results(run: RunStore) -> Iterator[None]:
 
 def resume_command(run: RunStore) -> str:
     """Return the command line that continues a run; raises CranktopoError for an unusable manifest."""
-    return shlex.join(["cranktopo", kind_of(run), "--resume", str(run.path)])
+    return shlex.join(["cranktopo", _command_of(kind_of(run)), "--resume", str(run.path)])
+
+
+def _command_of(kind: RunKind) -> str:
+    return SHAPE if kind == EACH_WEB else kind
 
 
 def require_kind(run: RunStore, wanted: RunKind) -> None:

@@ -38,6 +38,7 @@ LONG = (
     "optimise.stage.optimise_design",
     "iterate.loop.start_loop",
     "shape.run.shape_design",
+    "shape.each_web.run.shape_each_web",
     "bound.stage.bound_of",
     "sweep.run.run_sweep",
     "refit.stage.remodel_run",

@@ -20,7 +20,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.writing import design_from_run
 from cranktopo.engine.one_throw import one_throw
 from cranktopo.runs.directories import RUNS, RunStore, open_run, runs_named
-from cranktopo.runs.kind import LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
+from cranktopo.runs.kind import EACH_WEB, LOOP, RESULT_FILES, SHAPE, kind_of, resume_command
 
 REMODEL = "remodel.json"
 _WEB = "web.toml"
@@ -118,6 +118,11 @@ def _run_web(run: RunStore) -> Path | None:
         raise CranktopoError(
             f"run '{run.path}': is not finished and has no web yet.",
             hint=f"Continue it: {resume_command(run)}",
+        )
+    if kind == EACH_WEB:
+        raise CranktopoError(
+            f"run '{run.path}': has a web for every place of a crank.",
+            hint="Name its design, or the folder of one of its searches.",
         )
     if kind == SHAPE:
         return run.path / _WEB

@@ -10,12 +10,14 @@ from cranktopo.engine.histories import HistoryKind, load_history
 from cranktopo.tasks.fatigue.criterion import larger_end_MPa
 from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.safety_field import FatigueField, unit_loads
-from cranktopo.tasks.fatigue.stress_model import solve_stresses
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, solve_stresses
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_ranges
 from cranktopo.tasks.fea.targets import Target
 
 
-def largest_stress_MPa(target: Target, kind: HistoryKind = "extremes") -> float:
+def largest_stress_MPa(
+    target: Target, kind: HistoryKind = "extremes", fillet_fraction: float = RULE_FRACTION
+) -> float:
     """Return the largest stress over the load states of a throw that stands alone.
 
     Raises:
@@ -23,7 +25,7 @@ def largest_stress_MPa(target: Target, kind: HistoryKind = "extremes") -> float:
     """
     enabled, kinds = load_kinds(target.scene, kind)
     loads = unit_loads(load_history(target.scene, kind, enabled), kinds)
-    model = solve_stresses(target, kinds)
+    model = solve_stresses(target, kinds, fillet_fraction)
     found = signed_von_mises_ranges(model.stress, [loads * image.signs for image in model.images])
     return max(_largest(one.local.amplitude_MPa, one.local.mean_MPa, model.judged) for one in found)
 

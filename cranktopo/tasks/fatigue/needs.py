@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.histories import Loads, WebLoads, histories_of
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.tasks.fatigue.criteria import safety_method
 from cranktopo.tasks.fatigue.stress_model import check_fillets
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.tasks.fea.unit_fields import FieldKind
+
+_EVERY: tuple[LoadKind, ...] = ("bending", "tangential", "torsion", "centrifugal")
+_IN_SHAFT: tuple[FieldKind, ...] = ("moment", "side_moment", *_EVERY)
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -31,7 +35,7 @@ def check_method(scene: Scene, method: str) -> None:
     found.check(scene)
 
 
-def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
+def check_inputs(target: Target, method: str, kind: Loads) -> None:
     """Check everything that a user can get wrong, before the first solve.
 
     Raises:
@@ -48,23 +52,26 @@ def check_inputs(target: Target, method: str, kind: HistoryKind) -> None:
     check_loads(target, kind)
 
 
-def check_loads(target: Target, kind: HistoryKind) -> None:
+def check_loads(target: Target, kind: Loads) -> None:
     """Check that the fillets and the loads give a stress.
 
     Raises:
         CranktopoError: missing loads, or sharp fillets.
     """
     check_fillets(target)
-    load_history(target.scene, kind, load_kinds(target.scene, kind)[0])
+    histories_of(target.scene, kind, load_kinds(target.scene, kind)[0])
 
 
-def load_kinds(scene: Scene, kind: HistoryKind) -> tuple[frozenset[str], tuple[LoadKind, ...]]:
+def load_kinds(scene: Scene, kind: Loads) -> tuple[frozenset[str], tuple[FieldKind, ...]]:
     """Effects that the plan of a scene switches on for stress, and the loads to be solved.
 
-    The extreme states hold radial force and torque; the tangential force only acts in the cycle.
+    The extreme states hold radial force and torque; the tangential force only acts in the cycle. A web in
+    its shaft has every load, and moments of its neighbours.
     """
+    if isinstance(kind, WebLoads):
+        return frozenset(_EVERY), _IN_SHAFT
     enabled = plan_for_stress(scene).enabled
     possible: tuple[LoadKind, ...] = ("bending", "torsion", "centrifugal")
     if kind == "cycle":
-        possible = ("bending", "tangential", "torsion", "centrifugal")
+        possible = _EVERY
     return enabled, tuple(k for k in possible if k in enabled)

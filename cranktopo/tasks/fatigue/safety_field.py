@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array, Index
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.engine.histories import HistoryKind, LoadHistory, WebHistory, WebLoads, load_history
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress, PointSafety
 from cranktopo.tasks.fatigue.fillets import place
@@ -109,6 +109,21 @@ def fatigue_fields(
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
     """
     return _fields(target, methods, kind, fillet_fraction, lives=True)
+
+
+def web_field(
+    target: Target, method: str, loads: WebLoads, fillet_fraction: float = RULE_FRACTION
+) -> FatigueField:
+    """Return the safety of a web under that of the loads which it bears worst.
+
+    Raises:
+        CranktopoError: missing material data, sharp fillets, or a failed solve.
+    """
+    check_method(target.scene, method)
+    model = solve_stresses(target, load_kinds(target.scene, loads)[1], fillet_fraction)
+    own = replace(model, images=tuple(image for image in model.images if not image.flip_z))
+    fields = (safety_field(own, method, history) for history in loads.histories)
+    return min(fields, key=lambda one: one.critical.safety)
 
 
 def _fields(
@@ -252,7 +267,12 @@ def _off_the_fillets(scene: Scene) -> Scene:
 
 def unit_loads(history: LoadHistory, kinds: Sequence[FieldKind]) -> Array:
     """Factor of each unit field in each load state, shape (states, fields)."""
-    return np.stack([_UNIT_OF[kind](history) for kind in kinds], axis=1)
+    moments: dict[FieldKind, Array] = {}
+    if isinstance(history, WebHistory):
+        moments = {"moment": history.moment_Nm, "side_moment": history.side_moment_Nm}
+    return np.stack(
+        [moments[kind] * NMM_PER_NM if kind in moments else _UNIT_OF[kind](history) for kind in kinds], axis=1
+    )
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,7 +101,8 @@ def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) 
     """Return the safety by each method of the throw that the shaft on all its bearings loads worst.
 
     All throws are that of the target, and all cylinders fire. Every angle of the cycle counts, at the
-    engine's speed and where the shaft vibrates at its worst one.
+    engine's speed and where the shaft vibrates at its worst one: each speed by itself, as no cycle has
+    states of both.
 
     Raises:
         CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
@@ -112,15 +113,14 @@ def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) 
     effects, spring = shaft_effects(scene), bearing_spring_N_per_mm(scene)
     speeds = [scene] + ([at_worst_speed(scene, effects)] if "torsional_vibration" in effects else [])
     found = [(engine_of(at).speed_rpm, *shaft_loads(throws, scene, at, spring)) for at in speeds]
-    labels = [f"{angle:g} deg at {rpm:,.0f} rpm" for rpm, angles, _ in found for angle in angles]
 
-    def field(method: str, throw: int) -> FatigueField:
-        loads = np.concatenate([of_throws[throw] for _, _, of_throws in found])
-        named = tuple(f"throw {throw + 1}, {label}" for label in labels)
-        return replace(field_of_states(stress.model, method, loads, named), on_bearings=True)
+    def fields(method: str) -> Iterator[FatigueField]:
+        for rpm, angles, of_throws in found:
+            for number, loads in enumerate(of_throws, start=1):
+                named = tuple(f"throw {number}, {angle:g} deg at {rpm:,.0f} rpm" for angle in angles)
+                yield replace(field_of_states(stress.model, method, loads, named), on_bearings=True)
 
-    every = [[field(method, throw) for throw in range(len(throws))] for method in methods]
-    return tuple(min(fields, key=lambda one: one.critical.safety) for fields in every)
+    return tuple(min(fields(method), key=lambda one: one.critical.safety) for method in methods)
 
 
 def _fields(part: LoadedBlock) -> tuple[Sequence[UnitField], Array]:

@@ -9,7 +9,7 @@ from cranktopo.base.files import as_path
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
 from cranktopo.runs.directories import RunStore, open_run
-from cranktopo.runs.kind import LOOP, SHAPE, kind_of, shown_results
+from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, kind_of, shown_results
 
 
 def report_run(run: RunStore | str | Path, path: Path | str | None = None, stresses: bool = False) -> Path:
@@ -34,7 +34,7 @@ def report_run(run: RunStore | str | Path, path: Path | str | None = None, stres
 def _page(run: RunStore, stresses: bool) -> Page:
     """Return the page of a run by what made it; a sweep's own is no report of this form."""
     kind = kind_of(run)
-    if stresses and kind in (SHAPE, LOOP):
+    if stresses and kind in (SHAPE, LOOP, EACH_WEB):
         raise CranktopoError(
             f"--stress: run '{run.path}' was made by `cranktopo {kind}`, whose page shows no load cases.",
             hint="Leave --stress, or take `cranktopo fatigue`.",
@@ -44,6 +44,10 @@ def _page(run: RunStore, stresses: bool) -> Page:
         from cranktopo.tasks.shape.run import finished_page as shape_run_page
 
         return shape_run_page(run)
+    if kind == EACH_WEB:
+        from cranktopo.tasks.shape.each_web.run import finished_page as each_web_run_page
+
+        return each_web_run_page(run)
     if kind == LOOP:
         from cranktopo.tasks.iterate.loop import finished_page as loop_page
 

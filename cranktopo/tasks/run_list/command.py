@@ -64,13 +64,23 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
     Example: cranktopo runs show 20250101-120000_mikron-iiic_0123abcd
     """
     from cranktopo.runs.directories import open_run
-    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, kind_of, read_result, resume_command, shown_results
+    from cranktopo.runs.kind import (
+        EACH_WEB,
+        LOOP,
+        SHAPE,
+        SWEEP,
+        kind_of,
+        read_result,
+        resume_command,
+        shown_results,
+    )
     from cranktopo.tasks.run_list.stage import run_result
 
     found = open_run(run, root)
     manifest, kind = found.manifest(), kind_of(found)
     if as_json:
-        key = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep"}.get(kind, "metrics")
+        keys = {LOOP: "loop", SHAPE: "shape", SWEEP: "sweep", EACH_WEB: "each_web"}
+        key = keys.get(kind, "metrics")
         whole = {"schema_version": 1, "manifest": manifest, key: read_result(found)}
         click.echo(json.dumps(whole, indent=2))
         return
@@ -86,13 +96,19 @@ def show_command(run: str, root: Path, as_json: bool) -> None:
 
 
 def _summary(kind: RunKind, result: Any, folder: Path) -> str:
-    from cranktopo.runs.kind import LOOP, SHAPE, SWEEP
+    from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP
     from cranktopo.tasks.iterate.text import loop_summary
     from cranktopo.tasks.optimise.text import run_summary
+    from cranktopo.tasks.shape.each_web.text import each_web_summary
     from cranktopo.tasks.shape.text import shape_summary
     from cranktopo.tasks.sweep.text import sweep_summary
 
-    summaries: dict[RunKind, Any] = {LOOP: loop_summary, SHAPE: shape_summary, SWEEP: sweep_summary}
+    summaries: dict[RunKind, Any] = {
+        LOOP: loop_summary,
+        SHAPE: shape_summary,
+        SWEEP: sweep_summary,
+        EACH_WEB: each_web_summary,
+    }
     return str(summaries.get(kind, run_summary)(result, folder))
 
 

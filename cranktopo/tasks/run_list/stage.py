@@ -10,10 +10,11 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.files import as_path
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.runs.directories import RUNS, RunStore, list_runs, remove_run
-from cranktopo.runs.kind import LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, shown_results
+from cranktopo.runs.kind import EACH_WEB, LOOP, SHAPE, SWEEP, RunKind, kind_of, read_result, shown_results
 from cranktopo.tasks.fea.quantities import PER_MASS, STIFFNESS
 from cranktopo.tasks.iterate.result import LoopResult
 from cranktopo.tasks.optimise.result import RunMetrics
+from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.sweep.result import SweepResult
 
@@ -96,6 +97,11 @@ def _told_of_sweep(sweep: SweepResult) -> dict[str, Any]:
     return {"result": f"{ends}; {len(sweep.front)} on the front"}
 
 
+def _told_of_each_web(found: EachWebResult) -> dict[str, Any]:
+    kept = "limits kept" if found.held else "limits not met"
+    return {"result": f"{kept}; crank {found.each_web.shaft.mass_kg:.3f} kg"}
+
+
 def _web(result: str, mass_kg: float, gains: Mapping[str, float]) -> dict[str, Any]:
     return {"result": result, "mass_of_throw_kg": mass_kg, "gain_of_stiffness_per_mass_percent": gains}
 
@@ -109,6 +115,7 @@ _KINDS: dict[RunKind, tuple[type[Result], Callable[[Any], dict[str, Any]]]] = {
     LOOP: (LoopResult, _told_of_loop),
     SHAPE: (ShapeResult, _told_of_shape),
     SWEEP: (SweepResult, _told_of_sweep),
+    EACH_WEB: (EachWebResult, _told_of_each_web),
 }
 """Result of a finished run of each kind, and what the list tells of it."""
 

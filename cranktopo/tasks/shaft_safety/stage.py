@@ -19,6 +19,7 @@ from cranktopo.design.misfire import with_misfire
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.analysis import at_speed, engine_of
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
+from cranktopo.engine.histories import WebHistory
 from cranktopo.engine.performance import note_pressure
 from cranktopo.report.report_file import check_report_path, write_report
 from cranktopo.runs.manifest import timestamp
@@ -32,6 +33,7 @@ from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
 from cranktopo.tasks.shaft.assembly import Bearings
 from cranktopo.tasks.shaft.continuous import loads_on_bearings_N
+from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import (
     evaluate_shaft,
     of_stiffness,
@@ -39,6 +41,7 @@ from cranktopo.tasks.shaft.stage import (
     stands_on_bearings,
     throw_targets,
 )
+from cranktopo.tasks.shaft.web_loads import web_histories
 from cranktopo.tasks.shaft_safety.least import PARTS, Part, least_safeties
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.plots import BearingPolar
@@ -87,17 +90,8 @@ def assess_shaft(
         return ShaftAssessment.model_construct(**dict(found))
     if report is not None:
         check_report_path(report)
-    _check(resolved, bearings, method)
     note_strength(resolved.name, resolved.scene)
-    throws = throw_targets(resolved)
-    stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
-    bodies = {name: stress.body for name, stress in stresses.items()}
-    found = evaluate_shaft(resolved, bearings, speeds_rpm=speeds_rpm, bodies=bodies)
-    own = [stresses[throw.name] for throw in throws]
-    note(f"{resolved.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
-    vibrating = of_stiffness(resolved.scene, found.stiffness.throws_Nm_per_rad)
-    resolved = replace(resolved, scene=vibrating)
-    judged = _JudgedShaft(resolved, bearings, own, speeds_rpm, method)
+    found, judged = judged_shaft(resolved, bearings, method, speeds_rpm, fillet_fraction)
     assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
     if report is not None:
         most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
@@ -105,6 +99,28 @@ def assess_shaft(
         write_report(shaft_page(assessed, loads, timestamp()[:10]), report)
         note(str(report))
     return assessed
+
+
+def judged_shaft(
+    target: Target,
+    bearings: Bearings,
+    method: str,
+    speeds_rpm: Sequence[float] = (),
+    fillet_fraction: float = RULE_FRACTION,
+) -> tuple[ShaftEvaluation, JudgedShaft]:
+    """Return the shaft of a target with what its webs and bearings carry, and what judges its webs.
+
+    Arguments and errors as of `assess_shaft`.
+    """
+    _check(target, bearings, method)
+    throws = throw_targets(target)
+    stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
+    bodies = {name: stress.body for name, stress in stresses.items()}
+    found = evaluate_shaft(target, bearings, speeds_rpm=speeds_rpm, bodies=bodies)
+    own = [stresses[throw.name] for throw in throws]
+    note(f"{target.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
+    vibrating = of_stiffness(target.scene, found.stiffness.throws_Nm_per_rad)
+    return found, JudgedShaft(replace(target, scene=vibrating), bearings, own, speeds_rpm, method)
 
 
 def _check(target: Target, bearings: Bearings, method: str) -> None:
@@ -122,7 +138,7 @@ def _check(target: Target, bearings: Bearings, method: str) -> None:
 
 
 @dataclass(frozen=True)
-class _JudgedShaft:
+class JudgedShaft:
     """A shaft whose throws' stresses are known, to be judged at some speeds."""
 
     target: Target
@@ -159,6 +175,14 @@ class _JudgedShaft:
             seconds=_seconds(self.throws, solved - begin, finished - solved),
             assumed=filter_by_table(self.target.assumed, USED),
         )
+
+    def web_histories(self) -> list[tuple[WebHistory, ...]]:
+        """Return at each speed what loads each web, as `web_histories` has it."""
+        scene, found = self.target.scene, []
+        for at in speed_scenes(scene, self.speeds_rpm):
+            throws, forces, cycle = solved_cycle(self.throws, scene, at, self._spring)
+            found.append(web_histories(throws, [one.model.scene for one in self.throws], forces, cycle))
+        return found
 
     def bearing_loads(self, speed_rpm: float) -> BearingPolar:
         """Return the forces on the main bearings at one speed."""

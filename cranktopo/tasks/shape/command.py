@@ -43,6 +43,11 @@ if TYPE_CHECKING:
 @limit_options
 @loads_option
 @bound_option
+@click.option(
+    "--each-web",
+    is_flag=True,
+    help="Give every distinct web of the shaft dimensions of its own, for what it carries on all bearings.",
+)
 @run_options("Continue an interrupted optimisation; finished searches are kept.")
 @click.option("--json", "as_json", is_flag=True, help="Print shape.json.")
 @verbosity_options
@@ -58,6 +63,7 @@ def command(
     resume: str | None,
     as_json: bool,
     no_bound: bool,
+    each_web: bool,
     **rules: Any,
 ) -> ExitCode:
     """Optimise the dimensions of the web of TARGET: outline, bevels, groove, pockets.
@@ -72,6 +78,11 @@ def command(
     tangential forces included, as by `fatigue --loads cycle`. Writes the scene, STEP, STL, a drawing and
     shape.json.
 
+    With --each-web the shaft stands on all its bearings, and every distinct web is searched for under what it
+    carries there: mirror pairs are equal, and so are those that need the same safety, or that
+    `shape.same_webs` names. One web for all is found in the same way, and both cranks are compared. Writes
+    crank.toml with a file for every further throw, and each-web.json.
+
     Example: cranktopo shape mikron-iiic --minimise mass --limit "bending >= 95 %"
     """
     if resume:
@@ -81,6 +92,9 @@ def command(
     from cranktopo.tasks.shape.stage import stresses_in
     from cranktopo.tasks.shape.text import shape_summary
 
+    if each_web or (resume and _is_of_each_web(resume)):
+        asked = minimise, maximise, limits
+        return _each_web(target, web or throw, asked, rules, resume, out, as_json=as_json)
     if resume:
         run = resume_shape(resume)
     else:
@@ -99,4 +113,49 @@ def command(
         line = ["cranktopo", *sys.argv[1:]]
         run = shape_design(scene, settings, out, text, line, found.begun)
     click.echo(json.dumps(run.result.as_json()) if as_json else shape_summary(run.result, run.folder))
+    return ExitCode.DONE if run.result.held and run.result.makeable else ExitCode.CRITERION_NOT_MET
+
+
+def _is_of_each_web(reference: str) -> bool:
+    from cranktopo.runs.directories import open_run
+    from cranktopo.runs.kind import EACH_WEB, kind_of
+
+    return kind_of(open_run(reference)) == EACH_WEB
+
+
+def _each_web(
+    target: str | None,
+    one: str | int | None,
+    asked: tuple[str | None, str | None, tuple[str, ...]],
+    rules: dict[str, Any],
+    resume: str | None,
+    out: Path | None,
+    *,
+    as_json: bool,
+) -> ExitCode:
+    """Optimise every web of a shaft; `one` is what --web or --throw names."""
+    from cranktopo.design.loading import design_text, load_scene
+    from cranktopo.tasks.refit.fit import usual_limits
+    from cranktopo.tasks.shape.each_web.run import resume_each_web, shape_each_web
+    from cranktopo.tasks.shape.each_web.text import each_web_summary
+    from cranktopo.tasks.shape.run import shape_settings
+
+    if resume:
+        run = resume_each_web(resume)
+    else:
+        if one is not None:
+            raise click.UsageError("--each-web is of all webs: leave --web and --throw out")
+        if "--loads" in typed():
+            raise click.UsageError(
+                "--each-web takes every angle of the cycle in the shaft: leave --loads out"
+            )
+        name = target or DEFAULT_DESIGN
+        scene = load_scene(name, whole=True)
+        minimise, maximise, limits = asked
+        if scene.goal is None and minimise is None and maximise is None:
+            minimise = "mass"
+        scene = with_goal_options(scene, minimise, maximise, limits)
+        settings = shape_settings(scene, usual_limits(scene, **rules))
+        run = shape_each_web(scene, settings, out, design_text(name), ["cranktopo", *sys.argv[1:]])
+    click.echo(json.dumps(run.result.as_json()) if as_json else each_web_summary(run.result, run.folder))
     return ExitCode.DONE if run.result.held and run.result.makeable else ExitCode.CRITERION_NOT_MET

@@ -13,12 +13,13 @@ from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture, side_by_side
 from cranktopo.design.goal.wanted import asks_for
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs, check_loads
-from cranktopo.tasks.fatigue.safety_field import fatigue_field
+from cranktopo.tasks.fatigue.safety_field import fatigue_field, web_field
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.result import EvaluationResult
@@ -28,6 +29,17 @@ from cranktopo.tasks.shape.bearing_films import film_values
 from cranktopo.tasks.shape.shaft_frequency import NAME, frequency_of
 from cranktopo.tasks.shape.start import kept_features
 from cranktopo.tasks.vibration.stage import first_frequency_Hz
+
+
+@dataclass(frozen=True)
+class Judging:
+    """Evaluation of stresses: load states, and the size of elements in a fillet over its radius."""
+
+    loads: Loads = "extremes"
+    fillet_fraction: float = RULE_FRACTION
+
+
+_USUAL = Judging()
 
 
 @dataclass(frozen=True)
@@ -50,14 +62,14 @@ def evaluated_web(
     element_size_mm: float | None,
     name: str,
     work: Work,
-    loads: HistoryKind = "extremes",
+    judging: Judging = _USUAL,
 ) -> EvaluatedWeb:
     """Evaluate a scene's web with its fillets.
 
     Args:
         stressed: quantities of the stresses to be found as well, which takes longest.
         name: under which the work keeps the evaluation.
-        loads: load states over which `stressed` are found.
+        judging: of those.
 
     Raises:
         CranktopoError: impossible geometry, or a failed solve.
@@ -71,7 +83,7 @@ def evaluated_web(
                 return _evaluated(target, element_size_mm)
             # One is meshed while the other is solved; the longer one is here, where Ctrl-C ends it at once.
             safety, found = side_by_side(
-                lambda: _stressed(target, stressed, loads), lambda: _evaluated(target, element_size_mm)
+                lambda: _stressed(target, stressed, judging), lambda: _evaluated(target, element_size_mm)
             )
         return {**found, **safety}
 
@@ -86,12 +98,12 @@ def evaluated_original(
     element_size_mm: float | None,
     work: Work,
     file: Path | None = None,
-    loads: HistoryKind = "extremes",
+    judging: Judging = _USUAL,
 ) -> tuple[EvaluatedWeb, Callable[[], EvaluatedWeb]]:
     """Evaluate a scene's own web, or the body of a file, and find its stresses while others go on.
 
     Args:
-        stressed, loads: as of `evaluated_web`.
+        stressed, judging: as of `evaluated_web`.
 
     Returns:
         The web without `stressed` quantities, and what waits for those and returns the web with them; that
@@ -110,9 +122,9 @@ def evaluated_original(
     found = EvaluationResult.of_json(work.once("original", make), "evaluation 'original'")
     web, safety = EvaluatedWeb(scene, found, time.perf_counter() - began), "original-fatigue"
     with silent():
-        ahead = LazyFuture(lambda: _stressed(target, stressed, loads))
+        ahead = LazyFuture(lambda: _stressed(target, stressed, judging))
         if stressed and safety not in work.kept:
-            _check(target, stressed, loads)
+            _check(target, stressed, judging)
             ahead.begin()
 
     def judged() -> EvaluatedWeb:
@@ -136,6 +148,16 @@ def coarse_shares(scene: Scene, element_size_mm: float, original: Mapping[str, f
     return {**shares, **per_mass, **({NAME: original[NAME] / shaft.frequency_Hz} if shaft else {})}
 
 
+def web_safety(scene: Scene, judging: Judging) -> float:
+    """Return the least fatigue safety of a scene's web.
+
+    Raises:
+        CranktopoError: missing loads or strengths, impossible geometry, or a failed solve.
+    """
+    with silent():
+        return float(_stressed(_target(scene), {"fatigue_safety"}, judging)["fatigue_safety"])
+
+
 def _target(scene: Scene, file: Path | None = None) -> Target:
     kept: tuple[Feature, ...] = ("bores", "fillets") if file else kept_features(scene)
     return Target(scene.name, planned_scene(scene, kept), file)
@@ -155,18 +177,21 @@ def _evaluated(target: Target, element_size_mm: float | None) -> Json:
     return found.as_json()
 
 
-def _check(target: Target, stressed: Collection[str], loads: HistoryKind) -> None:
+def _check(target: Target, stressed: Collection[str], judging: Judging) -> None:
     if "fatigue_safety" in stressed:
-        check_inputs(target, "lsa", loads)
+        check_inputs(target, "lsa", judging.loads)
     else:
-        check_loads(target, loads)
+        check_loads(target, judging.loads)
 
 
-def _stressed(target: Target, stressed: Collection[str], loads: HistoryKind) -> Json:
+def _stressed(target: Target, stressed: Collection[str], judging: Judging) -> Json:
     """Return the quantities of the stresses as an evaluation has them; of both one mesh is solved."""
+    loads, fraction = judging.loads, judging.fillet_fraction
+    if isinstance(loads, WebLoads):
+        return {"fatigue_safety": float(web_field(target, "lsa", loads, fraction).critical.safety)}
     target = with_throw_stiffness(target)
     if "fatigue_safety" not in stressed:
-        return {"stress_MPa": largest_stress_MPa(target, loads)}
-    field = fatigue_field(target, "lsa", loads)
+        return {"stress_MPa": largest_stress_MPa(target, loads, fraction)}
+    field = fatigue_field(target, "lsa", loads, fraction)
     more = {"stress_MPa": largest_of_field_MPa(field)} if "stress" in stressed else {}
     return {"fatigue_safety": float(field.critical.safety), **more}

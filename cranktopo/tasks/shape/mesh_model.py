@@ -21,7 +21,7 @@ from cranktopo.design.balance_factor import balance_factor_percent, rods_kg_mm
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.halves import require_equal_halves
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import Loads
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.numerics.tetrahedra.node_gradients import mean_slopes, moments, work_slopes
@@ -88,7 +88,7 @@ class MeshModel:
         element_size_mm: float,
         fillet_fraction: float | None = None,
         stressed: Collection[str] = ("fatigue_safety",),
-        loads: HistoryKind = "extremes",
+        loads: Loads = "extremes",
     ) -> None:
         """Mesh the web with these values.
 
@@ -236,7 +236,7 @@ class MeshedWebs:
         fillet_fraction: float | None = None,
         shares: Mapping[str, float] | None = None,
         stressed: Collection[str] = ("fatigue_safety",),
-        loads: HistoryKind = "extremes",
+        loads: Loads = "extremes",
     ) -> None:
         """Take what `MeshModel` takes, and factors by quantity that bring its numbers to finer ones."""
         self.scene, self._limits, self._size = scene, limits, element_size_mm

@@ -14,7 +14,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.side_by_side import side_by_side
 from cranktopo.base.units import MPA_PER_GPA, density_tonne_per_mm3
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history
+from cranktopo.engine.histories import Loads, WebLoads, histories_of
 from cranktopo.engine.load_case import LoadKind
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes, mean_slopes, work_slopes
@@ -31,16 +31,19 @@ from cranktopo.tasks.shape.stress_adjoint import stress_adjoint
 _SMOOTH = {"fatigue_safety": least_safety, "stress": largest_stress}
 _PUSH: dict[FieldKind, tuple[int, float]] = {"bending": (1, -1.0), "tangential": (0, 1.0)}
 """Axis and sign of the unit forces on the pin."""
+_SIDEWAYS: tuple[FieldKind, ...] = ("side_moment", "tangential")
+"""Symmetric loads that the mirror x -> -x turns around."""
 
 
 class MeshStress:
     """Quantities over the load states of a scene, by name."""
 
-    def __init__(self, scene: Scene, names: Collection[str], loads: HistoryKind = "extremes") -> None:
-        """Find the load states, which the scene must tell: extremes joined, or every angle of the cycle."""
+    def __init__(self, scene: Scene, names: Collection[str], loads: Loads = "extremes") -> None:
+        """Find the load states, which the scene must tell unless they are those of a web in its shaft."""
         enabled, kinds = load_kinds(scene, loads)
         self.scene, self.kinds = scene, kinds
-        self.history: LoadHistory = load_history(scene, loads, enabled)
+        self.histories = histories_of(scene, loads, enabled)
+        self._near_alone = isinstance(loads, WebLoads)
         self.names = tuple(name for name in _SMOOTH if name in names)
 
     def further(self, lateral: Lateral) -> tuple[LoadKind, ...]:
@@ -67,18 +70,21 @@ class MeshStress:
             latter by the nodes, (3, nodes).
         """
         blocks: dict[FieldKind, Superelement] = dict.fromkeys(self.kinds, bend)
-        blocks["torsion"], blocks["tangential"] = twist, side or bend
+        blocks |= {"torsion": twist, **dict.fromkeys(_SIDEWAYS, side or bend)}
         pushed = [kind for kind in self.kinds if blocks[kind] is bend]
         by_kind = {**loaded(bend, self.scene, pushed), "torsion": twisted(twist, self.scene)}
-        by_kind |= loaded(side, self.scene, ["tangential"]) if side else {}
+        by_kind |= (
+            loaded(side, self.scene, [kind for kind in self.kinds if kind in _SIDEWAYS]) if side else {}
+        )
         fields = [by_kind[kind] for kind in self.kinds]
         moved = np.stack([field.displacement_mm for field in fields])
         found = nodal_stress(model, moved, *self._elastic)
         mirrored = bend.parts == 2
         planes = [(2, 0.0), (2, scene.pitch_mm / 2)] + ([(0, 0.0)] if mirrored else [])
         surface = outer_surface(model, found.elements, tuple(planes))
-        loads = unit_loads(self.history, self.kinds)
-        states = [loads * image.signs for image in images_of(fields, mirrored)]
+        loads = [unit_loads(history, self.kinds) for history in self.histories]
+        images = [i for i in images_of(fields, mirrored) if not (self._near_alone and i.flip_z)]
+        states = [of_one * image.signs for of_one in loads for image in images]
         judged = judged_surface(scene, surface, surface_stress(model, surface, found), states)
         told = {}
         for name in self.names:

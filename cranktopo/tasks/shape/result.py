@@ -11,7 +11,7 @@ from cranktopo.base.result import UNLESS_NONE, FileName, Result
 from cranktopo.design.goal.constraint import LimitSense
 from cranktopo.design.goal.outcome import GoalOutcome, GoalWords, LimitOutcome
 from cranktopo.design.goal.quantities import STIFFNESS_OF, QuantityName
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import LoadsName
 from cranktopo.tasks.bound.result import BoundStatement, NoBound
 from cranktopo.tasks.extraction.result import ShapedUndercuts
 from cranktopo.tasks.fea.result import EvaluationResult
@@ -162,8 +162,9 @@ class ShapeResult(Result):
     seconds: dict[str, float]
     bound: BoundStatement | NoBound | None = None
     assumed: tuple[dict[str, Any], ...] = ()
-    loads: HistoryKind | None = UNLESS_NONE
-    """Load states of safety and stress, as `fatigue --loads`; None without these and in earlier versions."""
+    loads: LoadsName | None = UNLESS_NONE
+    """Load states of safety and stress, as `fatigue --loads`, or "shaft": those of webs in their shaft, by
+    `--each-web`; None without these and in earlier versions."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """None in results of an earlier version."""
     balance: str | None = UNLESS_NONE

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from cranktopo.base.errors import invalid
+from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json, write_text
 from cranktopo.base.notes import note
 from cranktopo.base.progress import StageCache, Work
@@ -34,7 +36,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
-from cranktopo.engine.histories import HistoryKind, load_history
+from cranktopo.engine.histories import Loads, WebLoads, histories_of, loads_name
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
@@ -83,7 +85,7 @@ from cranktopo.tasks.shape.start import scene_start
 from cranktopo.tasks.shape.text import QUANTITIES_TOLD
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits, ProcessLimits
 
-_TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
+TABLES = (THROW, LOADS, VIBRATION, SUPPORTS, ENVELOPE, FATIGUE)
 """Tables of a scene that a shape optimisation uses."""
 _KEPT = "work.json"
 _BEGUN = "begun"
@@ -100,7 +102,7 @@ class ShapedRun:
 
 
 def shape_settings(
-    scene: DesignLike, limits: ManufacturingLimits | None = None, loads: HistoryKind = "extremes"
+    scene: DesignLike, limits: ManufacturingLimits | None = None, loads: Loads = "extremes"
 ) -> ShapeSettings:
     """Return settings that suit a throw of any size.
 
@@ -144,15 +146,15 @@ def shape_design(
     settings = settings or shape_settings(scene)
     stress = plan_for_stress(scene)
     if stresses_in(goal.quantities):
-        load_history(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
+        histories_of(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
     note_left_off(scene.name, scene, stress)
     note_strength(scene.name, scene)
     note_pressure(scene.name, scene)
-    if "continuous_shaft" in stress.enabled:
+    if "continuous_shaft" in stress.enabled and not isinstance(settings.loads, WebLoads):
         note(
             f"{scene.name}: effect continuous_shaft counts in `fatigue` and `compare`; here a throw is alone"
         )
-    assumed = assumptions(scene, _TABLES)
+    assumed = assumptions(scene, TABLES)
     if assumed:
         note(assumed_text(assumed))
     if isinstance(begun, RunStore):
@@ -162,12 +164,15 @@ def shape_design(
     if start.left_out:
         note(f"left out of the start: {'; '.join(start.left_out)}")
     begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
-    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: asdict(settings), **begin})
+    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: _kept(settings), **begin})
     return _worked(run, scene, settings, start)
 
 
-def resume_shape(reference: str | Path) -> ShapedRun:
+def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> ShapedRun:
     """Continue an interrupted shape optimisation: finished searches and evaluations are read, not repeated.
+
+    Args:
+        loads: of a web in its shaft, which the run of the whole shaft keeps.
 
     Raises:
         CranktopoError: not such a run, a changed input, or as `shape_design`.
@@ -179,11 +184,25 @@ def resume_shape(reference: str | Path) -> ShapedRun:
     begun = options.get(_BEGUN)
     with shown_results(run):
         data = options[SHAPE]
-        settings = ShapeSettings(**{**data, "limits": ProcessLimits(**data["limits"])})
+        settings = ShapeSettings(
+            **{**data, "limits": ProcessLimits(**data["limits"]), "loads": loads or data["loads"]}
+        )
+    if loads is None and data["loads"] == "shaft":
+        raise CranktopoError(
+            f"run '{run.path}': is the search of one web of `cranktopo shape --each-web`.",
+            hint=f"Continue the whole: cranktopo shape --resume {shlex.quote(str(run.path.parent))}",
+            code=ExitCode.USAGE,
+        )
     scene = design_from_run(run)
     first = begun and scene_from_dict(begun, str(run.path / "manifest.json"))
     run.resume()
     return _worked(run, scene, settings, scene_start(scene, settings.limits, first))
+
+
+def _kept(settings: ShapeSettings) -> dict[str, Any]:
+    """Return settings as the manifest has them: load states of webs in a shaft stay with the whole shaft."""
+    plain = replace(settings, loads="extremes")
+    return {**asdict(plain), "loads": loads_name(settings.loads)}
 
 
 def _remodelled(run: RunStore, limits: ManufacturingLimits) -> Scene:
@@ -274,7 +293,7 @@ def _assembled(
     optimum: ShapeOptimum,
     start: dict[str, float],
     seconds: dict[str, float],
-    loads: HistoryKind,
+    loads: Loads,
 ) -> ShapeResult:
     """Return the content of shape.json without bound, assumptions and files; `start` as it began, by name."""
     goal, result, original = optimum.goal, optimum.result, optimum.original
@@ -305,7 +324,7 @@ def _assembled(
         evaluations=sum(trial.evaluations for trial in optimum.trials)
         + sum(found.evaluations for found in optimum.rounds),
         seconds=seconds,
-        loads=loads if stresses_in(goal.quantities) else None,
+        loads=loads_name(loads) if stresses_in(goal.quantities) else None,
         balance=balance_moved(scene, result.web.values, original.values) or None,
     )
 

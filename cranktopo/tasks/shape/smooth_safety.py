@@ -37,6 +37,8 @@ def least_safety(design: Scene, judged: JudgedSurface) -> SmoothValue:
     largest, norm, slopes, counted = power_norm(used)
     adjoint = np.zeros((2, *judged.stress.stress_MPa.shape))
     for loads, found, slope, many in zip(judged.states, ranges, slopes, counted, strict=True):
+        if not many.any():  # one of several webs that are to be equal, loaded far less than another
+            continue
         heavy = judged.nodes[many]
         decides = np.union1d(found.highest[many], found.lowest[many])  # few of the states of a cycle
         there = partial(_used, loads=loads[decides], judge=_judge(design, judged, hard, heavy))

@@ -22,13 +22,15 @@ from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import Loads, WebLoads
 from cranktopo.numerics.optimisers.gradient_search import Multipliers
+from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
 from cranktopo.tasks.refit.family import Layout, with_free
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
 from cranktopo.tasks.refit.read_web import WebRead
 from cranktopo.tasks.shape.evaluated_web import (
     EvaluatedWeb,
+    Judging,
     coarse_shares,
     evaluated_original,
     evaluated_web,
@@ -52,6 +54,8 @@ _FILLET_FRACTION = 0.6
 """Elements on a fillet over its radius where gradients are taken; its safety is brought to the truth."""
 _MISSED, _FARTHER = 1e-2, 5.0
 """Violation of a limit from which on a finish reaches farther, in proportion, and how much at most."""
+_FARTHER_IN_SHAFT = 2.0
+"""The same under the loads of webs in their shaft, where many places are near the least safety."""
 _LATE_ROUNDS = 2
 """So many times the finishes where none has kept the limits yet, as long as each comes nearer."""
 _FREE_ROUNDS = 3
@@ -61,6 +65,8 @@ _SAFE, _SURE = 5e-4, 2e-3
 _BY_MASSES = frozenset({"inertia", "unbalance", "balance_factor"})
 """Quantities that grow with a power of a counterweight's radius, and that closed forms tell of any web."""
 _CLOSED_FORM_TRIES = 4
+_FIRST = {True: "web of the cells", False: "web of the start"}
+"""The web that finishes begin with, by whether features were sought."""
 _SCATTER = 5e-3
 """The same of safety and stress: those of nearly equal webs scatter by half a percent from mesh to mesh."""
 
@@ -74,7 +80,11 @@ class ShapeSettings:
         mesh_mm: elements on which trials are judged and gradients taken.
         rounds: most finishes; three times as many with free dimensions.
         element_size_mm: of the evaluation; by default that of `evaluate`.
-        loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`.
+        loads: load states over which fatigue safety and stress are judged, as `cranktopo fatigue --loads`, or
+            of webs in their shaft the safety.
+        fillet_fraction: element size in a fillet over its radius where these are evaluated.
+        features: whether outline and features are sought on cells before the finishes; else these begin with
+            the web of the start, whose features stay.
     """
 
     cell_mm: float = 4.0
@@ -82,7 +92,14 @@ class ShapeSettings:
     rounds: int = 4
     element_size_mm: float | None = None
     limits: ManufacturingLimits = field(default_factory=ManufacturingLimits)
-    loads: HistoryKind = "extremes"
+    loads: Loads = "extremes"
+    fillet_fraction: float = RULE_FRACTION
+    features: bool = True
+
+    @property
+    def judging(self) -> Judging:
+        """Return what evaluates stresses."""
+        return Judging(self.loads, self.fillet_fraction)
 
 
 @dataclass(frozen=True)
@@ -151,11 +168,36 @@ def optimise_shape(
     settings, work = settings or ShapeSettings(), work or Work()
     stressed = stresses_in(goal.quantities)
     own = None if scene.original is None else Path(scene.original.file)
-    before, judged = evaluated_original(scene, stressed, settings.element_size_mm, work, own, settings.loads)
+    before, judged = evaluated_original(
+        scene, stressed, settings.element_size_mm, work, own, settings.judging
+    )
     cells = web_model(scene, settings.limits, settings.cell_mm)
-    cases, chosen_for = cells.model.cases, goal_on_cells(goal, before.values, lambda: judged().values)
+    start = start or scene_start(scene, settings.limits)
+    told, trials = first_on_cells(scene, start.sizes), tuple[FeatureTrial, ...]()
+    layout, begin = with_free(start.layout, start.values, scene, told, start.sizes)
+    if settings.features:
+        chosen_for = goal_on_cells(goal, before.values, lambda: judged().values)
+        selection = _selection(cells, goal, chosen_for, before, settings, work)
+        candidate = selection.select(selection.first(layout, begin))
+        layout, begin, trials = candidate.layout, candidate.values, tuple(selection.trials)
+    original = judged()
+    stated = search_goal_of(goal, original.values, original.values, cells.model.cases)
+    layout, first = with_free(layout, begin, scene, not_on_cells(scene), start.sizes)
+    finish = _LocalRefinement(cells, stated, layout, original, settings, work)
+    rounds = finish.rounds(first)
+    best, web = _best(rounds, stated), cells.web(layout)
+    found = finish.anchored(rounds[best])
+    paid = multipliers_of(scene, web, rounds[best].values, found, stated)
+    return ShapeOptimum(goal, stated, original, web, rounds, best, trials, found, paid)
+
+
+def _selection(
+    cells: WebModel, goal: Goal, chosen_for: Goal, before: EvaluatedWeb, settings: ShapeSettings, work: Work
+) -> FeatureSelection:
+    """Return what seeks outline and features on cells, for a goal that stands for the true one there."""
     if set(chosen_for.limits) - set(goal.limits) or chosen_for.quantity != goal.quantity:
         note(f"cells have no fillets; features are chosen there by another {goal_text(chosen_for, 'shape')}")
+    scene, cases = cells.scene, cells.model.cases
     known = {name: before.values[name] for name in cells.original if name in before.values}
     goals = (
         search_goal_of(chosen_for, cells.original, before.values, cases),
@@ -163,19 +205,7 @@ def optimise_shape(
     )
     shares = work.once("original-coarse", lambda: coarse_shares(scene, settings.mesh_mm, before.values))
     coarse = MeshedWebs(scene, settings.limits, settings.mesh_mm, shares=shares)
-    selection = FeatureSelection(cells, coarse, goals, before.values, work)
-    start = start or scene_start(scene, settings.limits)
-    told = first_on_cells(scene, start.sizes)
-    outline = selection.first(*with_free(start.layout, start.values, scene, told, start.sizes))
-    candidate, original = selection.select(outline), judged()
-    stated = search_goal_of(goal, original.values, original.values, cases)
-    layout, first = with_free(candidate.layout, candidate.values, scene, not_on_cells(scene), start.sizes)
-    finish = _LocalRefinement(cells, stated, layout, original, settings, work)
-    rounds = finish.rounds(first)
-    best, web = _best(rounds, stated), cells.web(layout)
-    found = finish.anchored(rounds[best])
-    paid = multipliers_of(scene, web, rounds[best].values, found, stated)
-    return ShapeOptimum(goal, stated, original, web, rounds, best, tuple(selection.trials), found, paid)
+    return FeatureSelection(cells, coarse, goals, before.values, work)
 
 
 def stresses_in(quantities: Collection[str]) -> frozenset[str]:
@@ -223,6 +253,7 @@ class _LocalRefinement:
         """Return the web of the cells and those of the finishes, until they keep limits and settle."""
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
+        farthest = _FARTHER_IN_SHAFT if isinstance(self._settings.loads, WebLoads) else _FARTHER
         pace = Pace("finish on body-fitted elements", maximum, at_most=True, quiet_s=0.0)
         for number in range(1, _LATE_ROUNDS * maximum + 1):
             best = _best(rounds, self._goal)
@@ -231,7 +262,7 @@ class _LocalRefinement:
                 break
             pace.begin()
             try:
-                found = self._finished(before, number, _farther(effort, before), violation)
+                found = self._finished(before, number, _farther(effort, before, farthest), violation)
             except CranktopoError as error:
                 note(f"finish {number} ended early, the best web before it stands: {error}")
                 break
@@ -302,15 +333,16 @@ class _LocalRefinement:
         name = f"evaluation-{number}"
         if name not in self._work.kept:
             self._on_coarse_mesh(values).begin()
-        web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.loads)
+        web = evaluated_web(scene, self._stressed, size, name, self._work, self._settings.judging)
         found = ShapeRound(web, values, tuple(100 * self._goal.violations(web.values)), solved)
-        note(_round_text(number, found, self._original, self._goal))
+        told = f"finish {number}" if number else _FIRST[self._settings.features]
+        note(_round_text(told, found, self._original, self._goal))
         return found
 
 
-def _farther(effort: SearchBudget, before: ShapeRound) -> SearchBudget:
+def _farther(effort: SearchBudget, before: ShapeRound, most: float) -> SearchBudget:
     """Return the length of a finish: it reaches farther beside a web that misses its limits by much."""
-    return replace(effort, reach=effort.reach * min(max(before.violation / _MISSED, 1.0), _FARTHER))
+    return replace(effort, reach=effort.reach * min(max(before.violation / _MISSED, 1.0), most))
 
 
 def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
@@ -321,13 +353,12 @@ def _best(rounds: Sequence[ShapeRound], goal: SearchGoal) -> int:
     return min(range(len(rounds)), key=lambda i: (round(100 * rounds[i].violation, 4), i))
 
 
-def _round_text(number: int, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
+def _round_text(told: str, found: ShapeRound, original: EvaluatedWeb, goal: SearchGoal) -> str:
     changes = ", ".join(
         f"{name} {100 * (found.web.values[name] / original.values[name] - 1):+z.2f} %"
         for name in TOLD_FIRST
         if name in original.values
     )
-    told = f"finish {number}" if number else "web of the cells"
     missed = {
         limit.quantity: f"{limit.quantity} by {excess:.2f} %"
         for limit, excess in zip(goal.limits, found.excess_percent, strict=True)

@@ -143,7 +143,7 @@ def rounds_table(found: ShapeResult) -> ResultTable:
     columns = {"web": 0, **{f"{name}_percent": 2 for name in names}, "limits missed by": 0}
     rows: tuple[Row, ...] = tuple(
         {
-            "web": f"finish {number}" if number else "of the cells",
+            "web": f"finish {number}" if number else "of the cells" if found.trials else "of the start",
             **{f"{name}_percent": 100 * (web.values[name] / before[name] - 1) for name in names},
             "limits missed by": f"{worst:.2f} %" if worst > _KEPT_PERCENT else "-",
         }
@@ -229,7 +229,10 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
 def stress_loads(found: ShapeResult) -> str:
     """Return the load states of what stresses tell in words; empty for joined extremes, the default."""
     told = [QUANTITIES_TOLD[key].label for key in ("fatigue_safety", "stress") if key in found.values.result]
-    return f"{' and '.join(told)} over every angle of the cycle" if found.loads == "cycle" else ""
+    where = {"cycle": "", "shaft": ", as the shaft on all its bearings loads these webs"}.get(
+        found.loads or ""
+    )
+    return "" if where is None else f"{' and '.join(told)} over every angle of the cycle{where}"
 
 
 def _going_on(found: ShapeResult, folder: Path) -> list[str]:

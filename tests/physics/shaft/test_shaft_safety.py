@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import at_speed
-from cranktopo.engine.histories import LoadHistory
-from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field
-from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress
+from cranktopo.engine.analysis import at_speed, at_worst_speed
+from cranktopo.engine.histories import LoadHistory, WebLoads
+from cranktopo.tasks.fatigue import shaft_stress
+from cranktopo.tasks.fatigue.needs import load_kinds
+from cranktopo.tasks.fatigue.safety_field import field_of_states, safety_field, unit_loads
+from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, solve_shaft_stress, worst_throw
 from cranktopo.tasks.fatigue.stage import assess_by_methods
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.condense import RZ
@@ -22,6 +24,8 @@ from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import SPLITS
 from cranktopo.tasks.shaft.continuous import CycleForces, cycle_forces, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LOADS, loaded_throw
+from cranktopo.tasks.shaft.stage import shaft_effects
+from cranktopo.tasks.shaft.web_loads import web_histories
 from cranktopo.tasks.shaft_safety.least import Part, least_safeties, web_parts
 from tests.physics.fea.evaluation_cases import mikron_with
 from tests.physics.shaft.test_continuous_shaft import meshed_body
@@ -208,3 +212,54 @@ def test_fatigue_takes_the_worst_throw_of_the_shaft(stress: ShaftStress) -> None
     assert found.critical.states[0].startswith("throw 4, ")
     assert len(found.labels) == 720
     assert found.on_bearings
+
+
+@pytest.mark.slow
+def test_a_throw_alone_with_the_loads_of_a_web_has_its_safety(stress: ShaftStress) -> None:
+    """Two ways to the stress of each of eight webs: fields of the shaft, and unit loads of a throw alone.
+
+    From the section beside it to the pin both have the same forces. On the pin itself they are spread
+    differently, which its fillet feels a little.
+    """
+    scene = stress.model.scene
+    throws, forces = [loaded_throw(stress.body.blocks, scene)] * 4, cycle_forces(scene)
+    cycle = shaft_cycle(throws, scene.shaft_angles_deg, forces, None)
+    histories = web_histories(throws, [scene] * 4, forces, cycle)
+    of_throws = loads(stress, scene.shaft_angles_deg, forces, None)
+    in_shaft = least_safeties(stress.model, [own[None] for own in of_throws], "lsa")
+    alone = solve_stresses(Target("mikron", scene), load_kinds(scene, WebLoads(histories))[1], COARSE)
+    within: dict[Part, float] = {"pin_fillet": 0.03, "journal_fillet": 5e-3, "elsewhere": 0.03}
+    for number, history in enumerate(histories):
+        found = least_safeties(alone, [unit_loads(history, alone.kinds)[None]], "lsa")[0]
+        for part, error in within.items():
+            expected = float(in_shaft[number // 2][number % 2, part][0])
+            assert float(found[0, part][0]) == pytest.approx(expected, rel=error), (number + 1, part)
+
+
+@pytest.mark.slow
+def test_each_speed_of_a_vibrating_shaft_is_judged_by_itself(
+    stress: ShaftStress, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The least safety of all speeds, as `shaft --method` has it; one range over both would be lower."""
+    data = stress.model.scene.model_dump(mode="json", exclude_none=True)
+    data["shaft"] = {
+        "throw_stiffness_Nm_per_rad": 1.4e5,
+        "speed_min_rpm": 2600.0,
+        "speed_max_rpm": 2800.0,
+        "cylinder_damping_Nms_per_rad": 0.5,
+        "propeller": {"inertia_kg_m2": 0.6},
+    }
+    data["effects"]["torsional_vibration"] = "on"
+    data["engine"]["speed_rpm"] = 600.0
+    scene = scene_from_dict(data)
+    effects = shaft_effects(scene)
+    speeds = (scene, at_worst_speed(scene, effects))
+    monkeypatch.setattr(shaft_stress, "solve_shaft_stress", lambda *_: stress)
+    (found,) = worst_throw(Target("mikron", scene), ("lsa",), COARSE)
+    by_speed = [loads(stress, scene.shaft_angles_deg, cycle_forces(at, effects), None) for at in speeds]
+    each = list(np.stack(by_speed, axis=1))
+    least = [safety.min() for one in least_safeties(stress.model, each, "lsa") for safety in one.values()]
+    assert found.critical.safety == pytest.approx(min(least), rel=1e-9)
+    joined = [own.reshape(1, -1, own.shape[-1]) for own in each]
+    lower = [safety.min() for one in least_safeties(stress.model, joined, "lsa") for safety in one.values()]
+    assert min(lower) < 0.96 * min(least)  # 1.170 and 1.230

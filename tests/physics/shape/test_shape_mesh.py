@@ -11,7 +11,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import MPA_PER_GPA
 from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import load_history
+from cranktopo.engine.histories import WebHistory, WebLoads, load_history
 from cranktopo.numerics.tetrahedra.elasticity import assemble, centrifugal_force
 from cranktopo.numerics.tetrahedra.node_gradients import centrifugal_slopes
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface, surface_stress
@@ -212,6 +212,43 @@ def test_the_gradients_over_the_cycle_are_what_differences_say(cycle: CycleCase)
     for name in STRESSED:
         measured = (above[name] - below[name]) / (2 * step)
         assert found[name] @ direction == pytest.approx(measured, rel=1e-4), name
+
+
+def of_a_web(seed: int, force_N: float = 3e4) -> WebHistory:
+    """Load states such as a web has in its shaft, with moments of its neighbours."""
+    parts = np.random.default_rng(seed).uniform(-1, 1, (5, 24)) * force_N
+    return WebHistory(
+        radial_N=parts[0],
+        tangential_N=parts[1] / 2,
+        torque_Nm=0.02 * parts[2],
+        angular_speed_rad_s=np.full(24, 220.0),
+        labels=tuple(map(str, range(24))),
+        moment_Nm=0.02 * parts[3],
+        side_moment_Nm=0.01 * parts[4],
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("symmetry", ["on", "off"], ids=["quarter", "half"])
+def test_the_safety_of_a_web_in_its_shaft_and_its_gradient(symmetry: str) -> None:
+    """The worst of the webs that are to be equal, on the near half alone; slopes as differences say."""
+    scene, layout, values = die_web()
+    effects = scene.effects.model_copy(update={"lateral_symmetry": symmetry})
+    scene = scene.model_copy(update={"effects": effects})
+    wanted, worse = ("fatigue_safety",), of_a_web(3, 6e4)
+
+    def model_of(*histories: WebHistory) -> MeshModel:
+        return MeshModel(scene, layout, values, COARSE_MM, COARSE_FILLET, wanted, WebLoads(histories))
+
+    both, worst = model_of(of_a_web(2), worse), model_of(worse)
+    found = both.responses(values, wanted)
+    assert found.values["fatigue_safety"] == pytest.approx(
+        worst.responses(values, wanted).values["fatigue_safety"], rel=1e-9
+    )
+    direction, step = np.random.default_rng(7).standard_normal(len(values)), 1e-3
+    above, below = (both.responses(values + s * step * direction, wanted).values for s in (1, -1))
+    measured = (above["fatigue_safety"] - below["fatigue_safety"]) / (2 * step)
+    assert found.gradients["fatigue_safety"] @ direction == pytest.approx(measured, rel=1e-4)
 
 
 def test_the_centrifugal_load_changes_with_the_nodes_as_differences_say(case: Case) -> None:

@@ -23,7 +23,7 @@ from cranktopo.tasks.compare import stage as compare_stage
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shape import evaluated_web as module
-from cranktopo.tasks.shape.evaluated_web import coarse_shares, evaluated_web
+from cranktopo.tasks.shape.evaluated_web import Judging, coarse_shares, evaluated_web
 from cranktopo.tasks.shape.search_goal import goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.shaft_frequency import frequency_of, needed_for
 from cranktopo.tasks.vibration.stage import shaft_vibration
@@ -179,15 +179,15 @@ def test_stress_is_found_with_the_safety_or_alone(monkeypatch: pytest.MonkeyPatc
         asked.append(loads)
         return found
 
-    monkeypatch.setattr(module, "fatigue_field", lambda *given: told(field, given[-1]))
-    monkeypatch.setattr(module, "largest_stress_MPa", lambda *given: told(123.0, given[-1]))
-    stressed = module._stressed
-    assert stressed(target, {"fatigue_safety", "stress"}, "cycle") == {
+    monkeypatch.setattr(module, "fatigue_field", lambda *given: told(field, given[-2]))
+    monkeypatch.setattr(module, "largest_stress_MPa", lambda *given: told(123.0, given[-2]))
+    stressed, cycle = module._stressed, Judging("cycle")
+    assert stressed(target, {"fatigue_safety", "stress"}, cycle) == {
         "fatigue_safety": 1.2,
         "stress_MPa": 75.0,
     }
-    assert stressed(target, {"fatigue_safety"}, "cycle") == {"fatigue_safety": 1.2}
-    assert stressed(target, {"stress"}, "cycle") == {"stress_MPa": 123.0}
+    assert stressed(target, {"fatigue_safety"}, cycle) == {"fatigue_safety": 1.2}
+    assert stressed(target, {"stress"}, cycle) == {"stress_MPa": 123.0}
     assert asked == ["cycle"] * 3
 
 
@@ -196,9 +196,9 @@ def test_a_stress_alone_needs_no_strength(monkeypatch: pytest.MonkeyPatch) -> No
     weak = scene.model_copy(
         update={"material": scene.material.model_copy(update={"fatigue_bending_MPa": None})}
     )
-    module._check(Target("web", weak), {"stress"}, "extremes")
+    module._check(Target("web", weak), {"stress"}, Judging())
     with pytest.raises(CranktopoError, match="fatigue_bending_MPa"):
-        module._check(Target("web", weak), {"stress", "fatigue_safety"}, "extremes")
+        module._check(Target("web", weak), {"stress", "fatigue_safety"}, Judging())
 
 
 def test_a_limit_moves_with_the_error_of_the_model() -> None:

@@ -18,7 +18,7 @@ from cranktopo.design.goal.limit import Goal
 from cranktopo.design.goal.wanted import wanted, with_goal
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind
+from cranktopo.engine.histories import HistoryKind, WebLoads
 from cranktopo.engine.states import load_cases
 from cranktopo.tasks.shape import stage
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
@@ -53,7 +53,7 @@ class Told:
 
     def evaluated(self, scene: Scene, stressed: Any, size: Any, name: str, *rest: Any) -> Any:
         assert stressed == {"fatigue_safety"}
-        self.loads += [("web", loads) for loads in rest[1:]]
+        self.loads += [("web", judging.loads) for judging in rest[1:]]
         share: Mapping[str, float] = {} if name == "original" else self.percent[int(name[-1])]
         values = {key: value * share.get(key, 100.0) / 100 for key, value in ORIGINAL.items()}
         return SimpleNamespace(scene=scene, values=values, evaluation={})
@@ -101,7 +101,7 @@ def shaped(monkeypatch: pytest.MonkeyPatch) -> Shaped:
         original = told.evaluated(scene, {"fatigue_safety"}, None, "original")
 
         def told_original(*given: Any) -> Any:
-            told.loads.append(("original", given[-1]))
+            told.loads.append(("original", given[-1].loads))
             return original, lambda: original
 
         def meshes(*given: Any, **more: Any) -> Meshes:
@@ -151,6 +151,14 @@ def test_the_most_safety_keeps_mass_and_stiffness_and_takes_bending_for_it_on_ce
     assert (found.best, len(found.rounds)) == (1, 3)
 
 
+def test_without_features_the_finishes_begin_with_the_start(shaped: Shaped) -> None:
+    told = Told([{"fatigue_safety": 101.0}, {"fatigue_safety": 108.0}, {"fatigue_safety": 107.9}])
+    found = shaped(told, settings=ShapeSettings(features=False))
+    assert told.goals == []  # nothing is sought on cells
+    assert told.lines[0].startswith("web of the start: ")
+    assert (found.best, len(found.rounds), found.trials) == (1, 3, ())
+
+
 def test_a_web_that_keeps_the_limits_is_left_where_little_is_promised(shaped: Shaped) -> None:
     near = {"fatigue_safety": 108.0}
     assert len(shaped(Told([near, near], promised=-1.081)).rounds) == 1
@@ -179,6 +187,9 @@ def test_a_finish_reaches_farther_and_there_are_more_while_limits_are_missed(sha
     away = Told([missed[1], *[missed[0]] * 9])
     assert (shaped(away).best, away.finishes) == (0, 4)
     assert away.reaches == pytest.approx([3.2, 0.8, 0.2, 0.05])
+    shaft = Told([*missed, held, held, held])
+    shaped(shaft, settings=ShapeSettings(loads=WebLoads(())))
+    assert shaft.reaches == pytest.approx([1.6, 1.6, 1.6, 1.6, 1.2, 0.8])  # no farther: many places decide
 
 
 def test_a_finish_names_the_limits_that_its_web_misses(shaped: Shaped) -> None:
