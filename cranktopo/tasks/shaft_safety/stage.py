@@ -80,15 +80,16 @@ def assess_shaft(
     report = as_path(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
-    if stands_on_bearings(resolved.scene, bearings):
-        note_pressure(resolved.name, resolved.scene)
     if method is None:
+        if stands_on_bearings(resolved.scene, bearings):
+            note_pressure(resolved.name, resolved.scene)
         found = evaluate_shaft(resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm)
         return ShaftAssessment.model_construct(**dict(found))
     if report is not None:
         check_report_path(report)
     _check(resolved, bearings, method)
     note_strength(resolved.name, resolved.scene)
+    note_pressure(resolved.name, resolved.scene)
     throws = throw_targets(resolved)
     stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
     bodies = {name: stress.body for name, stress in stresses.items()}
