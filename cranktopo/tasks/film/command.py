@@ -41,13 +41,11 @@ def command(
     from cranktopo.design.assumed import assumed_text
     from cranktopo.design.loading import load_scene
     from cranktopo.engine.one_throw import one_throw
-    from cranktopo.engine.performance import note_pressure
     from cranktopo.tasks.film.plot import plot_films
     from cranktopo.tasks.film.stage import oil_films
     from cranktopo.tasks.film.text import film_text
 
     scene = one_throw(load_scene(design, whole=True), throw, all_fire=False)
-    note_pressure(scene.name, scene, every_speed=speeds is not None)
     result = oil_films(scene, speeds)
     if plot_path is not None:
         plot_films(scene, plot_path, None if speeds is None else speeds[-1])

@@ -23,6 +23,7 @@ from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
@@ -63,6 +64,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         raise CranktopoError(
             f"{scene.name}: a film carries only where the engine turns.", hint="Give a speed."
         )
+    note_pressure(scene.name, scene, every_speed=speeds_rpm is not None)
     every = films_at([at_speed(scene, rpm) for rpm in speeds])
     found = tuple(FilmsAtSpeed(rpm=rpm, bearings=films) for rpm, films in zip(speeds, every, strict=True))
     return FilmResult(

@@ -83,14 +83,16 @@ def assess_shaft(
     report = as_path(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
-    if stands_on_bearings(resolved.scene, bearings):
-        note_pressure(resolved.name, resolved.scene)
     if method is None:
+        if stands_on_bearings(resolved.scene, bearings):
+            note_pressure(resolved.name, resolved.scene)
         found = evaluate_shaft(resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm)
         return ShaftAssessment.model_construct(**dict(found))
     if report is not None:
         check_report_path(report)
+    _check(resolved, bearings, method)
     note_strength(resolved.name, resolved.scene)
+    note_pressure(resolved.name, resolved.scene)
     found, judged = judged_shaft(resolved, bearings, method, speeds_rpm, fillet_fraction)
     assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
     if report is not None:
