@@ -50,7 +50,7 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
         ]
         rows.append([*cells, *(_number(value) for value in (torque.mean, torque.max, torque.min))])
     table = text_table("r" * len(header), header, rows)
-    return f"{table}\n{sweep[0].pressure}".rstrip()
+    return f"{sweep[0].pressure}\n\n{table}".lstrip()
 
 
 def _heading(loads: Loads) -> str:
