@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -19,6 +19,8 @@ _SIZES = (8.0, 7.5, 7.0, 6.5, 6.0, 5.5)
 _GAP, _PAD = 10.0, 2.5
 """Between columns, and between a row and its rules."""
 _RULE, _UNIT = "#bbbbbb", "#555555"
+_TOGETHER = 3
+"""Rows at the end of a table that stay on one page."""
 _WORDS = 60.0
 """A column of words is made no narrower than this, or than its longest word."""
 
@@ -88,16 +90,21 @@ class _Column:
 
 
 def table(found: ResultTable) -> Iterator[Block]:
-    """Yield a table row by row under rules; its head stands again on each page."""
+    """Yield a table row by row under rules; its head stands again on each page, and no last row alone."""
     columns = [_column(found, name) for name in found.columns]
     headless = list(found.columns) == ["what", "value"]
     size, widths = _sizes(columns)
     head = None if headless else _head(columns, widths, size)
     if head is not None:
         yield head
-    for row in range(len(found.rows)):
-        cells = [column.cells[row] for column in columns]
-        yield _row(columns, cells, widths, size, head)
+    rows = [
+        _row(columns, [column.cells[row] for column in columns], widths, size, head)
+        for row in range(len(found.rows))
+    ]
+    for number, row in enumerate(rows):
+        after = rows[number + 1 :]
+        together = len(after) < _TOGETHER
+        yield replace(row, keep=sum(other.height for other in after)) if together else row
 
 
 def _column(found: ResultTable, name: str) -> _Column:

@@ -11,8 +11,11 @@ from cranktopo.base.files import replacing
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, WIDTH, Block, gap, table, words
 from cranktopo.report.plot import Picture, png
+from cranktopo.report.result_table import ResultTable
 
 _BAD, _BETWEEN, _DPI = "#a52a1c", 12.0, 300.0
+_SHORT = 240.0
+"""Height of a table, or of a text with one, that a page takes whole, as less than a third of it."""
 
 
 def write_pdf(page: Page, path: Path, document: str) -> None:
@@ -50,17 +53,27 @@ def _fact(fact: Fact) -> Iterator[Block]:
 
 
 def _section(section: Section) -> Iterator[Block]:
+    """Yield a section; its title stays with a short text and the start of the first table below it."""
+    text = [gap(3), *words(section.text.replace("`", ""), 9)] if section.text else []
+    below = list(_table(*section.tables[0])) if section.tables else []
+    start = sum(block.height for block in (*text, *below[:2])) + (below[1].keep if below else 0.0)
     yield gap(14)
-    yield from words(section.title, 13, weight="bold", keep=90.0)
-    if section.text:
-        yield gap(3)
-        yield from words(section.text.replace("`", ""), 9)
-    for caption, found in section.tables:
-        yield gap(8)
-        yield from words(caption, 9.5, weight="bold", keep=50.0)
-        yield gap(2)
-        yield from table(found)
+    yield from words(section.title, 13, weight="bold", keep=max(90.0, start if start < _SHORT else 0.0))
+    yield from text
+    yield from below
+    for caption, found in section.tables[1:]:
+        yield from _table(caption, found)
     yield from _pictures(section.pictures)
+
+
+def _table(caption: str, found: ResultTable) -> Iterator[Block]:
+    """Yield a table below its caption: a short one is not parted."""
+    rows = list(table(found))
+    height = 2.0 + sum(row.height for row in rows)
+    yield gap(8)
+    yield from words(caption, 9.5, weight="bold", keep=max(50.0, height if height < _SHORT else 0.0))
+    yield gap(2)
+    yield from rows
 
 
 def _pictures(pictures: Sequence[Picture]) -> Iterator[Block]:

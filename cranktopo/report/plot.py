@@ -51,21 +51,48 @@ _SIDES = (
 _POINT_PIXELS = 5.0
 
 
-def name_points(axes: Any, names: Sequence[str], places: Sequence[_Place], others: Sequence[_Place]) -> None:
-    """Name points where no point and no other name is, as far as there is such a place."""
+def name_points(
+    axes: Any,
+    names: Sequence[str],
+    places: Sequence[_Place],
+    others: Sequence[_Place],
+    *,
+    leave_out: bool = False,
+) -> list[Any]:
+    """Name points where no point and no other name is, as far as there is such a place; return the names.
+
+    Args:
+        others: further points that no name may cover.
+        leave_out: leaves a name out that has no such place inside the axes, of later points rather than of
+            earlier ones.
+    """
     from matplotlib.transforms import Bbox
+
+    if not places:
+        return []
 
     axes.figure.draw_without_rendering()
     pixels = axes.transData.transform([*places, *others])
     taken = [Bbox.from_extents(*(at - _POINT_PIXELS), *(at + _POINT_PIXELS)) for at in pixels]
+    found: list[Any] = []
+    inner = axes.get_window_extent()
     for name, place in zip(names, places, strict=True):
         tried = [_beside(axes, name, place, side) for side in _SIDES]
         boxes = [text.get_window_extent().padded(1) for text in tried]
-        free = [n for n, box in enumerate(boxes) if not any(box.overlaps(other) for other in taken)]
-        kept = free[0] if free else 0
-        taken.append(boxes[kept])
-        for text in tried[:kept] + tried[kept + 1 :]:
-            text.remove()
+        free = [
+            n
+            for n, box in enumerate(boxes)
+            if not any(box.overlaps(other) for other in taken)
+            and (not leave_out or ((box.min >= inner.min).all() and (box.max <= inner.max).all()))
+        ]
+        kept = None if leave_out and not free else tried[free[0] if free else 0]
+        for text, box in zip(tried, boxes, strict=True):
+            if text is kept:
+                taken.append(box)
+                found.append(text)
+            else:
+                text.remove()
+    return found
 
 
 def _beside(axes: Any, name: str, place: _Place, side: tuple[int, int, str, str]) -> Any:

@@ -75,9 +75,8 @@ def test_loads_table_explains_redundant_states(capsys):
 
 def test_speed_sweep(capsys):
     code, out, _ = run(capsys, "loads", "--speed", "1000:2800:200")
-    *rows, pressure = out.strip().splitlines()
+    rows = out.strip().splitlines()
     assert code == 0
-    assert "2100 rpm" in pressure, "one pressure serves all speeds"
     assert [row.split()[0] for row in rows[-10:]] == [str(n) for n in range(1000, 2801, 200)]
     assert re.search(r"small +piston +main.*\n.* inertia ", out)
     inertia = {int(row.split()[0]): float(row.split()[2]) for row in rows[-10:]}

@@ -44,6 +44,8 @@ class OutletCheck:
         elements: factors of finite elements; None where the model has no such bore.
         sharp: the outlet has no rounding, so that its largest stress is that of an edge.
         wanted: set of factors that the scene lets govern.
+        bore_mm: diameter of the bore.
+        rounding_mm: radius of the outlet's rounding.
     """
 
     key: str
@@ -57,6 +59,8 @@ class OutletCheck:
     elements: OutletFactors | None = None
     sharp: bool = False
     wanted: M53Factors = "lower"
+    bore_mm: float = 0.0
+    rounding_mm: float = 0.0
 
     @property
     def by_elements(self) -> FilletCheck | None:
@@ -212,6 +216,8 @@ def _check(
         _outside(bore / size, mouth),
         sharp=not mouth.rounding_mm,
         wanted=settings.m53_factors,
+        bore_mm=bore,
+        rounding_mm=mouth.rounding_mm,
     )
 
 

@@ -223,7 +223,7 @@ def _size(check: RuleCheck) -> Section:
         "Dimensions by the rule",
         "",
         (
-            ("Throw in the symbols of the rule", tables.size_table(check.size)),
+            ("Throw in the symbols of the rule", tables.size_table(check)),
             ("Ratios, and where the polynomials are valid", tables.ratio_table(check.size)),
         ),
     )

@@ -44,12 +44,17 @@ _RATIO_COLUMNS: tuple[Column[Ratio], ...] = (
 )
 
 
-def size_table(size: Dimensions) -> ResultTable:
-    """Return the throw in the symbols of the rule."""
-    rows = tuple(
-        {"symbol": s, "dimension": name, "value_mm": getattr(size, key)} for s, name, key in _SYMBOLS
-    )
-    return ResultTable({"symbol": 0, "dimension": 0, "value_mm": 2}, rows)
+def size_table(check: RuleCheck) -> ResultTable:
+    """Return the throw in the symbols of the rule, with the oil bores whose outlets it judges."""
+    rows = [
+        {"symbol": s, "dimension": name, "value_mm": getattr(check.size, key)} for s, name, key in _SYMBOLS
+    ]
+    for outlet in check.outlets:
+        rows += [
+            {"symbol": "DO", "dimension": f"oil bore, {outlet.place}", "value_mm": outlet.bore_mm},
+            {"symbol": "-", "dimension": f"rounding of the {outlet.place}", "value_mm": outlet.rounding_mm},
+        ]
+    return ResultTable({"symbol": 0, "dimension": 0, "value_mm": 2}, tuple(rows))
 
 
 def ratio_table(size: Dimensions) -> ResultTable:

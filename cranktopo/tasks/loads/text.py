@@ -52,7 +52,7 @@ def sweep_text(sweep: Sequence[Loads]) -> str:
         values.append([*forces, torque.mean, torque.max, torque.min])
     columns = [[f"{loads.speed_rpm:g}" for loads in sweep], *map(_numbers, zip(*values, strict=True))]
     table = text_table("r" * len(header), header, list(zip(*columns, strict=True)))
-    return f"{table}\n{sweep[0].pressure}".rstrip()
+    return f"{sweep[0].pressure}\n\n{table}".lstrip()
 
 
 def _heading(loads: Loads) -> str:

@@ -44,7 +44,9 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
                 "Critical speeds",
                 "Lines are orders, multiples of the speed of the shaft: blue where all cylinders have the "
                 "same phase, dashed a half order. Where one meets a natural frequency, in red, the shaft "
-                f"resonates; dots are the critical speeds of the table. {cancelled_sentence(study)} "
+                "resonates; dots are the critical speeds of the table, their orders beside them where "
+                "there is room. "
+                f"{cancelled_sentence(study)} "
                 f"{own_speed_sentence(study)} {pressure_sentence(study)} {barred_sentence(study)} "
                 f"{run_up_sentence(study)} "
                 f"{misfire_sentence(study)} {joined_misfire_sentence(study)}".rstrip(),

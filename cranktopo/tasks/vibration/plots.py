@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,15 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import frequency_text
 from cranktopo.engine.vibration.steady import CriticalSpeed
 from cranktopo.engine.vibration.study import VibrationStudy
-from cranktopo.report.plot import GREY, Picture, picture, plain
+from cranktopo.report.plot import GREY, Picture, name_points, picture, plain
 from cranktopo.tasks.vibration.text import WEAK
 
 _MOST = 5
 """Orders that a plot shows by themselves."""
 _MODES = 3
 _OFFSET: dict[str, Any] = {"textcoords": "offset points"}
+_LINE_POINTS = 8.5
+"""Of a line of the names of modes."""
 
 
 def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
@@ -47,42 +50,78 @@ def vibration_pictures(study: VibrationStudy) -> tuple[Picture, ...]:
 
 
 def _draw_campbell(axes: Any, study: VibrationStudy) -> None:
-    """Draw orders against natural frequencies: at least the first of these, however far above all orders."""
+    """Draw orders against natural frequencies, as far as an order meets one: at least the first of these."""
     speeds, orders = study.response.speeds_rpm[[0, -1]], study.response.orders
-    highest = orders[-1] * speeds[-1] / 60
-    top = 1.15 * max(min(study.modes[-1].frequency_Hz, highest), study.modes[0].frequency_Hz)
+    met = max((_frequency_Hz(found) for found in study.critical), default=0.0)
+    top = 1.15 * max(met, study.modes[0].frequency_Hz)
     majors = study.response.harmonics.in_phase()[1:]
+    drawn = [order for order in orders if order % 1 == 0 and order * speeds[0] / 60 <= top]
     for order, major in zip(orders, majors, strict=False):
-        if order % 1 == 0 and order * speeds[0] / 60 <= top:
-            _draw_order(axes, order, speeds, top, major)
-    for number, mode in enumerate(study.modes, start=1):
+        if order in drawn:
+            style = {"color": "C0", "lw": 1.0} if major else {"color": "0.8", "lw": 0.6}
+            axes.plot(speeds, order * speeds / 60, **style)
+    for mode in study.modes:
         if mode.frequency_Hz <= top:
             axes.axhline(mode.frequency_Hz, color="C3", lw=1.2)
-            name = f"mode {number}, {frequency_text(mode.frequency_Hz)}"
-            axes.annotate(name, (speeds[0], mode.frequency_Hz), (2, 3), fontsize=7, color="C3", **_OFFSET)
-    for found in study.critical:
-        if found.share >= WEAK:
-            _draw_critical(axes, found, speeds)
+    critical = sorted((c for c in study.critical if c.share >= WEAK), key=lambda c: -c.share)
+    for order in sorted({found.order for found in critical if found.order % 1}):
+        axes.plot(speeds, order * speeds / 60, color="C1", lw=0.6, ls="--", zorder=1)
+    places = [(found.speed_rpm, _frequency_Hz(found)) for found in critical]
+    axes.plot(*zip(*places, strict=True) if places else ([], []), "o", color="C3", ms=3)
     axes.set(xlim=speeds, ylim=(0, top), xlabel="speed (rpm)", ylabel="frequency (Hz)")
     plain(axes)
+    _name_modes(axes, study, top)
+    _name_orders(axes, drawn, speeds, top)
+    for name in name_points(axes, [f"{one.order:g}" for one in critical], places, (), leave_out=True):
+        name.set(zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2})
 
 
-def _draw_order(axes: Any, order: float, speeds: Array, top: float, major: bool) -> None:
-    axes.plot(speeds, order * speeds / 60, color="C0" if major else "0.8", lw=1.0 if major else 0.6)
-    at = min(speeds[-1], 60 * top / order)
-    style: dict[str, Any] = {"va": "center", "fontsize": 6, "color": GREY, "annotation_clip": False}
-    axes.annotate(f"{order:g}", (at, order * at / 60), (2, 0), **_OFFSET, **style)
+def _frequency_Hz(found: CriticalSpeed) -> float:
+    return found.order * found.speed_rpm / 60
 
 
-def _draw_critical(axes: Any, found: CriticalSpeed, speeds: Array) -> None:
-    """Mark a critical speed with its order, whose line is drawn where it is a half one."""
-    frequency = found.order * found.speed_rpm / 60
-    if found.order % 1:
-        axes.plot(speeds, found.order * speeds / 60, color="C1", lw=0.8, ls="--", zorder=1)
-    axes.plot([found.speed_rpm], [frequency], "o", color="C3", ms=4)
-    style: dict[str, Any] = {"fontsize": 7, "ha": "right", "va": "top", "zorder": 4}
-    style["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
-    axes.annotate(f"{found.order:g}", (found.speed_rpm, frequency), (-3, -4), **_OFFSET, **style)
+def _name_modes(axes: Any, study: VibrationStudy, top: float) -> None:
+    """Name the natural frequencies at the right of the numbers of the orders, apart from each other."""
+    axes.figure.draw_without_rendering()
+    points_per_Hz = axes.get_window_extent().height / axes.figure.dpi * 72 / top
+    lowest = 0.0
+    for number, mode in enumerate(study.modes, start=1):
+        if mode.frequency_Hz > top:
+            continue
+        at = mode.frequency_Hz * points_per_Hz
+        lowest = max(at, lowest)
+        name = f"mode {number}, {frequency_text(mode.frequency_Hz)}"
+        style = {"xycoords": axes.get_yaxis_transform(), "va": "center", "fontsize": 7, "color": "C3"}
+        axes.annotate(
+            name, (1.0, mode.frequency_Hz), (14, lowest - at), annotation_clip=False, **style, **_OFFSET
+        )
+        lowest += _LINE_POINTS
+
+
+def _name_orders(axes: Any, orders: Sequence[float], speeds: Array, top: float) -> None:
+    """Number the orders where their lines leave the axes, those that are apart from the ones before."""
+    axes.figure.draw_without_rendering()
+    last = None
+    for order in orders:
+        at = min(speeds[-1], 60 * top / order)
+        above = at < speeds[-1]
+        style = {"va": "bottom" if above else "center", "ha": "center" if above else "left"}
+        shift = (0, 1) if above else (2, 0)
+        text = axes.annotate(
+            f"{order:g}",
+            (at, order * at / 60),
+            shift,
+            fontsize=6,
+            color=GREY,
+            annotation_clip=False,
+            **style,
+            **_OFFSET,
+        )
+        box = text.get_window_extent().padded(1)
+        if last is not None and box.overlaps(last):
+            text.remove()
+        else:
+            last = box
 
 
 def _draw_torque(axes: Any, study: VibrationStudy) -> None:

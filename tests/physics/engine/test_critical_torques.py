@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from tests.physics.engine.test_orders_of_a_slow_engine import LOSS, SHAFT, mediu
 COUPLING_LOSS, RING_NMS = 0.15, 30000.0
 
 
+@cache
 def mean_inertia() -> VibrationStudy:
     """The slow six without the varying part of its inertia, so that each order is one system of equations."""
     scene = medium_speed(shaft=SHAFT, effects={"threshold": 0.5})

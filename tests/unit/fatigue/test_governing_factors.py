@@ -23,11 +23,16 @@ from cranktopo.tasks.fatigue.m53 import (
     outside_validity,
 )
 from cranktopo.tasks.fatigue.m53_material import process_remark, uncovered_material
-from cranktopo.tasks.fatigue.m53_outlet import OutletCheck, outlet_equivalent_MPa, unchecked_journal_outlets
+from cranktopo.tasks.fatigue.m53_outlet import (
+    OutletCheck,
+    check_outlets,
+    outlet_equivalent_MPa,
+    unchecked_journal_outlets,
+)
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors
 from cranktopo.tasks.fatigue.result import AlternatingLoads, FatigueResult, MeshChecks, Quality
 from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
-from cranktopo.tasks.fatigue.rule_tables import acceptability_table
+from cranktopo.tasks.fatigue.rule_tables import acceptability_table, size_table
 from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table, verdicts
 from cranktopo.tasks.fea.targets import Target
 
@@ -232,6 +237,18 @@ def test_lower_numbers_of_elements_that_prove_nothing_are_said() -> None:
     (line,) = rule_remarks([replace(check(ALLOWED, ALLOWED), outlets=(coarse,))])
     assert "by polynomials govern, elements have" in line
     assert "jump between elements 7.0 %" in line
+
+
+def test_dimensions_by_the_rule_have_the_oil_bores() -> None:
+    scene = with_values(load_scene("industrial-gas"), {"throw.drilling[0].outlet_radius_mm": 1.5})
+    outlets = check_outlets(scene, "extremes", frozenset(), 1e6)
+    assert outlets
+    rows = size_table(replace(check(ALLOWED, ALLOWED), outlets=outlets)).rows[-2 * len(outlets) :]
+    assert [(row["symbol"], row["value_mm"]) for row in rows] == [
+        ("DO", scene.throw.drilling[0].diameter_mm),
+        ("-", 1.5),
+    ] * len(outlets)
+    assert all(outlets[0].place in str(row["dimension"]) for row in rows[:2])
 
 
 def test_an_outlet_on_a_thin_main_journal_is_not_judged() -> None:

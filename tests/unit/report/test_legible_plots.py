@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,10 +11,14 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from cranktopo.engine.vibration.shaft_chain import estimated_chain
+from cranktopo.engine.vibration.study import study_vibration
 from cranktopo.report.plot import Picture, name_above, picture, plain_decades
 from cranktopo.tasks.balance.plot import _Curve, _emptiest_deg
 from cranktopo.tasks.fea.scatter import LABELS, Point, scatter_pictures
-from cranktopo.tasks.vibration.plots import _draw_modes
+from cranktopo.tasks.vibration.plots import _draw_modes, vibration_pictures
+from tests.physics.engine.test_line_damping import LINE, PROPELLER
+from tests.physics.engine.test_orders_of_a_slow_engine import medium_speed
 
 _NAMES = ("damper ring", "hub", *(f"throw {n}" for n in range(1, 7)), "flywheel", "coupling + driven machine")
 
@@ -54,6 +58,41 @@ def test_a_plot_is_legible(plot: Picture) -> None:
     assert inner.height > 1.2 * figure.dpi, "the names take no height from the axes"
     ticks = [tick.get_window_extent() for tick in axes.get_yticklabels() if tick.get_text()]
     assert not any(one.overlaps(other) for one, other in pairwise(ticks))
+
+
+def _marine() -> Picture:
+    """A slow six: modes at 7, 42 and 56 Hz are met, and one at 170 Hz; others up to 550 Hz are not."""
+    shaft = {**LINE, "propeller": PROPELLER}
+    scene = medium_speed(shaft=shaft, effects={"threshold": 0.5})  # the mean inertia, which takes less time
+    study = study_vibration(scene, estimated_chain(scene), 1.0, "closed form")
+    return vibration_pictures(study)[0]
+
+
+def test_a_campbell_diagram_ends_above_what_an_order_meets_and_its_names_lie_apart() -> None:
+    found = _marine()
+    axes = found.figure.axes[0]
+    found.figure.canvas.draw()
+    assert 170 < axes.get_ylim()[1] < 230, "no axis to modes that no order meets"
+    boxes = {text: text.get_window_extent() for text in axes.texts}
+    ticks = [tick.get_window_extent() for tick in (*axes.get_yticklabels(), *axes.get_xticklabels())]
+    for one, other in combinations(boxes.values(), 2):
+        assert not one.overlaps(other)
+    assert not any(box.overlaps(tick) for box in boxes.values() for tick in ticks)
+    names = [text.get_text() for text in boxes]
+    assert [name for name in names if name.startswith("mode")] == [
+        "mode 1, 7.12 Hz",
+        "mode 2, 41.6 Hz",
+        "mode 3, 56.1 Hz",
+        "mode 4, 170 Hz",
+    ]
+    whole = found.figure.bbox
+    for box in boxes.values():
+        assert (box.min >= whole.min).all()
+        assert (box.max <= whole.max).all()
+    (dots,) = (line for line in axes.lines if line.get_marker() == "o")
+    halves = [name for name in names if name.endswith(".5")]
+    assert len(dots.get_xdata()) > 15
+    assert "3.5" in halves, "the strongest at their dots"
 
 
 def test_names_above_the_axes_leave_these_their_width() -> None:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from cranktopo.report.page import Fact, Page, Section, pairs
 from cranktopo.report.pdf_blocks import HEIGHT, MARGIN, ROOM, Block, _broken, table
-from cranktopo.report.pdf_file import blocks, sheets, write_pdf
+from cranktopo.report.pdf_file import _section, blocks, sheets, write_pdf
 from cranktopo.report.plot import Picture, picture
 from cranktopo.report.result_table import ResultTable
 
@@ -70,6 +70,19 @@ def test_a_row_stays_whole_and_the_head_stands_on_every_page() -> None:
     assert all(sum(block.height for block in sheet) <= HEIGHT - 2 * MARGIN for sheet in found)
     for sheet in found[1:]:
         assert "effect" in [text for _, _, text in drawn(sheet[0])]
+
+
+def test_a_short_table_is_not_parted_and_no_last_row_stands_alone() -> None:
+    """Wherever on a page they begin: nine rows with their caption and title, and 72 rows."""
+    material = [(f"quantity {n}", f"{n} MPa") for n in range(9)]
+    short = list(_section(Section("a", "Input data", "Of the design.", (("M", pairs(material)),))))
+    long = list(_section(Section("b", "More", "", (("Long", pairs(material * 8)),))))
+    for above in range(0, 750, 10):
+        found = sheets([Block(float(above), lambda *_: None), *short, *long])
+        page_of = {id(block): number for number, sheet in enumerate(found) for block in sheet}
+        assert len({page_of[id(block)] for block in short[1:]}) == 1, "the title is the second block"
+        assert len({page_of[id(block)] for block in long[-3:]}) == 1
+        assert len({page_of[id(block)] for block in long}) >= 2
 
 
 def test_pairs_have_no_head_and_plots_stand_side_by_side(tmp_path: Path) -> None:
