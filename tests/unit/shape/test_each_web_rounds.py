@@ -13,7 +13,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import Pace
 from cranktopo.base.progress import Work
 from cranktopo.design.loading import load_scene
-from cranktopo.design.named import with_goal, with_values
+from cranktopo.design.named import with_goal
 from cranktopo.engine.histories import WebLoads
 from cranktopo.tasks.shape.each_web import rounds
 from cranktopo.tasks.shape.each_web.groups import WebGroup
@@ -25,7 +25,6 @@ from tests.shaft_stand_in import told_shaft
 from tests.shape_stand_in import ORIGINAL, ShapeStandIn
 
 SCENE = with_goal(load_scene("mikron-iiic"), minimise="mass")
-WIDER = with_values(SCENE, {"web.width_mm": 52.0})
 OUTER, INNER = WebGroup((1, 2, 7, 8)), WebGroup((3, 4, 5, 6))
 ALL = WebGroup(tuple(range(1, 9)))
 DESIGN = (1.2, 1.3, 1.6, 1.5, 1.5, 1.6, 1.3, 1.2)
@@ -64,9 +63,8 @@ def asked(stand_in: ShapeStandIn) -> list[tuple[str, set[int]]]:
 def test_a_web_that_is_safer_may_lose_as_much(searches: Searches) -> None:
     """Required is the least safety of the design; a web with 1.5 times that needs 1 / 1.5 of its own."""
     search, stand_in = searches(DESIGN, percent={"mass": 90.0})
-    crank, decides = search.variant("own", (OUTER, INNER), begun=WIDER)
-    assert [begun for _, _, begun in stand_in.asked] == [WIDER, WIDER]
-    assert not any(settings.features for _, settings, _ in stand_in.asked)
+    found = search.variant("own", (OUTER, INNER))
+    crank, decides = found.told, found.safety_decides
     assert asked(stand_in) == [(">= 100 %", {1, 2, 7, 8}), (">= 80 %", {3, 4, 5, 6})]
     assert crank.held
     assert decides  # the outer webs have 100 % of what they need, and no more
@@ -74,11 +72,24 @@ def test_a_web_that_is_safer_may_lose_as_much(searches: Searches) -> None:
     assert len(crank.rounds) == 1
 
 
+def test_webs_of_their_own_begin_with_that_for_all_under_the_loads_of_its_shaft(searches: Searches) -> None:
+    """Its throw alone has 3: outer webs with 1.2 in the shaft keep all of it, inner ones with 1.5 do not."""
+    after = tuple(1.2 if web in OUTER.webs else 1.5 for web in range(1, 9))
+    search, stand_in = searches(after, tuple(1.2 for _ in DESIGN), percent={"mass": 90.0})
+    alike = search.variant("one", (ALL,))
+    search.variant("own", (OUTER, INNER), alike)
+    assert asked(stand_in)[1:3] == [(">= 3", set(OUTER.webs)), (">= 2.4", set(INNER.webs))]
+    for _, settings, begun in stand_in.asked[1:3]:
+        assert {float(one.torque_Nm[0]) for one in settings.loads.histories} <= {1.2, 1.5}
+        assert begun.name == "mikron-iiic-web-1-to-8"
+        assert not settings.features
+
+
 def test_a_web_that_falls_short_is_sought_again_under_its_new_loads(searches: Searches) -> None:
     """Its throw alone has 3 where the shaft has 1.0, so that 1.2 in the shaft are 3.6 alone."""
     short = tuple(1.0 if web in OUTER.webs else 1.5 for web in range(1, 9))
     search, stand_in = searches(short, DESIGN, percent={"mass": 90.0, "fatigue_safety": 110.0})
-    crank, _ = search.variant("own", (OUTER, INNER))
+    crank = search.variant("own", (OUTER, INNER)).told
     assert asked(stand_in)[2:] == [(">= 3.6", {1, 2, 7, 8})]  # the others have enough
     loads = stand_in.asked[2][1].loads
     assert {float(history.torque_Nm[0]) for history in loads.histories} == {1.0}
@@ -98,7 +109,7 @@ def test_a_web_that_is_safer_than_its_search_knew_is_sought_again(searches: Sear
 def test_the_nearest_round_counts_where_none_is_safe(searches: Searches) -> None:
     low, lower = tuple(1.1 for _ in DESIGN), tuple(1.0 for _ in DESIGN)
     search, _ = searches(low, lower, percent={"mass": 90.0})
-    crank, _ = search.variant("own", (ALL,))
+    crank = search.variant("own", (ALL,)).told
     assert (crank.best_round, crank.held) == (0, False)
 
 
@@ -116,7 +127,7 @@ def test_an_interrupted_search_goes_on_and_finished_ones_are_read(
     with pytest.raises(CranktopoError, match="interrupted"):
         search.variant("own", (OUTER, INNER))
     stand_in.error = None
-    crank, _ = search.variant("own", (OUTER, INNER))
+    crank = search.variant("own", (OUTER, INNER)).told
     assert stand_in.asked[2:] == [search.folder / INNER.name]
     assert [one.webs for one in crank.groups] == [OUTER.webs, INNER.webs]
 

@@ -71,6 +71,20 @@ class Searched:
 
 
 @dataclass(frozen=True)
+class SearchedCrank:
+    """A crank with the webs that its searches found, and its shaft."""
+
+    told: CrankVariant
+    found: tuple[Searched, ...]
+    shaft: LoadedShaft
+
+    @property
+    def safety_decides(self) -> bool:
+        """True where it decides one of the webs."""
+        return any(one.safety_decides for one in self.found)
+
+
+@dataclass(frozen=True)
 class CrankSearch:
     """What all searches of a run share.
 
@@ -89,14 +103,14 @@ class CrankSearch:
     pace: Pace
 
     def variant(
-        self, name: str, groups: Sequence[WebGroup], begun: Scene | None = None
-    ) -> tuple[CrankVariant, bool]:
-        """Return the crank with the best web of every group, and whether the safety decides one of them.
+        self, name: str, groups: Sequence[WebGroup], begun: SearchedCrank | None = None
+    ) -> SearchedCrank:
+        """Return the crank with the best web of every group.
 
         Args:
             name: of its folder.
-            begun: web that every search begins with, and whose features it keeps; by default that of the
-                design, and features are sought.
+            begun: crank with one web, with which and with whose loads every search begins, and whose features
+                it keeps; by default the design, and features are sought.
 
         Raises:
             CranktopoError: no web that keeps limits and rules, a failed solve, or interruption.
@@ -121,12 +135,15 @@ class CrankSearch:
             ),
             best_round=best,
         )
-        return crank, any(one.safety_decides for one in found)
+        return SearchedCrank(crank, found, shaft)
 
     def _rounds(
-        self, name: str, groups: Sequence[WebGroup], begun: Scene | None
+        self, name: str, groups: Sequence[WebGroup], begun: SearchedCrank | None
     ) -> Iterator[tuple[Path, tuple[Searched, ...], LoadedShaft]]:
-        found: tuple[Searched, ...] = tuple(self._first(group, begun) for group in groups)
+        found: tuple[Searched, ...] = tuple(
+            self._from_design(group) if begun is None else self._on(group, begun.found[0], begun.shaft, 1)
+            for group in groups
+        )
         for number in range(1, _ROUNDS + 1):
             folder = self.folder / (name if number == 1 else f"{name}-{number}")
             shaft = self._shaft(folder, found)
@@ -135,18 +152,17 @@ class CrankSearch:
             if number == _ROUNDS or all(one.settled(safeties, self.required) for one in found):
                 return
             found = tuple(
-                one if one.settled(safeties, self.required) else self._again(one, shaft, number + 1)
+                one if one.settled(safeties, self.required) else self._on(one.group, one, shaft, number + 1)
                 for one in found
             )
 
-    def _first(self, group: WebGroup, begun: Scene | None) -> Searched:
+    def _from_design(self, group: WebGroup) -> Searched:
         share = self.required / group.least(self.original.figures.safeties)
-        return self._searched(group, 1, f"{100 * share:.5g} %", self.original.loads(group), begun)
+        return self._searched(group, 1, f"{100 * share:.5g} %", self.original.loads(group), None)
 
-    def _again(self, before: Searched, shaft: LoadedShaft, number: int) -> Searched:
-        """Search once more, from the web that was found, under the loads of the shaft that has it."""
-        group, loads = before.group, shaft.loads(before.group)
-        name = f"{group.name}-judged-{number}"
+    def _on(self, group: WebGroup, before: Searched, shaft: LoadedShaft, number: int) -> Searched:
+        """Go on from a web that was found, under the loads of the shaft that has it."""
+        loads, name = shaft.loads(group), f"{group.name}-judged-{number}"
         judging = Judging(loads, self.settings.fillet_fraction)
         alone = self.work.once(name, lambda: {"safety": web_safety(before.scene, judging)})["safety"]
         required = alone * self.required / group.least(shaft.figures.safeties)
@@ -156,7 +172,7 @@ class CrankSearch:
         self, group: WebGroup, number: int, limit: str, loads: WebLoads, begun: Scene | None
     ) -> Searched:
         folder = self.folder / (group.name if number == 1 else f"{group.name}-{number}")
-        told = "" if number == 1 else ", second round with the loads of the shaft that has it"
+        told = "" if number == 1 else ", second round"
         self.pace.begin(f"{group.words}{told}: safety >= {limit}")
         scene = with_goal(self.scene, limits=[f"fatigue_safety >= {limit}"])
         scene = scene.model_copy(update={"name": f"{scene.name}-{folder.name}"})

@@ -18,7 +18,6 @@ from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_co
 from cranktopo.design.goal.limit import Goal, Limit
 from cranktopo.design.goal.outcome import GoalWords
 from cranktopo.design.halves import require_equal_halves
-from cranktopo.design.loading import load_scene
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.shape import FreeDimensions
@@ -39,7 +38,7 @@ from cranktopo.runs.kind import (
 from cranktopo.tasks.shape.each_web.groups import ALIKE_PERCENT, WebGroup, is_mirrored, web_groups
 from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaft
 from cranktopo.tasks.shape.each_web.page import each_web_page
-from cranktopo.tasks.shape.each_web.result import CrankVariant, EachWebResult
+from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
 from cranktopo.tasks.shape.run import TABLES, shape_goal, shape_settings
 from cranktopo.tasks.shape.stage import ShapeSettings
@@ -183,8 +182,9 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
         pace = Pace(f"{scene.name}, each web", len(groups) + 3, quiet_s=0.0)
         search = CrankSearch(run.path, _without_bound(scene), settings, work, original, required, pace)
         every = WebGroup(tuple(range(1, 2 * throw_count(scene) + 1)))
-        one, decides = search.variant(_ONE, (every,))
-        own = search.variant(_OWN, groups, _web_of(run, one))[0] if decides else one
+        alike = search.variant(_ONE, (every,))
+        decides, one = alike.safety_decides, alike.told
+        own = search.variant(_OWN, groups, alike).told if decides else one
         found = EachWebResult(
             design=scene.name,
             goal=GoalWords.model_validate({goal.sense: goal.quantity}),
@@ -206,11 +206,6 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings) -> EachWebRun:
         write_report(each_web_page(found, run.manifest()), run.path / REPORT)
     run.log("limits kept" if found.held else "limits missed")
     return EachWebRun(run.path, found)
-
-
-def _web_of(run: RunStore, one: CrankVariant) -> Scene:
-    """Return the throw with the web that is best for all."""
-    return load_scene(str(run.path / one.groups[0].folder / "web.toml"))
 
 
 def _design_shaft(scene: Scene, settings: ShapeSettings) -> Json:
