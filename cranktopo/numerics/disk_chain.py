@@ -15,6 +15,8 @@ _RIGID = 1e-12
 """Square of a frequency over that of the highest below which a motion is rigid."""
 _CREEPING = 1e-6
 """Imaginary part of an eigenvalue over the highest frequency below which a motion is rigid."""
+_OF_ROUNDING = 2.0
+"""The same over the root of what rounding adds to strongly damped chains."""
 _SWINGING = 0.1
 """Imaginary part of an eigenvalue over its magnitude from which a motion swings, a damping ratio of 0.995."""
 
@@ -100,7 +102,9 @@ class DiskChain:
         state[count:, :count] = -stiffness / inertia[:, None] / highest**2
         state[count:, count:] = -viscous / inertia[:, None] / highest
         values, vectors = np.linalg.eig(state)
-        least = np.maximum(_CREEPING, _SWINGING * np.abs(values))
+        # the motion as one body is a double zero: rounding moves it by the root of what it adds
+        rounding = math.sqrt(np.finfo(float).eps * float(np.abs(state).sum(axis=1).max()))
+        least = np.maximum(max(_CREEPING, _OF_ROUNDING * rounding), _SWINGING * np.abs(values))
         swinging = [i for i in np.argsort(np.abs(values), kind="stable") if values[i].imag > least[i]]
         return tuple(_damped_mode(highest * values[i], vectors[:count, i]) for i in swinging)
 
