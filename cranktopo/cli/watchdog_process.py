@@ -14,7 +14,7 @@ _STEP, _MISSED = 1 / 24, 1 / 4
 
 
 def waited(seconds: float) -> str:
-    """Return how long work lasts so far, another text at each line: `40 s`, `12 min 25 s`, `3 h 20 min 5 s`."""
+    """Return how long work lasts, another text at each line: `40 s`, `12 min 25 s`, `3 h 20 min 5 s`."""
     minutes, left = divmod(round(seconds), 60)
     if seconds < 90:
         return f"{seconds:.0f} s"
