@@ -17,7 +17,8 @@ from typing import Any
 import click
 
 from cranktopo.base.notes import QUIET_S as _QUIET_S
-from cranktopo.base.notes import duration_text, running
+from cranktopo.base.notes import running
+from cranktopo.cli.watchdog_process import waited
 
 _LEVEL = "cranktopo.verbosity"
 _LONGEST_S = 24.0
@@ -76,7 +77,7 @@ class _Stderr(logging.Handler):
             took = time.monotonic() - last
             if not _bar_is_shown():
                 self.spoken = time.monotonic()
-                click.echo(f"{running() or command}: {duration_text(took)} so far", err=True)
+                click.echo(f"{running() or command}: {waited(took)} so far", err=True)
             wait = took + min(took, _LONGEST_S)
 
     def beat(self, command: str, ended: threading.Event) -> None:

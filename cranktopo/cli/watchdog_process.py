@@ -13,6 +13,15 @@ _STEP, _MISSED = 1 / 24, 1 / 4
 """Over the longest wait: between two looks; without a beat until the command counts as unable to speak."""
 
 
+def waited(seconds: float) -> str:
+    """Return how long work lasts, another text at each line: `40 s`, `12 min 25 s`, `3 h 20 min 5 s`."""
+    minutes, left = divmod(round(seconds), 60)
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    hours = f"{minutes // 60} h " if minutes >= 60 else ""
+    return f"{hours}{minutes % 60} min {left} s"
+
+
 class Watchdog:
     """The last line of a command, and the line that is due when its silence has lasted too long.
 
@@ -36,7 +45,7 @@ class Watchdog:
         if not self._name or not silent or now - self._heard < _MISSED * self.longest_s:
             return ""
         self._told = now
-        return f"{self._name}: {now - self._began:.0f} s so far\n"
+        return f"{self._name}: {waited(now - self._began)} so far\n"
 
 
 def watch(longest_s: float) -> None:

@@ -41,8 +41,8 @@ def _told(clock: _Clock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 def test_a_wait_is_told_with_what_runs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told = _told(_Clock(7), monkeypatch, capsys)
-    times = ("3 s", "6 s", "12 s", "24 s", "48 s", "72 s", "2 min")  # none later than 24 s after the last
+    told = _told(_Clock(9), monkeypatch, capsys)
+    times = ("3 s", "6 s", "12 s", "24 s", "48 s", "72 s", "1 min 36 s", "2 min 0 s", "2 min 24 s")
     assert told == [f"solving 3 columns: {seconds} so far" for seconds in times]
     assert running() == ""
 
@@ -102,6 +102,15 @@ def test_native_code_that_stops_all_threads_is_told_too(
     told = capfd.readouterr().err.splitlines()
     assert 1 <= len(told) <= 3
     assert all(re.fullmatch(r"mesh: [1-3] s so far", line) for line in told)
+
+
+def test_a_watchdog_tells_a_long_wait_as_the_command_does() -> None:
+    """`2583 s so far` stood between lines of `43 min so far`, which were the same for a minute."""
+    watchdog = Watchdog(24.0)
+    watchdog.hear("30.0 2583.0 mesh", 9000.0)
+    assert watchdog.line(9006.0) == "mesh: 43 min 9 s so far\n"
+    watchdog.hear("30.0 12005.0 mesh", 9030.0)
+    assert watchdog.line(9036.0) == "mesh: 3 h 20 min 11 s so far\n"
 
 
 def test_a_watchdog_is_quiet_while_beats_come() -> None:
