@@ -191,7 +191,11 @@ def _run(run: RunStore) -> Target:
             hint="Run `cranktopo optimise` to its end, or give an STL file and --design.",
         )
     assumed = stored_assumptions(run.manifest().get("assumed", ()))
-    return Target(run.name, planned_scene(design_from_run(run)), surface, run.path, assumed=assumed)
+    scene = design_from_run(run)
+    left_out = left_out_features(
+        scene, _kept_features(fillets=True)
+    )  # of which the surface of a run has none
+    return Target(run.name, planned_scene(scene), surface, run.path, assumed=assumed, left_out=left_out)
 
 
 def unlike_fillet_line(targets: Sequence[Target]) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import new_run
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import resolve_target
 
@@ -39,3 +42,9 @@ def test_fillets_are_told_but_where_they_are_kept() -> None:
     sharp = load_scene("mikron-iiic").with_effect("fatigue", "off").with_effect("fillets", "off")
     assert "meshed without fillets: set off in the scene" in resolve_target(sharp).left_out
     assert resolve_target(sharp, fillets=True).left_out == ""
+
+
+def test_the_surface_of_a_run_is_told_alike(tmp_path: Path) -> None:
+    run = new_run(narrow_bored(), (), tmp_path / "run", None, ["cranktopo", "optimise"], {})
+    (run.path / "web.stl").touch()
+    assert resolve_target(run.path).left_out.startswith("meshed without bores: solid journals")
