@@ -52,6 +52,7 @@ def test_the_last_design_is_the_run_s_surface_bit_for_bit(run: Path, capsys: Cap
     assert 0 < surface["minimum_member_cells"] < surface["minimum_member_mm"]
 
 
+@pytest.mark.slow
 def test_stored_designs_are_small_and_true(run: Path) -> None:
     x, beta = load_iteration(run, ITERATIONS)
     saved = load_checkpoint(run / "checkpoint" / "state.npz")

@@ -60,6 +60,7 @@ def test_a_spoilt_guess_is_thrown_away(float64: None) -> None:
     assert again.notice
 
 
+@pytest.mark.slow
 def test_a_load_case_without_load_rests(float64: None) -> None:
     """Beside another one that is solved; its displacements are exactly zero."""
     throw = cases()["throw, journals overlap"]

@@ -94,6 +94,7 @@ def test_told_is_true(float64: None, name: str) -> None:
         assert true / 1.1 < told < 1.1 * true
 
 
+@pytest.mark.slow
 def test_a_floor_is_told(float64: None) -> None:
     """No displacements in float64 have the residual; who asks is told why, and what to do."""
     case = Hidden(smooth, spring=1.0)

@@ -212,6 +212,7 @@ def with_ends(cylinders: int, output: list[dict[str, Any]] | None = None, **cran
     return scene_from_dict({**data, "crank": {"end": ends, **crank}}, "ends")
 
 
+@pytest.mark.slow
 def test_the_ends_of_a_crank_come_back(tmp_path: Path) -> None:
     scene = with_ends(1)
     export_solid(scene, "crankshaft", tmp_path / "body.step")

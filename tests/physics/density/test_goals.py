@@ -70,6 +70,7 @@ def shares(problem: DensityProblem, scene: Scene, domain: Domain, state: State) 
     return {name: value / own[name] for name, value in found.quantities.items()}
 
 
+@pytest.mark.slow
 def test_least_mass(mikron: Scene, domain: Domain) -> None:
     """By default both stiffnesses stay those of the original, and both limits are active."""
     scene = asked(mikron, {"minimise": "mass"})

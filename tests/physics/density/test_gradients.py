@@ -214,6 +214,7 @@ def test_mass_and_unbalance_of_the_original_web(float64: None, mikron: Scene) ->
     assert float(throw_unbalance_kg_mm(model, solid, 7850.0)) == pytest.approx(unbalance, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_three_fields(float64: None, mikron: Scene) -> None:
     """Stiffness of the eroded design under the body force of the dilated one, and its volume."""
     domain = build_domain(mikron, CELL_MM)

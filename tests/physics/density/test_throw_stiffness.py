@@ -75,6 +75,7 @@ def test_half_and_full_agree_on_an_asymmetric_web(float64: None, mikron: Scene) 
     assert half["torsion"] < 0.99 * stiffnesses(mikron, CELL_MM, "half", **SPRINGS)["torsion"]
 
 
+@pytest.mark.slow
 def test_supports_order_the_stiffnesses(float64: None, mikron: Scene) -> None:
     """Springs lie between free and held, and approach them at the ends of their range."""
     free = stiffnesses(mikron, CELL_MM, torsion="free", bending="pinned")

@@ -69,7 +69,9 @@ def test_at_most_is_at_least_the_severity(name: str, seed: int) -> None:
     assert (chosen.severity(SCENE, histories(stress, loads)).equivalent_MPa <= most * (1 + 1e-9)).all()
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "findley")) for n in METHODS]
+)
 def test_the_least_safety_is_that_of_all_points(name: str) -> None:
     """Of every part and both images the least safety is found, and nowhere is more told than there is."""
     stress, loads = random_fields(7, points=400)
