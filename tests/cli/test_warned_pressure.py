@@ -22,7 +22,7 @@ COMMANDS = (
     ["shaft", "--method", "lsa"],
     ["fatigue"],
     ["shape"],
-    ["optimise", "--resolution-mm", "15"],
+    pytest.param(["optimise", "--resolution-mm", "15"], marks=pytest.mark.slow),
 )
 
 
