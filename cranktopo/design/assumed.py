@@ -11,7 +11,7 @@ from cranktopo.base.table import SceneTable
 from cranktopo.base.units import plain_number
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import Rotor
+from cranktopo.design.shaft import ROTORS, Rotor
 
 THROW, LOADS, SUPPORTS, ENVELOPE, FATIGUE = "throw", "engine", "supports", "envelope", "fatigue"
 GOAL, VIBRATION = "goal", "shaft"
@@ -20,10 +20,8 @@ EVALUATED = (THROW, SUPPORTS)
 """What the stiffnesses of a throw depend on."""
 SHAFT = (THROW, "engine.strokes", "engine.cylinders", "engine.masses")
 """What a whole shaft on rigid or free bearings uses."""
-CARRIED = tuple(
-    f"{VIBRATION}.{part}" for part in ("pulley", "damper", "flywheel", "coupling", "driven", "propeller")
-)
-"""What a vibration without damping uses of the shaft's table."""
+CARRIED = tuple(f"{VIBRATION}.{part}" for part in ("damper", *ROTORS))
+"""Parts of the shaft's table that a vibration without damping uses."""
 _CONSEQUENCES = {
     "fillet_mm": "sharp",
     "bore_diameter_mm": "solid",

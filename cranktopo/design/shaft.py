@@ -152,7 +152,8 @@ class Damper(Carried):
     """Loss factor of the rubber."""
 
 
-_ROTORS = ("pulley", "flywheel", "coupling", "driven", "propeller")
+ROTORS = ("pulley", "flywheel", "coupling", "driven", "propeller")
+"""Keys of the parts that turn with the crankshaft, from the free end; a damper is on that end as well."""
 
 
 class ShaftTable(SceneTable):
@@ -201,7 +202,7 @@ class ShaftTable(SceneTable):
     @property
     def elastic_rotors(self) -> dict[str, Rotor]:
         """Parts that a shaft of their own joins to their neighbour, by key, from the free end."""
-        named = {name: getattr(self, name) for name in _ROTORS}
+        named = {name: getattr(self, name) for name in ROTORS}
         return {name: rotor for name, rotor in named.items() if rotor is not None and rotor.is_elastic}
 
     @property

@@ -54,7 +54,7 @@ class WebHistory(LoadHistory):
 
 @dataclass(frozen=True)
 class WebLoads:
-    """What a web, or webs that are to be equal, carry in a shaft on all its bearings.
+    """Loads of a web, or of webs that are to be equal, in a shaft on all its bearings.
 
     Attributes:
         histories: one for each such web and speed; each is judged by itself, and on the near half alone.

@@ -1,8 +1,9 @@
-"""Mean pressure, power and the piston's motion over a cycle, and signs of a pressure that cannot be."""
+"""Mean pressure, power and piston motion of a cycle, its pressure in words, signs of one that cannot be."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from cranktopo.base.units import MM_PER_M, NMM_PER_NM, W_PER_KW, angular_speed_r
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import Cycle, analyse
-from cranktopo.engine.gas import higher_elsewhere
+from cranktopo.engine.gas import higher_elsewhere, mapped_curves
 from cranktopo.engine.kinematics import exact_motion
 
 LATEST_PEAK_DEG = 30.0
@@ -60,6 +61,30 @@ def power_kW(work_J: float, engine: Engine) -> float:
     """Return the power of all cylinders at the engine's speed from their mean work in a cycle."""
     turns = angular_speed_rad_s(engine.speed_rpm) / (2 * math.pi)
     return work_J * engine.cylinders * turns * 360.0 / engine.cycle_deg / W_PER_KW
+
+
+def pressure_words(scene: Scene, speeds_rpm: Iterable[float]) -> str:
+    """Return what pressure acts at some speeds: one for all, or those of a map with their sources.
+
+    Empty without gas, and where one pressure acts at the engine's own speed alone.
+    """
+    engine, speeds = scene.engine, tuple(speeds_rpm)
+    if engine is None or engine.gas is None or not speeds:
+        return ""
+    if not engine.gas.map:
+        if all(rpm == engine.speed_rpm for rpm in speeds):
+            return ""
+        return (
+            f"The pressure is that of {engine.speed_rpm:.0f} rpm at every speed: with less load it is lower; "
+            "[[engine.gas.map]] takes the pressure over speed."
+        )
+    mapped = mapped_curves(scene)
+    entries = "; ".join(f"{rpm:g} rpm: {curve.source}" for rpm, curve in mapped)
+    first, last = mapped[0][0], mapped[-1][0]
+    inside = all(first <= rpm <= last for rpm in speeds)
+    beyond = "" if inside else ", beyond its ends that of the nearest entry"
+    between = ", in proportion between its entries" if len(mapped) > 1 else ""
+    return f"The pressure is that of the map over speed{between}{beyond}: {entries}."
 
 
 def note_pressure(name: str, scene: Scene, *, every_speed: bool = False) -> None:

@@ -17,7 +17,7 @@ from cranktopo.runs.destination import locked
 from cranktopo.runs.directories import RunStore, delete_folder
 
 RunKind = Literal["optimise", "iterate", "shape", "sweep", "each-web"]
-"""What made a run: a density optimisation, the loop over many, a shape optimisation, a sweep, a shape
+"""Makers of runs: a density optimisation, the loop over many, a shape optimisation, a sweep, a shape
 optimisation of every web of a shaft. All but the last are the names of commands."""
 LOOP: RunKind = "iterate"
 SHAPE: RunKind = "shape"

@@ -17,8 +17,8 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.design.shaft import Supports
+from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
 from cranktopo.tasks.shaft.stage import shaft_tables
 from cranktopo.tasks.shaft_safety.page import shaft_page

@@ -101,7 +101,7 @@ def of_masses(layout: Array, masses: tuple[complex, complex]) -> Array:
 
 @dataclass(frozen=True)
 class Mesh:
-    """What counts of the gear's forces, and where they point."""
+    """Share of the gear's forces that counts, and their directions."""
 
     counts: tuple[int, int, int]
     deg: float

@@ -1,4 +1,4 @@
-"""Where the balance of an engine went that is balanced on purpose, if no limit holds it there."""
+"""The balance of an engine that is balanced on purpose, where a web moved it and no limit holds it."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ _FACTOR, _UNBALANCE = "balance_factor", "unbalance"
 def balance_moved(scene: Scene, result: Mapping[str, float], original: Mapping[str, float]) -> str:
     """Return a sentence where the balance factor of a web left the original's on a side without a limit.
 
+    Empty where the factor is not known, moved by less than is felt, or the engine is not balanced on purpose.
+
     Args:
-        result, original: quantities of both webs by name. Empty where the factor is not known, moved by less
-            than is felt, or the engine is not balanced on purpose.
+        result, original: quantities of both webs by name.
     """
     meant = scene.web.counterweight is not None or (
         scene.engine is not None and scene.engine.arranged.balanced_oscillating_share > 0

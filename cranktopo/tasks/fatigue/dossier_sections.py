@@ -8,7 +8,7 @@ from typing import Any
 from cranktopo.base.units import number_text
 from cranktopo.design.engine import Engine, Gas
 from cranktopo.design.schema import Scene
-from cranktopo.design.shaft import ShaftTable
+from cranktopo.design.shaft import ROTORS, ShaftTable
 from cranktopo.engine.analysis import Cycle
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.gas import mapped_curves, pressure_curve
@@ -140,7 +140,7 @@ def _joined_damping(shaft: ShaftTable) -> _Rows:
 
 def _rotor_rows(shaft: ShaftTable) -> _Rows:
     rows: _Rows = []
-    for name in ("damper", "pulley", "flywheel", "coupling", "driven", "propeller"):
+    for name in ("damper", *ROTORS):
         rotor = getattr(shaft, name)
         if rotor is not None:
             given = rotor.model_dump(exclude_none=True, exclude=set() if name == "damper" else _DAMPING_KEYS)

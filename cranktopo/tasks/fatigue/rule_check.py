@@ -136,6 +136,11 @@ class RuleCheck:
         return {name: self.fem_checks[name] for name, by in self.governing.items() if by is None}
 
     @property
+    def _answers(self) -> dict[str, FilletCheck]:
+        """Every place with a number, proven or not."""
+        return self.places | self._unproven_checks
+
+    @property
     def uncovered(self) -> dict[str, str]:
         """Outlets that neither the rule's polynomials nor elements cover, and why."""
         open_ones = {outlet.place: outlet.not_judged for outlet in self.outlets if outlet.not_judged}
@@ -144,13 +149,13 @@ class RuleCheck:
     @property
     def least_place(self) -> str:
         """The place of least acceptability, fillets with unproven factors of elements among them."""
-        every = self.places | self._unproven_checks
-        return min(every, key=lambda place: every[place].acceptability)
+        answers = self._answers
+        return min(answers, key=lambda place: answers[place].acceptability)
 
     @property
     def safety(self) -> float:
         """Least acceptability factor, fillets with unproven factors of elements among them."""
-        return (self.places | self._unproven_checks)[self.least_place].acceptability
+        return min(check.acceptability for check in self._answers.values())
 
     @property
     def judged_safety(self) -> float | None:

@@ -12,9 +12,8 @@ from cranktopo.base.notes import note
 from cranktopo.design.assumed import Assumption, filter_by_table
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.histories import HistoryKind
-from cranktopo.engine.performance import note_pressure
+from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.engine.plan.planning import note_left_off, plan_for_stress
-from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.fatigue.assessment import FatigueAssessment, FatigueMethod
 from cranktopo.tasks.fatigue.criteria import safety_method, strengths_of

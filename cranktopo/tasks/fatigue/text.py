@@ -73,13 +73,12 @@ class FatigueComparison:
 
     @property
     def failing(self) -> dict[str, str]:
-        """What fails, by target: a safety below 1, or no acceptance by the rule."""
+        """Targets that fail, with the reason: a safety below 1, or no acceptance by the rule."""
         told = {}
         for one in self.result.fatigue:
             if isinstance(one, RuleFatigue):
                 if one.verdict != "accepted":
-                    asked = f"{one.least_acceptability:.2f} asked"
-                    told[one.target] = f"{one.verdict} by UR M53, least Q {one.safety:.3f}, {asked}"
+                    told[one.target] = _by_the_rule(one.verdict, one.safety)
             elif one.safety < 1:
                 told[one.target] = f"fails by {self.result.method}, safety {one.safety:.3f}, below 1"
         return told
@@ -104,7 +103,11 @@ def compare_fatigue(
 
 
 def _acceptance(check: RuleCheck) -> str:
-    return f"{check.name}: {check.verdict} by UR M53, least Q {check.safety:.3f}, {LEAST_FACTOR:g} asked."
+    return f"{check.name}: {_by_the_rule(check.verdict, check.safety)}."
+
+
+def _by_the_rule(verdict: str, least: float) -> str:
+    return f"{verdict} by UR M53, least Q {least:.3f}, {LEAST_FACTOR:g} asked"
 
 
 def field_table(fields: Sequence[FatigueField], baseline: int | None) -> ResultTable:

@@ -23,8 +23,7 @@ from cranktopo.engine.balance.free_forces import turning_masses
 from cranktopo.engine.balance.layout import unit_vectors
 from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.engine.gas import pressure_curve
-from cranktopo.engine.performance import note_pressure
-from cranktopo.engine.told_pressure import pressure_words
+from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from textwrap import fill
 
 from cranktopo.design.misfire import silent_words
-from cranktopo.report.result_table import text_table
+from cranktopo.report.result_table import WIDTH, text_table
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
-
-_WIDTH = 80
 
 
 def film_text(result: FilmResult) -> str:
@@ -16,7 +14,7 @@ def film_text(result: FilmResult) -> str:
     oil = f"{result.oil} at {result.temperature_C:g} degC, " if result.oil else ""
     heading = f"{result.design}: oil film, {oil}{result.viscosity_mPas:.2f} mPa s\nloads: {result.loads}"
     gas = "" if result.gas else "\nthe scene tells no gas pressure: inertia alone loads the bearings"
-    gas += f"\n{fill(result.pressure, _WIDTH)}" if result.pressure else ""
+    gas += f"\n{fill(result.pressure, WIDTH)}" if result.pressure else ""
     silent = f"\n{silent_words(result.misfire)}; the big end is of one that does" if result.misfire else ""
     parts = [_verdict(result), heading + gas + silent]
     parts += [_one_speed(result.speeds[0]) if len(result.speeds) == 1 else _by_speed(result.speeds)]

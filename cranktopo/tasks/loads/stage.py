@@ -18,11 +18,10 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.balance.crank import crank_mass
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
+from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings, pressure_words
 from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.states import extreme_states, load_cases
-from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.tasks.loads.plot import plot_loads
 from cranktopo.tasks.loads.result import (
     Loads,

@@ -20,9 +20,9 @@ from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.plan.planning import plan
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.engine.vibration.shaft_chain import bare_chain
 from cranktopo.tasks.fea.error_bound import change_bound_percent
 from cranktopo.tasks.fea.evaluation import (

@@ -1,4 +1,4 @@
-"""What each web of a shaft carries, as loads of a throw that stands alone.
+"""Loads of each web of a shaft, as those of a throw that stands alone.
 
 A web is loaded by forces and moments on the section beside it: those of its bearing, and those of its
 neighbour. A throw that stands alone between its own two bearings has the same on its near section under other

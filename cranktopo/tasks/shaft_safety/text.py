@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from textwrap import fill
 
 from cranktopo.base.units import N_PER_KN
-from cranktopo.report.result_table import ResultTable, Row, labelled, terminal
+from cranktopo.report.result_table import WIDTH, ResultTable, Row, labelled, terminal
 from cranktopo.tasks.shaft.result import ContinuousShaft, ShaftEvaluation
 from cranktopo.tasks.shaft_safety.least import PARTS
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
@@ -21,14 +21,13 @@ _BEARING_DIGITS = {
     "film_um": 2,
     "pressure_MPa": 1,
 }
-_WIDTH = 80
 
 
 def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    said = [line for line in (shaft.silent, fill(shaft.pressure, _WIDTH)) if line]
+    said = [line for line in (shaft.silent, fill(shaft.pressure, WIDTH)) if line]
     parts = [*_torsion(shaft), *said, *_on_bearings(shaft.on_bearings)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)

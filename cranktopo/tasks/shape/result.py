@@ -168,7 +168,7 @@ class ShapeResult(Result):
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """None in results of an earlier version."""
     balance: str | None = UNLESS_NONE
-    """Where the balance factor went, if no limit holds it there."""
+    """Sentence on the balance factor that moved, if no limit holds it there."""
     files: dict[str, FileName] = Field(default_factory=dict)
 
     @property

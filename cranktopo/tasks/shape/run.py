@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -164,7 +164,7 @@ def shape_design(
     if start.left_out:
         note(f"left out of the start: {'; '.join(start.left_out)}")
     begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
-    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: _kept(settings), **begin})
+    run = new_run(scene, assumed, out, design_toml, command, {SHAPE: kept_settings(settings), **begin})
     return _worked(run, scene, settings, start)
 
 
@@ -184,9 +184,7 @@ def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> Shaped
     begun = options.get(_BEGUN)
     with shown_results(run):
         data = options[SHAPE]
-        settings = ShapeSettings(
-            **{**data, "limits": ProcessLimits(**data["limits"]), "loads": loads or data["loads"]}
-        )
+        settings = settings_of({**data, "loads": loads or data["loads"]})
     if loads is None and data["loads"] == "shaft":
         raise CranktopoError(
             f"run '{run.path}': is the search of one web of `cranktopo shape --each-web`.",
@@ -199,10 +197,15 @@ def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> Shaped
     return _worked(run, scene, settings, scene_start(scene, settings.limits, first))
 
 
-def _kept(settings: ShapeSettings) -> dict[str, Any]:
-    """Return settings as the manifest has them: load states of webs in a shaft stay with the whole shaft."""
+def kept_settings(settings: ShapeSettings) -> dict[str, Any]:
+    """Return settings as a manifest has them: load states of webs in a shaft stay with the whole shaft."""
     plain = replace(settings, loads="extremes")
     return {**asdict(plain), "loads": loads_name(settings.loads)}
+
+
+def settings_of(data: Mapping[str, Any]) -> ShapeSettings:
+    """Return the settings that a manifest has."""
+    return ShapeSettings(**{**data, "limits": ProcessLimits(**data["limits"])})
 
 
 def _remodelled(run: RunStore, limits: ManufacturingLimits) -> Scene:

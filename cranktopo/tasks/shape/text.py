@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cranktopo.base.units import plain_number
-from cranktopo.design.goal.constraint import TOLERANCE
+from cranktopo.design.goal.constraint import TOLERANCE, Constraint
 from cranktopo.report.goal_table import broken_limits, limits_table, short_percent
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
 from cranktopo.tasks.bound.text import bound_lines
@@ -179,12 +179,11 @@ def original_keeps(found: ShapeResult) -> str:
     original, limits = found.values.original, found.goal.limits
     if not any(limit.holds is False for limit in limits):
         return ""
-    pairs = [(limit, limit.required, original.get(limit.quantity)) for limit in limits]
     kept = all(
-        required is not None
-        and value is not None
-        and (value >= required if limit.sense == ">=" else value <= required)
-        for limit, required, value in pairs
+        limit.required is not None
+        and limit.quantity in original
+        and Constraint(limit.quantity, limit.sense, limit.required).satisfied(original[limit.quantity], 0.0)
+        for limit in limits
     )
     return "the original web keeps every limit" if kept else ""
 

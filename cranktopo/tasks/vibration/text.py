@@ -9,8 +9,8 @@ import numpy as np
 from cranktopo.base.units import number_text, plain_number
 from cranktopo.design.misfire import misfire_words
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
-from cranktopo.engine.told_pressure import pressure_words
 from cranktopo.engine.vibration.study import Swing, VibrationStudy, largest_swing
 from cranktopo.report.result_table import Cell, ResultTable, Row, terminal
 

@@ -28,7 +28,7 @@ _Width = Callable[[Array, Array], Array]
 _BEYOND_MM = 1.0
 """Reach of tools beyond the widest place."""
 _PLACES, _HEIGHTS = 401, 101
-"""Where the reach of a cut is compared with the width of what it cuts."""
+"""Place at which the reach of a cut is compared with the width of what it cuts."""
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.gas import higher_elsewhere, pressure_curve
-from cranktopo.engine.told_pressure import pressure_words
+from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics

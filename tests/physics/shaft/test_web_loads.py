@@ -1,4 +1,4 @@
-"""What a web of a shaft carries, as forces on a throw that stands alone: where that is known, it is that."""
+"""Loads of a web of a shaft as forces on a throw that stands alone: where these are known, they are those."""
 
 from __future__ import annotations
 

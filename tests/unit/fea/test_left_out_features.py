@@ -1,4 +1,4 @@
-"""What the plan takes out of a body that is evaluated is told: masses of other commands have it."""
+"""Features that the plan takes out of an evaluated body are told: masses of other commands have them."""
 
 from __future__ import annotations
 

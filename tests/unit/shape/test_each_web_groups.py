@@ -1,4 +1,4 @@
-"""Which webs of a shaft are equal, and the design of a crank whose webs are not."""
+"""Webs of a shaft that are equal, and the design of a crank whose webs are not."""
 
 from __future__ import annotations
 

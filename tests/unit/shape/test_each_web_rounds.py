@@ -51,7 +51,7 @@ def searches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Searches:
 
 
 def asked(stand_in: ShapeStandIn) -> list[tuple[str, set[int]]]:
-    """What each search was asked for: its least safety, and whose loads it had."""
+    """Questions to each search: its least safety, and whose loads it had."""
     found = []
     for scene, settings, _ in stand_in.asked:
         assert isinstance(settings.loads, WebLoads)

@@ -21,7 +21,7 @@ from cranktopo.tasks.shape.text import (
 from tests.unit.shape.shape_results import goal, invented_data
 
 TOLD: dict[str, Any] = {"worst_case_percent": {"tolerance": 0.5}, "seconds": {"total": 1.0}}
-"""What a summary asks for."""
+"""Keys that a summary asks for."""
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ class WebInShaft(Result):
     safety: float
     """Least safety over the cycle, in the shaft."""
     part: str
-    """Where: pin_fillet, journal_fillet, outlets or elsewhere."""
+    """Its place: pin_fillet, journal_fillet, outlets or elsewhere."""
 
 
 class ShaftFigures(Result):

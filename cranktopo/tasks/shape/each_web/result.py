@@ -25,9 +25,9 @@ class GroupSearch(Result):
     required: float
     """Safety that the search kept instead: under the loads of the shaft on a throw that stands alone."""
     reached: float
-    """What its web has of that."""
+    """That of its web."""
     original_reached: float
-    """What the design's web has of that."""
+    """That of the design's web."""
     throw_kg: float
     """Mass of a throw of two such webs."""
     original_throw_kg: float
@@ -38,9 +38,9 @@ class GroupSearch(Result):
     dimensions: dict[str, float]
     """Dimensions of the web by name, mm or degrees."""
     limits_held: bool
-    """Whether its search kept every limit, its safety among them."""
+    """True where its search kept every limit, its safety among them."""
     makeable: bool
-    """Whether the process can make it, as far as that was looked at."""
+    """True where the process can make it, as far as that was looked at."""
 
 
 class CrankRound(Result):
@@ -51,7 +51,7 @@ class CrankRound(Result):
     safeties: tuple[float, ...]
     """Least safety of each web, from the free end."""
     held: bool
-    """Whether every web has the safety that is required."""
+    """True where every web has the safety that is required."""
 
 
 class CrankVariant(Result):
@@ -94,14 +94,14 @@ class EachWebResult(Result):
     same_webs: tuple[tuple[int, ...], ...]
     """Webs that the design makes equal, by their numbers."""
     mirrored: bool
-    """Whether mirror pairs of webs were taken as equal."""
+    """True where mirror pairs of webs were taken as equal."""
     original: ShaftFigures
     one_web: CrankVariant
     each_web: CrankVariant
     safety_decides: bool
-    """Whether the safety decides the one web for all; where it does not, webs of their own are that web."""
+    """True where the safety decides the one web for all; else webs of their own are that web."""
     saved_percent: float
-    """By how much the crank with its own webs is lighter than that with one web for all, %."""
+    """Mass that the crank with its own webs saves against that with one web for all, %."""
     seconds: float
     assumed: tuple[dict[str, Any], ...] = ()
     files: dict[str, FileName] = Field(default_factory=dict)

@@ -86,7 +86,7 @@ class SearchedCrank:
 
 @dataclass(frozen=True)
 class CrankSearch:
-    """What all searches of a run share.
+    """Everything that all searches of a run share.
 
     Attributes:
         required: safety that every web must have in the shaft.

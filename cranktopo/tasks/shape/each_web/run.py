@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,9 +40,8 @@ from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaf
 from cranktopo.tasks.shape.each_web.page import each_web_page
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
-from cranktopo.tasks.shape.run import TABLES, shape_goal, shape_settings
+from cranktopo.tasks.shape.run import TABLES, kept_settings, settings_of, shape_goal, shape_settings
 from cranktopo.tasks.shape.stage import ShapeSettings
-from cranktopo.throw.manufacturing_limits import ProcessLimits
 
 _ONE, _OWN = "one-web", "own-webs"
 _KEPT = "work.json"
@@ -81,7 +80,7 @@ def shape_each_web(
     assumed = assumptions(scene, TABLES)
     if assumed:
         note(assumed_text(assumed))
-    options: dict[str, Any] = {EACH_WEB: asdict(replace(settings, loads="extremes"))}
+    options: dict[str, Any] = {EACH_WEB: kept_settings(replace(settings, loads="extremes"))}
     run = new_run(scene, assumed, out, design_toml, command, options)
     return _worked(run, scene, settings)
 
@@ -97,7 +96,7 @@ def resume_each_web(reference: str | Path) -> EachWebRun:
     run.require_same_inputs()
     data = run.manifest()["options"][EACH_WEB]
     with shown_results(run):
-        settings = ShapeSettings(**{**data, "limits": ProcessLimits(**data["limits"])})
+        settings = settings_of(data)
     run.resume()
     return _worked(run, design_from_run(run), settings)
 
