@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from unittest.mock import patch
 
 import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.engine.performance import pressure_warnings
 from tests.hostile.outcome import stubbed
 
 UNCHARGED = "[engine.gas]\npeak_pressure_MPa = 20.0\npeak_angle_deg = 12.0\ncompression_ratio = 15.0\n"
@@ -43,6 +45,11 @@ def test_a_pressure_that_cannot_be_is_told_before_the_work(
     with stubbed(), patch("cranktopo.tasks.film.stage.films_at", side_effect=CranktopoError("no work here.")):
         main([words[0], uncharged, *words[1:]])
     assert capsys.readouterr().err.count(TOLD) == 1
+
+
+@pytest.mark.parametrize("path", sorted(designs_folder().glob("*.toml")), ids=lambda path: path.stem)
+def test_no_built_in_design_has_such_a_pressure(path: Path):
+    assert pressure_warnings(load_scene(path)) == ()
 
 
 def test_a_shaft_judged_by_strength_says_what_the_strength_holds_for(capsys, tmp_path, monkeypatch):
