@@ -84,8 +84,8 @@ def command(
     of fillets, oil outlets, rounded edges and faces; sharp inner edges, where the mesh decides, are named.
 
     With --method m53 --report FILE the check is written as a dossier for a classification society (.html,
-    .md or .pdf), with its assumptions to be signed. Exit code 6: the rule does not accept a
-    TARGET, or does not cover its material.
+    .md or .pdf), with its assumptions to be signed. Exit code 6: the rule does not accept every TARGET
+    (not accepted, not judged, or its material not covered).
 
     Example: cranktopo fatigue mikron-iiic-hollow --baseline mikron-iiic --out fatigue
     """
@@ -106,8 +106,8 @@ def command(
         write_dossier(found, report, ["cranktopo", *sys.argv[1:]])
         note(str(report))
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else _text(found))
-    refused = any(check.verdict in ("not accepted", "not covered") for check in found.checks)
-    return ExitCode.CRITERION_NOT_MET if refused else ExitCode.DONE
+    accepted = all(check.verdict == "accepted" for check in found.checks)
+    return ExitCode.DONE if accepted else ExitCode.CRITERION_NOT_MET
 
 
 def _text(found: FatigueAssessment) -> str:

@@ -83,16 +83,28 @@ class OutletCheck:
 
     @property
     def governed_by(self) -> GoverningFactors | None:
-        """The set of factors that governs, the lower one by default; None where none is valid or proven."""
+        """The set of factors that governs, the lower one by default; None where none is valid or proven.
+
+        As at fillets: elements that have less than valid polynomials and prove nothing leave the outlet open,
+        unless the polynomials refuse it by themselves. Those of an edge without rounding say nothing at all.
+        """
         found: dict[GoverningFactors, FilletCheck] = {}
         if not self.outside and (self.wanted != "elements" or self.elements is None):
             found["polynomials"] = self.check
         if self.by_elements and not self.unproven and self.wanted != "polynomials":
             found["elements"] = self.by_elements
-        if not found:
+        if not found or self.doubted:
             return None
         lower: GoverningFactors = min(found, key=lambda name: found[name].acceptability)
         return lower
+
+    @property
+    def doubted(self) -> bool:
+        """Valid polynomials accept the outlet, and elements of a mesh that is too coarse have less."""
+        found = self.by_elements
+        if found is None or self.sharp or self.outside or self.wanted != "lower" or not self.unproven:
+            return False
+        return self.check.accepted and found.acceptability < self.check.acceptability
 
     @property
     def judged(self) -> FilletCheck | None:

@@ -197,7 +197,7 @@ class _TargetFatigue(Result):
     """Mass of one throw."""
     safety: float
     """Least safety of fillets, oil outlets, rounded edges and faces; by the rule, acceptability, that of
-    unproven elements at a fillet among it."""
+    unproven elements among it."""
     strength_remarks: tuple[str, ...] | None = UNLESS_NONE
     """Limits of what the strengths of the material hold for, such as the section of the crank."""
 

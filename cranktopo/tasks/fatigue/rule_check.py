@@ -125,15 +125,21 @@ class RuleCheck:
 
     @property
     def unproven(self) -> dict[str, str]:
-        """Fillets that elements alone could judge whose mesh misses the rule's checks, and these."""
-        return {
+        """Places whose answer waits for elements with a mesh that keeps the rule's checks, and what they say."""
+        fillets = {
             f"{fillet} fillet": f"{self.quality.shortfall} (Q {found.acceptability:.3f} by these elements)"
-            for fillet, found in self._unproven_checks.items()
+            for fillet, found in self._unproven_fillets.items()
         }
+        return fillets | {outlet.place: outlet.not_judged for outlet in self.outlets if outlet.doubted}
+
+    @property
+    def _unproven_fillets(self) -> dict[str, FilletCheck]:
+        return {name: self.fem_checks[name] for name, by in self.governing.items() if by is None}
 
     @property
     def _unproven_checks(self) -> dict[str, FilletCheck]:
-        return {name: self.fem_checks[name] for name, by in self.governing.items() if by is None}
+        outlets = ((outlet.place, outlet.by_elements) for outlet in self.outlets if outlet.doubted)
+        return self._unproven_fillets | {place: found for place, found in outlets if found}
 
     @property
     def _answers(self) -> dict[str, FilletCheck]:
@@ -143,18 +149,22 @@ class RuleCheck:
     @property
     def uncovered(self) -> dict[str, str]:
         """Outlets that neither the rule's polynomials nor elements cover, and why."""
-        open_ones = {outlet.place: outlet.not_judged for outlet in self.outlets if outlet.not_judged}
+        open_ones = {
+            outlet.place: outlet.not_judged
+            for outlet in self.outlets
+            if outlet.not_judged and not outlet.doubted
+        }
         return open_ones | dict(self.journal_outlets)
 
     @property
     def least_place(self) -> str:
-        """The place of least acceptability, fillets with unproven factors of elements among them."""
+        """The place of least acceptability, places with unproven factors of elements among them."""
         answers = self._answers
         return min(answers, key=lambda place: answers[place].acceptability)
 
     @property
     def safety(self) -> float:
-        """Least acceptability factor, fillets with unproven factors of elements among them."""
+        """Least acceptability factor, places with unproven factors of elements among them."""
         return min(check.acceptability for check in self._answers.values())
 
     @property

@@ -231,12 +231,29 @@ def test_the_lower_set_governs_at_a_radial_outlet(
     assert bool(lines) == (wanted == "polynomials")
 
 
-def test_lower_numbers_of_elements_that_prove_nothing_are_said() -> None:
+def test_lower_numbers_of_elements_that_prove_nothing_leave_a_radial_outlet_open() -> None:
     coarse = leaning((4.0, 5.0), jump_percent=7.0, outside=())
-    assert coarse.governed_by == "polynomials"
-    (line,) = rule_remarks([replace(check(ALLOWED, ALLOWED), outlets=(coarse,))])
-    assert "by polynomials govern, elements have" in line
+    assert coarse.governed_by is None
+    found = replace(check(ALLOWED, ALLOWED), outlets=(coarse,))
+    assert found.verdict == "not judged"
+    assert (found.uncovered, list(found.unproven)) == ({}, [coarse.place])
+    (line,) = rule_remarks([found])
     assert "jump between elements 7.0 %" in line
+    assert "a smaller --fillet-fraction helps" in line
+    refused = replace(coarse, check=FilletCheck(290.0, 300.0))
+    assert refused.governed_by == "polynomials", "they refuse it by themselves"
+    assert leaning((2.0, 3.0), jump_percent=7.0, outside=()).governed_by == "polynomials"
+    broken = replace(found, outlets=(leaning((12.0, 14.0), jump_percent=7.0, outside=()),))
+    assert (broken.verdict, broken.least_place) == ("not accepted", coarse.place)
+
+
+def test_lower_numbers_at_a_sharp_outlet_are_said() -> None:
+    """The largest stress of an edge is that of the mesh: no doubt of the polynomials."""
+    sharp = leaning((4.0, 5.0), sharp=True, outside=())
+    assert sharp.governed_by == "polynomials"
+    (line,) = rule_remarks([replace(check(ALLOWED, ALLOWED), outlets=(sharp,))])
+    assert "by polynomials govern, elements have" in line
+    assert "outlet_radius_mm = 0" in line
 
 
 def test_dimensions_by_the_rule_have_the_oil_bores() -> None:
