@@ -125,7 +125,7 @@ class RuleCheck:
 
     @property
     def unproven(self) -> dict[str, str]:
-        """Places whose answer waits for elements with a mesh that keeps the rule's checks, and what they say."""
+        """Places that wait for elements of a mesh that keeps the rule's checks, with what these say."""
         fillets = {
             f"{fillet} fillet": f"{self.quality.shortfall} (Q {found.acceptability:.3f} by these elements)"
             for fillet, found in self._unproven_fillets.items()
