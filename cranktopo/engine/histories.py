@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -74,8 +74,14 @@ def loads_name(loads: Loads) -> LoadsName:
 
 
 def histories_of(scene: Scene, loads: Loads, enabled: frozenset[str]) -> Sequence[LoadHistory]:
-    """Return the load histories that are judged one by one; errors as of `load_history`."""
-    return loads.histories if isinstance(loads, WebLoads) else (load_history(scene, loads, enabled),)
+    """Return the load histories that are judged one by one; errors as of `load_history`.
+
+    Over the cycle these are each throw's own, and each speed's where the shaft vibrates: no throw passes
+    through the states of another one, and no cycle through those of two speeds.
+    """
+    if isinstance(loads, WebLoads):
+        return loads.histories
+    return cycle_histories(scene, enabled) if loads == "cycle" else (load_history(scene, loads, enabled),)
 
 
 def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> LoadHistory:
@@ -83,19 +89,41 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
 
     "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
-    not tell, or a computed one above zero, counts as zero, and so does a largest one below it. "cycle"
-    follows every throw of the shaft over its working cycle. With `torsional_vibration` the torques are those
+    not tell, or a computed one above zero, counts as zero, and so does a largest one below it. "cycle" joins
+    `cycle_histories`. With `torsional_vibration` the torques are those
     of the vibrating shaft, at its worst speed too. A load whose effect is not enabled stays zero. All
     cylinders fire, also where `engine.misfire` names some that do not.
     """
+    if kind == "cycle":
+        return _joined(cycle_histories(scene, enabled))
     scene = all_firing(scene)
+    _check_engine(scene)
+    return _without(_extremes(scene, enabled), enabled)
+
+
+def cycle_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
+    """Return the cycle of every throw at the engine's speed, of a vibrating shaft also at its worst speed.
+
+    Errors as of `load_history`.
+    """
+    _check_engine(scene)
+    if "torsional_vibration" not in enabled:
+        return throw_histories(scene, enabled)
+    scene = all_firing(scene)
+    speeds = scene, at_worst_speed(scene, enabled)
+    return [
+        replace(one, labels=tuple(f"{label}, {engine_of(at).speed_rpm:.0f} rpm" for label in one.labels))
+        for at in speeds
+        for one in throw_histories(at, enabled)
+    ]
+
+
+def _check_engine(scene: Scene) -> None:
     if scene.engine is None:
         raise CranktopoError(
             "engine: is missing, so the loads are unit loads without a stress level.",
             hint="Add an [engine] table with gas, or with max_gas_force_N and max_torque_Nm.",
         )
-    history = _extremes(scene, enabled) if kind == "extremes" else _cycle(scene, scene.engine, enabled)
-    return _without(history, enabled)
 
 
 def tangential_range_N(scene: Scene, enabled: frozenset[str]) -> float:
@@ -174,32 +202,13 @@ def _radial_extremes_N(analysis: LoadAnalysis, given_N: float) -> tuple[float, f
     return high.value, low.value
 
 
-def _cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
-    """Return the cycle at the engine's speed; of a vibrating shaft also that at its worst speed."""
-    if "torsional_vibration" not in enabled:
-        return _one_cycle(scene, engine, enabled)
-    worst = at_worst_speed(scene, enabled)
-    first, second = (_one_cycle(at, engine_of(at), enabled) for at in (scene, worst))
-    joined = {
-        name: np.concatenate([getattr(first, name), getattr(second, name)])
-        for name in ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
-    }
-    labels = [
-        f"{label}, {engine_of(at).speed_rpm:.0f} rpm"
-        for at, part in ((scene, first), (worst, second))
-        for label in part.labels
-    ]
-    return LoadHistory(**joined, labels=tuple(labels))
-
-
 def throw_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
-    """Return the cycle of every throw at the engine's speed, as `load_history` joins them."""
+    """Return the cycle of every throw at the engine's speed, all cylinders firing."""
     scene = all_firing(scene)
     return [_without(one, enabled) for one in _throw_cycles(scene, engine_of(scene), enabled)]
 
 
-def _one_cycle(scene: Scene, engine: Engine, enabled: frozenset[str]) -> LoadHistory:
-    parts = _throw_cycles(scene, engine, enabled)
+def _joined(parts: Sequence[LoadHistory]) -> LoadHistory:
     names = ("radial_N", "tangential_N", "torque_Nm", "angular_speed_rad_s")
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return LoadHistory(**joined, labels=tuple(label for part in parts for label in part.labels))

@@ -35,7 +35,7 @@ PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
     "cycles": ((f"{_TETRAHEDRA}.solver", ("_conjugate_gradients",)),),
     "stress": (
         ("cranktopo.tasks.fatigue.stress_model", ("nodal_stress", "outer_surface", "surface_stress")),
-        ("cranktopo.tasks.fatigue.safety_field", ("safety_field",)),
+        ("cranktopo.tasks.fatigue.target_safety", ("safety_field",)),
     ),
     "error estimate": ((f"{_FEA}.discretisation_error", ("_part", "_answered", "_added", "_volume")),),
     "moved mesh, gradients": (

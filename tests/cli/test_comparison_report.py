@@ -408,7 +408,7 @@ def test_sharp_fillets_are_found_before_the_work(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
     text = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
     path = tmp_path / "sharp.toml"
     path.write_text(text.replace("fillet_mm = 2.5", "fillet_mm = 0.0"), encoding="utf-8")

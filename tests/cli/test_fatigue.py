@@ -112,7 +112,7 @@ def test_small_fillets_stay_where_the_method_needs_no_fatigue_strength(
         met.append(target.scene.throw.crankpin.fillet_mm)
         raise CranktopoError("met.")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
     monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", solved)
     path = design(
         tmp_path,
@@ -140,8 +140,8 @@ def test_two_methods_share_the_unit_loads(monkeypatch: pytest.MonkeyPatch) -> No
         held.append(target.name)
         return target
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solve)
-    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.safety_field", judged)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solve)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.safety_field", judged)
     monkeypatch.setattr(stage, "with_throw_stiffness", with_stiffness)
     monkeypatch.setattr(stage, "_note_fields", lambda *_: None)
     names = ["mikron-iiic-plain", "opposed-piston"]
@@ -160,7 +160,7 @@ def test_a_later_target_is_checked_before_the_first_is_solved(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the inputs were checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
     sharp = design(tmp_path, ("fillet_mm = 2.5", "fillet_mm = 0.0"))
     assert main(["fatigue", "mikron-iiic-plain", sharp]) == 3
     assert "singular" in capsys.readouterr().err
@@ -199,7 +199,7 @@ def test_a_file_is_no_folder_for_results(
     def solved(*_: object) -> None:
         raise AssertionError("solved before the destination was checked")
 
-    monkeypatch.setattr("cranktopo.tasks.fatigue.safety_field.solve_stresses", solved)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.target_safety.solve_stresses", solved)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")
     for out in (tmp_path / "mine", tmp_path / "mine" / "folder"):
         assert main(["fatigue", "mikron-iiic-plain", "--out", str(out)]) == 3

@@ -12,8 +12,8 @@ import numpy as np
 
 from cranktopo.base.units import N_PER_KN
 from cranktopo.design.loading import load_scene
-from cranktopo.tasks.fatigue.safety_field import fatigue_field
 from cranktopo.tasks.fatigue.shaft_stress import shaft_loads, solve_shaft_stress
+from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.continuous import continuous_shaft
 from cranktopo.tasks.shaft.loaded_throw import loaded_throw

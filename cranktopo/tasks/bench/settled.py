@@ -21,7 +21,8 @@ from cranktopo.tasks.bench.live import exact_values, of_stiffness_names
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.remarks import yield_warning
-from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_field
+from cranktopo.tasks.fatigue.safety_field import FatigueField
+from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.evaluation import evaluate
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.targets import Target

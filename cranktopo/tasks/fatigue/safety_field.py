@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
-from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, WebHistory, WebLoads, load_history
+from cranktopo.engine.histories import LoadHistory, WebHistory
 from cranktopo.tasks.fatigue.criteria import criterion, safety_method
 from cranktopo.tasks.fatigue.criterion import LocalStress, PointSafety
 from cranktopo.tasks.fatigue.fillets import place
@@ -26,15 +25,12 @@ from cranktopo.tasks.fatigue.hardening import (
     treated_fillets,
 )
 from cranktopo.tasks.fatigue.lsa import lsa_strength, point_strength_MPa
-from cranktopo.tasks.fatigue.needs import check_method, load_kinds
 from cranktopo.tasks.fatigue.plane_criterion import PlaneCriterion, PlaneDiagram
 from cranktopo.tasks.fatigue.plane_field import histories, least_safety
 from cranktopo.tasks.fatigue.result import CriticalPoint, HardenedFillet, PartLife, PointScatter
 from cranktopo.tasks.fatigue.scatter import counts_scatter, point_scatter
-from cranktopo.tasks.fatigue.spectrum import counts_lives, part_lives, speed_histories
-from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, solve_stresses
+from cranktopo.tasks.fatigue.stress_model import StressModel
 from cranktopo.tasks.fatigue.superposition import SignedVonMisesRange, signed_von_mises_ranges
-from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind
 
 _UNIT_OF: dict[FieldKind, Callable[[LoadHistory], Array]] = {
@@ -82,78 +78,6 @@ class FatigueField:
     scatter: dict[str, PointScatter] = field(default_factory=dict)
     diagram: PlaneDiagram | None = None
     at_outlet: CriticalPoint | None = None
-
-
-def fatigue_field(
-    target: Target,
-    method: str,
-    kind: HistoryKind = "extremes",
-    fillet_fraction: float = RULE_FRACTION,
-) -> FatigueField:
-    """Fatigue safety of a throw by a method of local stresses, without the lives by its spectrum.
-
-    Raises:
-        CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
-    """
-    return _fields(target, (method,), kind, fillet_fraction, lives=False)[0]
-
-
-def fatigue_fields(
-    target: Target, methods: Sequence[str], kind: HistoryKind, fillet_fraction: float
-) -> tuple[FatigueField, ...]:
-    """Return the safety of a throw by each of several methods, and the lives where its scene has a spectrum.
-
-    Its unit loads are solved once.
-
-    Raises:
-        CranktopoError: missing material data or loads, sharp fillets, or a failed solve.
-    """
-    return _fields(target, methods, kind, fillet_fraction, lives=True)
-
-
-def web_field(
-    target: Target, method: str, loads: WebLoads, fillet_fraction: float = RULE_FRACTION
-) -> FatigueField:
-    """Return the safety of a web under that of the loads which it bears worst.
-
-    Raises:
-        CranktopoError: missing material data, sharp fillets, or a failed solve.
-    """
-    check_method(target.scene, method)
-    model = solve_stresses(target, load_kinds(target.scene, loads)[1], fillet_fraction)
-    own = replace(model, images=tuple(image for image in model.images if not image.flip_z))
-    fields = (safety_field(own, method, history) for history in loads.histories)
-    return min(fields, key=lambda one: one.critical.safety)
-
-
-def _fields(
-    target: Target, methods: Sequence[str], kind: HistoryKind, fillet_fraction: float, *, lives: bool
-) -> tuple[FatigueField, ...]:
-    for method in methods:
-        check_method(target.scene, method)
-    lived = lives and any(counts_lives(target.scene, safety_method(method)) for method in methods)
-    enabled, kinds = load_kinds(target.scene, "cycle" if lived else kind)
-    history = load_history(target.scene, kind, enabled)
-    speeds = speed_histories(target.scene, enabled) if lived else []
-    note(f"{target.name}: unit loads {', '.join(kinds)} for {len(history.labels)} load states")
-    model = solve_stresses(target, kinds, fillet_fraction)
-    fields = tuple(safety_field(model, method, history) for method in methods)
-    return tuple(with_lives(one, speeds) for one in fields) if lived else fields
-
-
-def with_lives(found: FatigueField, speeds: Sequence[Sequence[LoadHistory]]) -> FatigueField:
-    """Return the field with the lives of its parts, where the scene has a spectrum."""
-    model = found.model
-    if not counts_lives(model.scene, safety_method(found.method)):
-        return found
-
-    def judged(local: LocalStress, nodes: Index) -> Array:
-        return point_safety(model, found.method, local, nodes)
-
-    def loads_of(history: LoadHistory) -> Array:
-        return unit_loads(history, model.kinds)
-
-    return replace(found, lives=part_lives(model, found.safety, judged, loads_of, speeds))
 
 
 def safety_field(model: StressModel, method: str, history: LoadHistory) -> FatigueField:

@@ -21,11 +21,12 @@ from cranktopo.tasks.fatigue.needs import check_inputs
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.remarks import note_quality, note_yielding
 from cranktopo.tasks.fatigue.rule_check import check_rule
-from cranktopo.tasks.fatigue.safety_field import FatigueField, fatigue_fields
+from cranktopo.tasks.fatigue.safety_field import FatigueField
 from cranktopo.tasks.fatigue.scatter import counts_scatter
 from cranktopo.tasks.fatigue.shaft_stress import worst_throw
 from cranktopo.tasks.fatigue.spectrum import counts_lives, load_rainflow
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.fatigue.target_safety import fatigue_fields
 from cranktopo.tasks.fatigue.vtu import write_fatigue_vtu
 from cranktopo.tasks.fea.stage import print_assumed
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_targets

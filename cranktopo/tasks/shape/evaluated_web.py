@@ -18,8 +18,8 @@ from cranktopo.engine.plan.planning import planned_scene
 from cranktopo.engine.plan.simulated import Feature
 from cranktopo.tasks.fatigue.largest_stress import largest_of_field_MPa, largest_stress_MPa
 from cranktopo.tasks.fatigue.needs import check_inputs, check_loads
-from cranktopo.tasks.fatigue.safety_field import fatigue_field, web_field
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
+from cranktopo.tasks.fatigue.target_safety import fatigue_field, web_field
 from cranktopo.tasks.fea.evaluation import evaluate, evaluate_on_mesh
 from cranktopo.tasks.fea.quantities import goal_values
 from cranktopo.tasks.fea.result import EvaluationResult

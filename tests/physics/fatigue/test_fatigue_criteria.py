@@ -19,10 +19,11 @@ from cranktopo.tasks.fatigue.needs import load_kinds
 from cranktopo.tasks.fatigue.picture import save_fatigue_picture
 from cranktopo.tasks.fatigue.plane_criterion import HistoryBounds, PlaneCriterion, PlaneDiagram, Severity
 from cranktopo.tasks.fatigue.plane_field import histories
-from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads, with_lives
+from cranktopo.tasks.fatigue.safety_field import FatigueField, safety_field, unit_loads
 from cranktopo.tasks.fatigue.spectrum import speed_histories
 from cranktopo.tasks.fatigue.stage import assess_by_methods, assess_fatigue
 from cranktopo.tasks.fatigue.superposition import signed_von_mises_range
+from cranktopo.tasks.fatigue.target_safety import with_lives
 from cranktopo.tasks.fea.targets import resolve_targets
 
 

@@ -17,7 +17,7 @@ from cranktopo.numerics.tetrahedra.sharp_edges import near_sharp_edges
 from cranktopo.numerics.tetrahedra.stress import nodal_stress, outer_surface
 from cranktopo.tasks.fatigue.fillets import cut_outlet_nodes
 from cranktopo.tasks.fatigue.remarks import note_quality
-from cranktopo.tasks.fatigue.safety_field import fatigue_field
+from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.targets import Target
 from tests.fast_twin import ENGINE
 from tests.physics.fatigue.stepped_shaft import Shaft, shaft_mesh

@@ -11,7 +11,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import mean_displacement
 from cranktopo.numerics.tetrahedra.mesh import TetMesh
 from cranktopo.tasks.fatigue.fillets import place
-from cranktopo.tasks.fatigue.safety_field import fatigue_field
+from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.condense import loaded_mm
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import FieldKind, unit_fields
