@@ -21,6 +21,7 @@ from cranktopo.design.assumed import (
     SUPPORTS,
     THROW,
     VIBRATION,
+    Assumption,
     assumed_text,
     assumptions,
 )
@@ -38,6 +39,7 @@ from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
 from cranktopo.engine.histories import Loads, WebLoads, histories_of, loads_name
 from cranktopo.engine.performance import note_pressure
+from cranktopo.engine.plan.effect import PhysicsPlan
 from cranktopo.engine.plan.planning import note_left_off, plan, plan_for_stress
 from cranktopo.numerics.precision import check_device, double_precision
 from cranktopo.numerics.surfaces.files import read_stl
@@ -147,16 +149,12 @@ def shape_design(
     stress = plan_for_stress(scene)
     if stresses_in(goal.quantities):
         histories_of(scene, settings.loads, stress.enabled)  # refuses loads that the scene does not tell
-    note_left_off(scene.name, scene, stress)
-    note_strength(scene.name, scene)
-    note_pressure(scene.name, scene)
-    if "continuous_shaft" in stress.enabled and not isinstance(settings.loads, WebLoads):
-        note(
-            f"{scene.name}: effect continuous_shaft counts in `fatigue` and `compare`; here a throw is alone"
-        )
     assumed = assumptions(scene, TABLES)
-    if assumed:
-        note(assumed_text(assumed))
+    if not isinstance(settings.loads, WebLoads):  # of the webs of a shaft it is told once
+        note_loads(scene, stress, assumed)
+        if "continuous_shaft" in stress.enabled:
+            counts = "effect continuous_shaft counts in `fatigue` and `compare`"
+            note(f"{scene.name}: {counts}; here a throw is alone")
     if isinstance(begun, RunStore):
         begun = _remodelled(begun, settings.limits)
     settings = replace(settings, limits=process_limits(scene, settings.limits))
@@ -166,6 +164,15 @@ def shape_design(
     begin = {} if begun is None else {_BEGUN: begun.model_dump(mode="json")}
     run = new_run(scene, assumed, out, design_toml, command, {SHAPE: kept_settings(settings), **begin})
     return _worked(run, scene, settings, start)
+
+
+def note_loads(scene: Scene, stress: PhysicsPlan, assumed: Sequence[Assumption]) -> None:
+    """Tell what is to be known of loads and strength before a web is made by them."""
+    note_left_off(scene.name, scene, stress)
+    note_strength(scene.name, scene)
+    note_pressure(scene.name, scene)
+    if assumed:
+        note(assumed_text(assumed))
 
 
 def resume_shape(reference: str | Path, loads: WebLoads | None = None) -> ShapedRun:

@@ -12,7 +12,7 @@ from cranktopo.base.errors import CranktopoError, ExitCode, invalid
 from cranktopo.base.files import as_path, write_json
 from cranktopo.base.notes import Pace, indented, note
 from cranktopo.base.progress import Json, StageCache, Work
-from cranktopo.design.assumed import assumed_text, assumptions
+from cranktopo.design.assumed import assumptions
 from cranktopo.design.crank_throws import throw_count
 from cranktopo.design.free_dimensions import DIMENSIONS, free_range_mm, is_of_counterweight
 from cranktopo.design.goal.limit import Goal, Limit
@@ -23,6 +23,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.shape import FreeDimensions
 from cranktopo.design.writing import design_from_run, new_run
 from cranktopo.engine.gas import pressure_curve
+from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.numerics.precision import check_device
 from cranktopo.report.page import Page
 from cranktopo.report.report_file import REPORT, write_report
@@ -40,7 +41,14 @@ from cranktopo.tasks.shape.each_web.loaded_shaft import LoadedShaft, loaded_shaf
 from cranktopo.tasks.shape.each_web.page import each_web_page
 from cranktopo.tasks.shape.each_web.result import EachWebResult
 from cranktopo.tasks.shape.each_web.rounds import CrankSearch
-from cranktopo.tasks.shape.run import TABLES, kept_settings, settings_of, shape_goal, shape_settings
+from cranktopo.tasks.shape.run import (
+    TABLES,
+    kept_settings,
+    note_loads,
+    settings_of,
+    shape_goal,
+    shape_settings,
+)
 from cranktopo.tasks.shape.stage import ShapeSettings
 
 _ONE, _OWN = "one-web", "own-webs"
@@ -78,8 +86,7 @@ def shape_each_web(
     _check(scene)
     settings = settings or shape_settings(scene)
     assumed = assumptions(scene, TABLES)
-    if assumed:
-        note(assumed_text(assumed))
+    note_loads(scene, plan_for_stress(scene), assumed)
     options: dict[str, Any] = {EACH_WEB: kept_settings(replace(settings, loads="extremes"))}
     run = new_run(scene, assumed, out, design_toml, command, options)
     return _worked(run, scene, settings)
