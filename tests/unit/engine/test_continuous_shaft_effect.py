@@ -50,10 +50,10 @@ def test_two_spans_by_the_book() -> None:
     [
         ("mikron-iiic", None, 0.54, 0.79),
         ("mikron-iiic", 3e5, 0.56, 0.85),
-        ("car-diesel", None, 0.57, 0.80),
-        ("car-diesel", 3e5, 0.83, 1.04),
-        ("industrial-gas", 3e6, 0.42, 0.85),
-        ("industrial-gas", 3e5, 0.90, 1.24),
+        ("car-diesel", None, 0.56, 0.80),
+        ("car-diesel", 3e5, 0.82, 1.03),
+        ("industrial-gas", 3e6, 0.42, 0.84),
+        ("industrial-gas", 3e5, 0.88, 1.22),
     ],
 )
 def test_estimate_agrees_with_elements(name: str, spring: float | None, least: float, largest: float) -> None:
@@ -80,7 +80,7 @@ def test_soft_bearings_switch_it_on() -> None:
     assert effect.state == "on"
     assert effect.estimate_percent == pytest.approx(25, abs=3)
     off = on_springs("industrial-gas", 3e5, continuous_shaft="off")
-    assert "continuous_shaft 25" in left_off(off, plan(off))
+    assert f"continuous_shaft {effect.estimate_percent:.1f} %" in left_off(off, plan(off))
 
 
 @pytest.mark.parametrize(
