@@ -126,7 +126,8 @@ class Coupling(Rotor):
     """Elastic coupling behind the flywheel, or behind the crankshaft where there is none."""
 
     inertia_kg_m2: Inertia = Field(examples=[0.05])
-    """Inertia of its driven half; the driving half belongs to the flywheel."""
+    """Inertia of its driven half; the driving half belongs to the flywheel. Behind a gear that turns i times
+    as fast as the crankshaft, inertia, stiffness and damping count i squared times."""
     stiffness_Nm_per_rad: TorsionalStiffness = Field(examples=[2.0e4])
     """Dynamic torsional stiffness."""
     loss_factor: LossFactor = 0.0
@@ -160,7 +161,8 @@ class ShaftTable(SceneTable):
     """What turns with the crankshaft, and what damps it: the model of torsional vibration.
 
     From the free end to the takeoff: damper, pulley, the throws, flywheel, coupling, driven machine or
-    propeller. Values behind a gear are referred to the speed of the crankshaft.
+    propeller. Values behind a gear that turns i times as fast as the crankshaft are those of the part times
+    i squared: inertia, stiffness and damping alike.
     """
 
     speed_min_rpm: TurningSpeed | None = Field(default=None, examples=[700.0])
@@ -176,7 +178,8 @@ class ShaftTable(SceneTable):
     )
     """The same of every throw, from the free end; one between neighbours is stiffer than the outer ones."""
     cylinder_damping_Nms_per_rad: TorsionalDamping = 0.0
-    """Absolute damping: torque at each throw over the angular velocity of its vibration (friction)."""
+    """Absolute damping of a cylinder (friction): torque over the angular velocity of its throw's vibration.
+    A throw with two rods has it twice."""
     throw_damping_Nms_per_rad: TorsionalDamping = 0.0
     """Relative damping: torque between neighbouring throws over their relative angular velocity."""
     throw_loss_factor: LossFactor = 0.02

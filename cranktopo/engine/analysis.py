@@ -69,7 +69,7 @@ class Cycle:
 
     @property
     def forces(self) -> ThrowForces:
-        """Forces of the throw, or of the web, with the largest radial force; of equal ones the first."""
+        """Forces of the throw, or of the web, with the largest web force; of equal ones the first."""
         return self._shown[1]
 
     @property
@@ -79,10 +79,10 @@ class Cycle:
 
     @property
     def _shown(self) -> tuple[str, ThrowForces]:
-        return max(self._unlike, key=lambda one: _size(np.abs(one[1].web_force_N).max()))
+        return max(self.unlike, key=lambda one: _size(np.abs(one[1].web_force_N).max()))
 
     @property
-    def _unlike(self) -> tuple[tuple[str, ThrowForces], ...]:
+    def unlike(self) -> tuple[tuple[str, ThrowForces], ...]:
         """Names and forces of throws or webs that differ; one without a name where all are alike."""
         if all(forces is self.pins[0][1] for _, forces in self.pins):
             return (("", self.pins[0][1]),)
@@ -90,7 +90,7 @@ class Cycle:
 
     def extreme(self, name: str) -> tuple[Extreme, Extreme]:
         """Largest and smallest value of a curve of all throws."""
-        return _outermost([extremes_of(f.angle_deg, getattr(f, name), place) for place, f in self._unlike])
+        return _outermost([extremes_of(f.angle_deg, getattr(f, name), place) for place, f in self.unlike])
 
     def largest(self, name: str) -> Extreme:
         """Return the value of a curve of all throws that is largest in magnitude, with its sign."""

@@ -59,9 +59,10 @@ def extreme_states(scene: Scene, enabled: frozenset[str]) -> tuple[ExtremeState,
     scene = all_firing(scene)
     analysis, *others = [analyse(at, enabled) for at in at_extreme_speeds(scene, enabled)]
     high, low = _torques((analysis, *others))
-    states = [_radial(scene, analysis), _torque_state("max_torque", *high), _tangential(analysis)]
+    throws = "" if scene.shaft is None or scene.shaft.gives_stiffness else ", throws in closed form"
+    states = [_radial(scene, analysis), _torque_state("max_torque", *high, throws), _tangential(analysis)]
     if low[1] is not None:
-        states.append(_torque_state("min_torque", *low))
+        states.append(_torque_state("min_torque", *low, throws))
     overspeed = _overspeed(scene, analysis, enabled)
     if _load(overspeed) or overspeed.case.speed_rpm:
         states.append(overspeed)
@@ -108,12 +109,13 @@ def _torques(analyses: Sequence[LoadAnalysis]) -> tuple[_Torque, _Torque]:
     return high, low
 
 
-def _torque_state(name: str, analysis: LoadAnalysis, torque: Extreme | None) -> ExtremeState:
+def _torque_state(name: str, analysis: LoadAnalysis, torque: Extreme | None, throws: str) -> ExtremeState:
+    """Return an extreme of the torque; `throws` tells where the stiffness of a vibrating shaft is from."""
     if torque is None:
         return _unit_state("torsion", "unit load: neither engine.gas nor engine.max_torque_Nm is given")
     which = "largest" if name == "max_torque" else "smallest"
     vibrates = analysis.cycle is not None and analysis.cycle.torque.vibrates
-    section = f"{torque.place} of the vibrating shaft" if vibrates else "behind a throw"
+    section = f"{torque.place} of the vibrating shaft{throws}" if vibrates else "behind a throw"
     source = f"{which} torque {section}, at {_where(analysis, replace(torque, place=''))}"
     if torque.deg is None:
         source = f"engine.{name}_Nm"

@@ -144,7 +144,7 @@ def _holds(limit: LimitOutcome) -> str:
         return "NO"
     if short := short_percent(limit):
         return f"yes, {short:.2f} % short"
-    return f"yes, within {100 * ACTIVE:g} %" if limit.active else "yes"
+    return f"yes, by less than {100 * ACTIVE:g} %" if limit.active else "yes"
 
 
 def _evaluated(limit: LimitOutcome) -> LimitEvaluation:

@@ -104,6 +104,7 @@ def test_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "2 of 2" in text
     assert "less than the error estimate" not in text
     assert "SHA-256 of the scene" in text
+    assert f"Loads: {NAMES[0]}" in text, "whose they are"
 
 
 @pytest.fixture

@@ -363,7 +363,7 @@ def test_plan_warns_of_what_a_shaft_leaves_out(tmp_path, capsys):
 
 
 def test_curves_of_one_web_of_two_say_whose_they_are(capsys, tmp_path):
-    """Of two rods on a pin each web feels the nearer one more; the table has both, the curves have one."""
+    """Of two rods on a pin each web feels the nearer one more: table, file and plot have both."""
     scene = arranged(VEE + "throw_angles_deg = [0.0]", 2, (1, 2))
     data = scene.model_dump(mode="json", by_alias=True, exclude_none=True)
     (tmp_path / "twin.toml").write_text(dumped(data), encoding="utf-8")
@@ -379,9 +379,16 @@ def test_curves_of_one_web_of_two_say_whose_they_are(capsys, tmp_path):
     place = analyse(scene).cycle.place
     assert code == 0
     assert place in ("web 1 of throw 1", "web 2 of throw 1")
-    assert f"forces on the crankpin of {place}, where the radial force is largest" in err
-    assert f"radial, {place}" in (tmp_path / "p.svg").read_text(encoding="utf-8")
-    assert run(capsys, "loads", "mikron-iiic", "--csv", str(tmp_path / "m.csv"))[2].count("crankpin of") == 0
+    assert f"those of {place}, where the force on the web is largest" in err
+    plotted = (tmp_path / "p.svg").read_text(encoding="utf-8")
+    assert all(f"radial, web {number} of throw 1" in plotted for number in (1, 2))
+    columns = np.genfromtxt(tmp_path / "c.csv", delimiter=",", names=True)
+    radial, cycle = analyse(scene).cycle.extreme("radial_force_N")[0], analyse(scene).cycle
+    other = columns[f"radial_force_{radial.place.replace(' ', '_')}_N"]
+    assert other.max() == pytest.approx(radial.value, rel=1e-6)
+    assert columns["web_force_N"] == pytest.approx(cycle.forces.web_force_N, rel=1e-6, abs=1e-3)
+    alike = run(capsys, "loads", "mikron-iiic", "--csv", str(tmp_path / "m.csv"))[2]
+    assert "place in their name" not in alike
 
 
 def test_the_torque_of_a_vibrating_shaft_is_called_by_its_section_and_speed(tmp_path: Path) -> None:

@@ -55,6 +55,11 @@ def test_json_page_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     barred = data["barred_ranges"]
     assert above == [s["rpm"] for s in speeds if any(low <= s["rpm"] <= high for low, high in barred)]
     assert {rpm for pair in barred for rpm in pair} <= set(above)
+    runs_there = any(low <= 2100.0 <= high for low, high in barred)
+    assert (
+        any("engine's speed of 2100 rpm lies in the barred range" in w for w in data["warnings"])
+        == runs_there
+    )
     assert data["damping"] == {
         "cylinder_damping_Nms_per_rad": 0.0,
         "throw_damping_Nms_per_rad": 0.0,

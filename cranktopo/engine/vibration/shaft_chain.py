@@ -171,6 +171,8 @@ def shaft_chain(
     second_halves = [k / (1 - share) * lossy for k, share in zip(throws_Nm_per_rad, shares, strict=True)]
     free = end_chain(scene, "free", 1 / first_halves[0].real)
     output = end_chain(scene, "output", 1 / second_halves[-1].real)
+    rods = scene.engine.rods_per_pin if scene.engine else 1
+    absolute = rods * shaft.cylinder_damping_Nms_per_rad
     row = _Row()
     free_end = _add_free_end(row, shaft, free)
     first = len(row.names)
@@ -178,7 +180,7 @@ def shaft_chain(
         spring = _series(free_end if number == 1 else second_halves[number - 2], half)
         relative = shaft.throw_damping_Nms_per_rad if number > 1 else 0.0
         inertia = (inertias[number - 1] + moving) / MM2_PER_M2
-        row.add(f"throw {number}", inertia, spring, relative, shaft.cylinder_damping_Nms_per_rad)
+        row.add(f"throw {number}", inertia, spring, relative, absolute)
     row.inertia[first] += free.inner_kg_m2 if free else 0.0
     row.inertia[-1] += output.inner_kg_m2 if output else 0.0
     _add_output_end(row, shaft, second_halves[-1], output)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -290,6 +291,8 @@ def study_vibration(
     response = model.over_the_range()
     worst_rpm = float(response.speeds_rpm[response.worst.speed_index])
     permitted = scene.shaft.permitted_shear_MPa if scene.shaft else None
+    barred = None if permitted is None else response.barred_rpm(permitted)
+    runs_there = runs_barred(scene, barred or ())
     return VibrationStudy(
         scene,
         stiffness_source,
@@ -299,10 +302,28 @@ def study_vibration(
         varying_inertia_percent(scene, throw_inertia_kg_mm2),
         model.varying,
         model.with_mean_inertia(worst_rpm) if model.varying.included else response,
-        None if permitted is None else response.barred_rpm(permitted),
-        shaft_warnings(scene),
+        barred,
+        (*shaft_warnings(scene), *([f"shaft: {runs_there}"] if runs_there else [])),
         None if run_up_s is None else run_up(shaft, harmonics, model.range_rpm, run_up_s),
     )
+
+
+def runs_barred(scene: Scene, barred_rpm: Iterable[tuple[float, float]]) -> str:
+    """Return in words which of the engine's speeds lies in a barred range; empty where none does."""
+    engine, shaft = scene.engine, scene.shaft
+    if engine is None or shaft is None:
+        return ""
+    ranges, speeds = tuple(barred_rpm), {"speed": engine.speed_rpm, "overspeed": engine.overspeed_rpm}
+    found = [
+        f"the engine's {name} of {rpm:g} rpm lies in the barred range from {low:.0f} to {high:.0f} rpm"
+        for name, rpm in speeds.items()
+        for low, high in ranges
+        if rpm is not None and low <= rpm <= high
+    ]
+    if not found:
+        return ""
+    permitted = f"shaft.permitted_shear_MPa = {shaft.permitted_shear_MPa:g}"
+    return f"{' and '.join(found)}: nominal shear stress above {permitted}"
 
 
 def misfires_of_each(study: VibrationStudy) -> tuple[Misfire, ...]:

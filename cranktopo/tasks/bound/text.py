@@ -116,13 +116,16 @@ def bound_sections(bound: AnyBound | BoundStatement | None, model: str) -> tuple
     known = [entry for entry in told if isinstance(entry, BoundStatement) and entry.value is not None]
     outside = bound.outside_envelope if isinstance(bound, BoundStatements) else None
     lines = [*map(_statement_line, told), *filter(None, [outside_words(outside)])]
-    text = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
+    if known:
+        lines.append(
+            f"original and result are those of {model}; the bound is a change against the original in the "
+            "cells of the bound"
+        )
     return (
         Section(
             "bound",
             "How far from the best possible web",
-            f"{text} Original and result are those of {model}; the bound is a change against the original in "
-            "the cells of the bound.",
+            " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines),
             tables=tuple(
                 (f"{QUANTITIES[e.quantity].label.capitalize()}, percent of the original", bound_table(e))
                 for e in known

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cranktopo.base.files import replacing
@@ -117,14 +117,20 @@ def comparison_page(record: ComparisonRecord) -> Page:
             *_goals(comparison),
             _accuracy(comparison),
             stress_section(scene3d, f"{record.command} --stress"),
-            loads_section(record.loads, record.cases),
-            effects_section(record.effects.effects),
+            _of(base, loads_section(record.loads, record.cases)),
+            _of(base, effects_section(record.effects.effects)),
             _provenance(record),
             versions_section(record.versions),
         ),
         scene3d=scene3d,
         picture=gallery_picture(bodies) if bodies else None,
     )
+
+
+def _of(base: str, section: Section) -> Section:
+    """Name the design whose loads or effects a section has: those of another web can differ."""
+    whose = f"Those of {base}; the torque of a vibrating shaft, and what the masses do, are each web's own."
+    return replace(section, title=f"{section.title}: {base}", text=f"{whose} {section.text}")
 
 
 def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:

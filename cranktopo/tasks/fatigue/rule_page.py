@@ -11,7 +11,7 @@ from cranktopo.design.strength import strength_remarks
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
-from cranktopo.engine.vibration.study import VibrationStudy
+from cranktopo.engine.vibration.study import VibrationStudy, runs_barred
 from cranktopo.report.page import (
     Fact,
     FactStatus,
@@ -89,7 +89,7 @@ def rule_page(record: RuleRecord) -> Page:
     return Page(
         title=f"Crankshaft {record.name} against IACS UR M53",
         subtitle=f"Document {record.document}. Calculation of the crank throw, {record.written[:10]}",
-        headline=" ".join([_headline(checks), *_strength(record)]),
+        headline=" ".join([_headline(checks), *_barred(record.vibration), *_strength(record)]),
         facts=tuple(fact for check in checks for fact in _facts(check)),
         sections=(
             *_each(checks, _acceptability),
@@ -135,6 +135,12 @@ def _headline(checks: Sequence[RuleCheck]) -> str:
             f" Not judged: {name}, {why}." for check in checks for name, why in check.not_judged.items()
         )
     )
+
+
+def _barred(study: VibrationStudy | None) -> list[str]:
+    """Return that the engine runs at a barred speed, which the rule's factors say nothing of."""
+    told = "" if study is None else runs_barred(study.scene, study.barred_rpm or ())
+    return [f"But {told}."] if told else []
 
 
 def _strength(record: RuleRecord) -> list[str]:

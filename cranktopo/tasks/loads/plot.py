@@ -18,6 +18,8 @@ from cranktopo.report.plot import name_above, save_figure
 from cranktopo.runs.destination import check_file
 
 _AXES_INCHES = 7.8
+_MOST_WEBS = 2
+"""Webs whose forces can be told apart in one panel."""
 
 
 def plot_loads(analysis: LoadAnalysis, title: str, path: Path) -> None:
@@ -55,11 +57,15 @@ def _draw_piston_forces(axes: Any, analysis: LoadAnalysis) -> None:
 
 
 def _draw_crankpin_forces(axes: Any, analysis: LoadAnalysis) -> None:
-    """Radial and tangential force on the crankpin."""
+    """Radial and tangential force on the crankpin, of more than two webs that differ the larger one's."""
     cycle = _cycle(analysis)
-    forces, of_web = cycle.forces, f", {cycle.place}" if cycle.place else ""
-    axes.plot(forces.angle_deg, forces.radial_force_N / 1000, label=f"radial{of_web}")
-    axes.plot(forces.angle_deg, forces.tangential_force_N / 1000, label=f"tangential{of_web}")
+    shown = cycle.unlike if len(cycle.unlike) <= _MOST_WEBS else ((cycle.place, cycle.forces),)
+    for (place, forces), style in zip(shown, ("-", "--"), strict=False):
+        of_web = f", {place}" if place else ""
+        axes.plot(forces.angle_deg, forces.radial_force_N / 1000, f"C0{style}", label=f"radial{of_web}")
+        axes.plot(
+            forces.angle_deg, forces.tangential_force_N / 1000, f"C1{style}", label=f"tangential{of_web}"
+        )
     _frame(axes, analysis, "force on the crankpin (kN)")
 
 

@@ -162,7 +162,11 @@ class Loads(LoadsAtSpeed):
 
 
 def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
-    """Return all curves of one speed as columns with units in their names."""
+    """Return all curves of one speed as columns with units in their names.
+
+    Where throws or webs differ, forces without a place in their name are those of `Cycle.place`, and the
+    forces of every place follow.
+    """
     cycle = analysis.cycle
     if cycle is None:
         return {}
@@ -176,7 +180,14 @@ def curve_columns(analysis: LoadAnalysis) -> dict[str, Array]:
     }
     for number, torque in enumerate(cycle.torque.passed_on_Nm, start=1):
         columns[f"torque_behind_throw_{number}_Nm"] = torque
+    for place, forces in cycle.unlike if cycle.place else ():
+        columns |= {_at_place(name, place): curve for name, curve in forces.curves().items()}
     return columns
+
+
+def _at_place(name: str, place: str) -> str:
+    stem, unit = name.rsplit("_", 1)
+    return f"{stem}_{place.replace(' ', '_')}_{unit}"
 
 
 def extremes_of(analysis: LoadAnalysis | None) -> dict[str, Range]:

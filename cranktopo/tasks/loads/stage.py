@@ -101,7 +101,10 @@ def write_load_curves(scene: DesignLike, path: Path | str, speeds_rpm: Sequence[
         np.savetxt(temporary, values, fmt="%.8g", delimiter=",", header=",".join(tables[0]), comments="")
     places = sorted({analysis.cycle.place for analysis in found if analysis.cycle and analysis.cycle.place})
     if places:
-        note(f"{path}: forces on the crankpin of {' or '.join(places)}, where the radial force is largest")
+        note(
+            f"{path}: forces without a place in their name are those of {' or '.join(places)}, where the "
+            "force on the web is largest; those of every web stand beside them"
+        )
 
 
 def plot_load_curves(scene: DesignLike, path: Path | str, speed_rpm: float | None = None) -> None:

@@ -18,9 +18,10 @@ from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.engine.vibration.steady import critical_speeds, speeds_to_solve, vibration
-from cranktopo.engine.vibration.study import run_up
+from cranktopo.engine.vibration.study import run_up, runs_barred
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.numerics.disk_chain import DiskChain
+from tests.fast_twin import fast_twin
 from tests.physics.engine.dissipation import check_balance
 
 DAMPED = {
@@ -283,3 +284,30 @@ def test_damped_modes_decay_in_time() -> None:
         moved = (mode.shape * np.exp(eigenvalue * time)).real
         assert scipy.linalg.expm(state * time)[:4] @ start == pytest.approx(moved, abs=1e-9)
         assert abs(mode.shape[0]) > 0.01, "the ring is dragged along"
+
+
+def test_a_throw_has_the_damping_of_each_of_its_cylinders() -> None:
+    """Two rods on the pin of a V: a disk on nothing but that damping settles twice as fast."""
+    alone = {"cylinder_damping_Nms_per_rad": 0.2, "flywheel": {"inertia_kg_m2": 0.1}}
+    for scene, cylinders in ((with_shaft(alone), 1), (fast_twin(shaft=alone), 2)):
+        chain = estimated_chain(scene).chain
+        throws = chain.absolute_damping_Nms_per_rad[: len(scene.shaft_angles_deg)]
+        assert throws == pytest.approx([0.2 * cylinders] * len(throws))
+
+
+@pytest.mark.parametrize(
+    ("speed", "barred", "told"),
+    [
+        (2100.0, [(1900.0, 2100.0)], "the engine's speed of 2100 rpm lies in the barred range from 1900 to"),
+        (2100.0, [(1000.0, 2000.0), (2200.0, 2300.0)], ""),
+        (1500.0, [(2200.0, 2800.0)], "the engine's overspeed of 2800 rpm lies in the barred range"),
+    ],
+)
+def test_an_engine_that_runs_at_a_barred_speed(
+    speed: float, barred: list[tuple[float, float]], told: str
+) -> None:
+    scene = at_speed(with_shaft({**DAMPED, "permitted_shear_MPa": 40.0}), speed)
+    assert scene.engine is not None
+    assert scene.engine.overspeed_rpm == 2800.0
+    assert runs_barred(scene, barred).startswith(told)
+    assert bool(runs_barred(scene, barred)) == bool(told)

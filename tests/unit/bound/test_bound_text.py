@@ -43,6 +43,8 @@ def test_each_statement_is_told() -> None:
 def test_where_there_is_no_bound() -> None:
     assert bound_lines(None) == []
     assert bound_lines(NoBound(none="dimensions are free")) == ["no bound: dimensions are free"]
+    (section,) = bound_sections(NoBound(none="dimensions are free"), "cells")
+    assert section.text == "No bound: dimensions are free."
     (line,) = bound_lines(BoundStatement.of_json({**BOUND, "value": None}, "bound"))
     assert "no web of the envelope keeps" in line
 

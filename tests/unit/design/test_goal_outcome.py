@@ -62,7 +62,7 @@ def test_what_is_missing_of_a_limit_that_counts_as_kept_is_told() -> None:
     found = goal_outcome(goal, {"mass": 1.4, "torsion": 153.4e3, "unbalance": 29.9}, ORIGINAL)
     table = terminal(limits_table(GoalOutcome.of_json(found.as_json(), "a file")))
     assert "yes, 0.39 % short" in table
-    assert "yes, within 1 %" in table
+    assert "yes, by less than 1 %" in table
 
 
 def test_a_percentage_of_its_own_is_not_told_in_percent_of_the_original() -> None:

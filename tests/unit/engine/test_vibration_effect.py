@@ -167,7 +167,9 @@ def test_off_leaves_the_load_cases_as_they_were(with_propeller: tuple[Scene, Phy
     on = load_cases(scene, decided.enabled)
     assert on[0] == load_cases(plain, enabled)[0]
     assert on[1].torque_Nm > 2 * load_cases(plain, enabled)[1].torque_Nm
-    assert "of the vibrating shaft" in on[1].source
+    assert "of the vibrating shaft, throws in closed form, at " in on[1].source
+    given = load_cases(turning({**PROPELLER, "throw_stiffness_Nm_per_rad": 1.5e5}), decided.enabled)
+    assert "closed form" not in given[1].source
 
 
 def test_a_stiff_heavy_shaft_has_the_quasi_static_history() -> None:
