@@ -193,7 +193,9 @@ def arrangement_line(scene: Scene) -> str:
     every = f"every {gaps[0]:g} deg" if even else f"after {', '.join(f'{gap:g}' for gap in gaps)} deg"
     order = "-".join(map(str, engine.order))
     angles = ", ".join(f"{angle:g}" for angle in engine.throw_angles_deg)
-    return f"assumed: firing order {order}, {every}; throws at {angles} deg; lengths and masses by the bore"
+    banks = f", banks {engine.bank_angle_deg:g} deg apart" if engine.arranged.layout == "V" else ""
+    placed = f"throws at {angles} deg{banks}"
+    return f"assumed: firing order {order}, {every}; {placed}; lengths and masses by the bore"
 
 
 def _rounded(value: float) -> float:

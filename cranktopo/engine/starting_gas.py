@@ -74,8 +74,23 @@ def gas_line(scene: Scene) -> str:
     return (
         f"assumed: {parts}, burn duration {gas.burn_duration_deg:g} deg: {power_kW(work, engine):.4g} kW at "
         f"{engine.speed_rpm:g} rpm, indicated mean pressure "
-        f"{mean_pressure_MPa(work, engine, scene.throw.radius_mm):.3g} MPa"
+        f"{mean_pressure_MPa(work, engine, scene.throw.radius_mm):.3g} MPa{_of_charge_words(scene)}"
     )
+
+
+def _of_charge_words(scene: Scene) -> str:
+    """Return that an intake is that of a charged engine, and what the peak gives without a charge."""
+    engine = scene.engine
+    if engine is None or engine.gas is None or engine.gas.intake_MPa <= engine.gas.ambient_pressure_MPa:
+        return ""
+    uncharged = {"intake_pressure_MPa": None, "exhaust_pressure_MPa": None}
+    gas = engine.gas.model_copy(update=uncharged)
+    plain = scene.model_copy(update={"engine": engine.model_copy(update={"gas": gas})})
+    try:
+        kW = power_kW(_work_J(plain), engine)
+    except CranktopoError:
+        return "; such an intake is that of a charged engine"
+    return f"; such an intake is that of a charged engine: without a charge this peak gives {kW:.4g} kW"
 
 
 @dataclass(frozen=True)

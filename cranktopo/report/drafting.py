@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,8 @@ _HEADS_MM = 4.0
 """Least paper between two arrowheads; a shorter line ends in dots."""
 _LETTER_MM = 1.9
 """Mean width of a letter of a dimension on paper."""
+_NOTE_LETTER_MM = 1.6
+"""Mean width of a letter of a note on paper, whose letters are mostly small ones."""
 _Flat = tuple[float, float]
 
 
@@ -75,6 +78,13 @@ def dimension(
 def number_mm(text: str) -> float:
     """Return the width of a dimension's number on paper."""
     return _LETTER_MM * len(text)
+
+
+def folded(notes: Iterable[str], width_mm: float) -> list[str]:
+    """Return notes in lines that fit a width of paper; what follows the first line of a note is indented."""
+    letters = int(width_mm / _NOTE_LETTER_MM)
+    lines = (textwrap.wrap(note, letters, subsequent_indent="   ") or [""] for note in notes)
+    return [line for folded_note in lines for line in folded_note]
 
 
 def fits(length_mm: float, text: str, mm: float) -> bool:

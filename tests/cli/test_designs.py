@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 from pathlib import Path
 
@@ -190,6 +191,21 @@ def test_new_design_of_a_layout(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert (engine.bore_mm, engine.throws, engine.bank_angle_deg) == (86.0, 4, 90.0)
     assert "all of them assumed" in " ".join(path.read_text(encoding="utf-8").replace("#", "").split())
     assert main(["balance", str(path), "--json"]) == 0
+
+
+def test_a_charge_that_a_power_needs_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An intake above ambient pressure, with the power that the same peak gives without it."""
+    path, words = tmp_path / "twin.toml", "--layout V --cylinders 2 --bore-mm 76.2 --stroke-mm 96.8"
+    asked = f"{words} --speed-rpm 5000 --peak-pressure-MPa 5.5 --power-kW 38"
+    assert main(["designs", "new", str(path), *asked.split()]) == 0
+    gas = next(line for line in capsys.readouterr().out.splitlines() if "intake" in line)
+    told = re.search(r"that of a charged engine: without a charge this peak gives (\S+) kW", gas)
+    assert told
+    text = re.sub(r"(?m)^(intake|exhaust)_pressure_MPa = .*$", "", path.read_text(encoding="utf-8"))
+    path.write_text(text, encoding="utf-8")
+    assert main(["loads", str(path), "--json"]) == 0
+    power = json.loads(capsys.readouterr().out)["indicated_power_kW"]
+    assert power == pytest.approx(float(told[1]), rel=1e-3)
 
 
 def test_new_design_of_a_power(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

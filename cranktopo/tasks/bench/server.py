@@ -6,6 +6,7 @@ import hmac
 import json
 import secrets
 import socket
+from asyncio import Future
 from pathlib import Path
 from typing import Any
 
@@ -218,9 +219,17 @@ class _Talk(_Guarded, WebSocketHandler):
 
     def tell(self, message: dict[str, Any]) -> None:
         try:
-            self.write_message(json.dumps(message, allow_nan=False))
+            self.write_message(json.dumps(message, allow_nan=False)).add_done_callback(self._sent)
         except WebSocketClosedError:
             self.server.bench.leave(self.tell)
+
+    def _sent(self, message: Future[None]) -> None:
+        """Let go of a page that was closed while a message was on its way."""
+        error = message.exception()
+        if isinstance(error, WebSocketClosedError):
+            self.server.bench.leave(self.tell)
+        elif error:
+            raise error
 
     @override
     async def on_message(self, message: str | bytes) -> None:

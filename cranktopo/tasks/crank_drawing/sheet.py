@@ -21,7 +21,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, frame, projection_symbol
+from cranktopo.report.drafting import INK, TEXT_SIZE, THIN, folded, frame, projection_symbol
 from cranktopo.report.dxf import write_dxf
 from cranktopo.report.plot import save_figure
 from cranktopo.tasks.crank_drawing.balancing import balancing_notes
@@ -86,7 +86,7 @@ def crank_figure(scene: Scene, shape: CrankShape, written: datetime) -> tuple[Fi
     marked = _all_details([sheet for _, sheet in sheets])
     lines = [line for name, sheet in sheets for line in (name, *table_lines(sheet), "")]
     lines += _end_lines(shape)
-    notes = _notes(scene, shape)
+    notes = folded(_notes(scene, shape), COLUMN_MM - 8)
     pin = min(throw.scene.throw.crankpin.outer_diameter_mm for throw in shape.throws)
     found = layout(
         _blocks(shape, sheets, marked), pin, lambda height: _points(lines, notes, height) >= _LEAST_POINTS

@@ -25,7 +25,7 @@ from cranktopo.design.schema import Scene
 from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
-from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, frame, projection_symbol
+from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, folded, frame, projection_symbol
 from cranktopo.report.plot import save_figure, save_pages
 from cranktopo.tasks.drawing.views import Room, Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
@@ -237,7 +237,8 @@ def _title_block(paper: Any, page: SheetPage, scale: str, written: datetime) -> 
         ("Date", f"{written:%Y-%m-%d}"),
         ("Units", "mm, degrees; A3, first-angle projection"),
     )
-    step, room = _FIELDS_MM / len(rows), max(_NOTES_MM, 3.0 + _NOTE_MM * len(page.notes))
+    notes = folded(page.notes, _TABLE_MM - 4)
+    step, room = _FIELDS_MM / len(rows), max(_NOTES_MM, 3.0 + _NOTE_MM * len(notes))
     top = bottom + _FIELDS_MM + room
     frame(paper, left, bottom, _TABLE_MM, top - bottom, 1.0)
     for number, (name, text) in enumerate(reversed(rows)):
@@ -246,8 +247,8 @@ def _title_block(paper: Any, page: SheetPage, scale: str, written: datetime) -> 
         paper.text(left + 2, y + step / 2, name, fontsize=TEXT_SIZE - 1, va="center", color=INK)
         paper.text(left + 18, y + step / 2, text, fontsize=TEXT_SIZE + 0.5, va="center", color=INK)
     projection_symbol(paper, left + _TABLE_MM - 18, bottom + step * (len(rows) - 3.5))
-    notes = "\n".join(page.notes)
-    paper.text(left + 2, top - 2, notes, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
+    told = "\n".join(notes)
+    paper.text(left + 2, top - 2, told, fontsize=TEXT_SIZE - 0.5, va="top", linespacing=1.3)
     if page.ghost:
         paper.plot([left + 2, left + 12], [top + 4] * 2, color=GHOST, lw=1, ls="--")
         paper.text(left + 14, top + 4, page.ghost, fontsize=TEXT_SIZE, va="center")

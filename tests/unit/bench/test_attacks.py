@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import json
 import socket
 import threading
@@ -293,3 +294,23 @@ def test_names_from_files_are_text_on_the_page() -> None:
     assert "textContent" in text
     for markup in ("innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "Function("):
         assert markup not in text
+
+
+def test_a_page_that_closes_while_it_is_told_something_is_let_go_of(running: Running) -> None:
+    """Nothing is left to the loop's handler, which would print a traceback."""
+    left: list[dict[str, Any]] = []
+    running.loop.set_exception_handler(lambda _, context: left.append(context))
+    address = f"ws://127.0.0.1:{running.server.port}/{running.server.token}/talk"
+    origin = {"Origin": f"http://127.0.0.1:{running.server.port}"}
+
+    async def exchange() -> None:
+        page = await websocket_connect(HTTPRequest(address, headers=origin))
+        page.protocol.stream.close()
+        for _ in range(200):
+            running.server.bench._tell_all({"type": "note", "text": "x" * 100_000})
+        await asyncio.sleep(0.2)
+        gc.collect()
+        await asyncio.sleep(0.1)
+
+    running.do(exchange)
+    assert left == []

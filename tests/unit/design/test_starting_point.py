@@ -68,9 +68,12 @@ def test_usual_throws_leave_nothing_free(layout: LayoutName, cylinders: int) -> 
 
 
 def test_line_that_tells_the_proposal() -> None:
-    assert arrangement_line(started("V", 8)).startswith(
-        "assumed: firing order 1-3-7-2-6-5-4-8, every 90 deg; throws at 0, 90, 270, 180 deg"
+    told = arrangement_line(started("V", 8))
+    assert told.startswith(
+        "assumed: firing order 1-3-7-2-6-5-4-8, every 90 deg; throws at 0, 90, 270, 180 deg,"
     )
+    assert "deg, banks 90 deg apart;" in told
+    assert "banks" not in arrangement_line(started("in-line", 4))
 
 
 def test_examples_that_are_off_are_those_of_an_engine_of_that_size() -> None:

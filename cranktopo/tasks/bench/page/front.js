@@ -14,6 +14,7 @@ export function showFront() {
   svg.setAttribute("viewBox", box.join(" "));
   const scale = Math.max(box[2] / Math.max(svg.clientWidth, 100), box[3] / Math.max(svg.clientHeight, 100));
   svg.dataset.scale = scale;
+  svg.dataset.start = box[0] + box[2] / 2 - (scale * Math.max(svg.clientWidth, 100)) / 2;
   svg.dataset.end = box[0] + box[2] / 2 + (scale * Math.max(svg.clientWidth, 100)) / 2;
   svg.replaceChildren(make("g", {}), ...view.handles.map((handle) => handleOf(handle, scale)));
   moveFront(svg, view);
@@ -48,10 +49,11 @@ function placeHandle(node, handle, scale) {
   dot.setAttribute("aria-valuenow", handle.value.toFixed(2));
   dot.setAttribute("aria-valuetext", `${handle.value.toFixed(2)} ${unitOf(handle.key)}`);
   const letter = 0.8 * scale * parseFloat(getComputedStyle(document.documentElement).fontSize), name = `${nameOf(handle.key)} ${handle.value.toFixed(1)}`;
-  const right = x + 10 * scale + 0.55 * letter * name.length > Number(document.getElementById("front").dataset.end);
-  text.setAttribute("x", x + (right ? -10 : 10) * scale);
-  text.setAttribute("y", y - 8 * scale);
-  text.setAttribute("text-anchor", right ? "end" : "start");
+  const width = 0.55 * letter * name.length, [start, end] = ["start", "end"].map((edge) => Number($("front").dataset[edge]));
+  const right = x + 10 * scale + width > end, neither = right && x - 10 * scale - width < start;
+  text.setAttribute("x", neither ? Math.max(start, end - width) : x + (right ? -10 : 10) * scale);
+  text.setAttribute("y", y - (neither ? 14 : 8) * scale);
+  text.setAttribute("text-anchor", right && !neither ? "end" : "start");
   text.style.fontSize = `${letter}px`;
   text.style.strokeWidth = `${3 * scale}px`;
   text.textContent = name;
