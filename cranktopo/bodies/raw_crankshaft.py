@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 
-from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.crank_ends import SIDES
 from cranktopo.bodies.raw_part import forging_of, machined_out, raw_half_volume_mm3
 from cranktopo.design.crank import Side
 from cranktopo.design.crank_throws import end_journal, throw_scenes
-from cranktopo.design.halves import halves, of_halves
+from cranktopo.design.halves import of_halves
 from cranktopo.design.schema import Scene
 from cranktopo.throw.crank_end import EndStep
 from cranktopo.throw.moments import body_moments
@@ -22,19 +21,6 @@ from cranktopo.throw.raw_part.bodies import RawHalf
 from cranktopo.throw.raw_part.end import machined_in_end, raw_end
 
 _SAME_PLANE_DEG = 1e-6
-
-
-def raw_throw_scenes(scene: Scene) -> tuple[Scene, ...]:
-    """Return the scene of every throw; raises CranktopoError without a forging or with a flying web."""
-    forging_of(scene)
-    throws = throw_scenes(scene)
-    if any(half.throw.main_journal.length_mm == 0 for throw in throws for half in halves(throw)):
-        raise CranktopoError(
-            f"{scene.name}: it has a flying web, whose raw part is not known: it is forged as one with its "
-            "neighbour.",
-            hint="Give the main journals of crank.main_journal a length, or leave the raw part out.",
-        )
-    return throws
 
 
 def parting_planes_deg(angles_deg: Iterable[float]) -> tuple[float, ...]:
@@ -93,8 +79,9 @@ def raw_end_lines(scene: Scene) -> list[str]:
 @lru_cache(maxsize=8)
 def raw_crank_volume_mm3(scene: Scene) -> float:
     """Return the volume of the raw crank by quadrature: that of its throws and ends."""
+    forging_of(scene)
     ends = [end for side in SIDES if (end := raw_crank_end(scene, side))]
-    throws = sum(sum(of_halves(throw, raw_half_volume_mm3)) for throw in raw_throw_scenes(scene))
+    throws = sum(sum(of_halves(throw, raw_half_volume_mm3)) for throw in throw_scenes(scene))
     return throws + sum(body_moments([end]).volume for end in ends)
 
 
@@ -107,7 +94,7 @@ def machined_out_of_crank(scene: Scene) -> tuple[str, ...]:
     """Return the keys of what is machined out of the raw crank, those of a throw that differs by its name."""
     throws = [
         key if throw.name == scene.name else f"{throw.name} {key}"
-        for throw in dict.fromkeys(raw_throw_scenes(scene))
+        for throw in dict.fromkeys(throw_scenes(scene))
         for key in machined_out(throw)
     ]
     ends = [key for side in SIDES for key in machined_in_end(end_steps(scene, side))]

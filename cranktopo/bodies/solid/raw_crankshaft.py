@@ -7,7 +7,8 @@ from typing import Any
 
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_ends import SIDES, main_journal_places_mm
-from cranktopo.bodies.raw_crankshaft import raw_crank_end, raw_crank_volume_mm3, raw_throw_scenes
+from cranktopo.bodies.raw_crankshaft import raw_crank_end, raw_crank_volume_mm3
+from cranktopo.bodies.raw_part import forging_of
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
 from cranktopo.bodies.solid.crankshaft import placed_throws
 from cranktopo.bodies.solid.raw_part import add_raw_throw, raw_bodies
@@ -20,7 +21,7 @@ from cranktopo.throw.raw_part.bodies import RawHalf
 
 def add_raw_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """Return raw throws, turned by firing order, and raw ends as one checked body, journal 0 at z = 0."""
-    raw_throw_scenes(scene)
+    forging_of(scene)
     made = placed_throws(occ, scene, add_raw_throw)
     ends = [add_raw_end(occ, scene, side, end) for side in SIDES if (end := raw_crank_end(scene, side))]
     body = fused(occ, [*made, *ends])

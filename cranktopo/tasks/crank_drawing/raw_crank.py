@@ -19,7 +19,6 @@ from cranktopo.bodies.raw_crankshaft import (
     parting_text,
     raw_crank_mass_kg,
     raw_end_lines,
-    raw_throw_scenes,
 )
 from cranktopo.bodies.solid.files import kernel_surface_of, raw_end_surface_of
 from cranktopo.design.schema import Scene
@@ -46,7 +45,6 @@ def _raw_throw(scene: Scene) -> Manifold:
 
 def raw_crank_shape(scene: Scene, shape: CrankShape) -> CrankShape:
     """Return the raw crank of a design, its throws where those of the finished one are."""
-    raw_throw_scenes(scene)
     pieces = [_placed(throw) for throw in shape.throws]
     found = {side: raw_end_surface_of(scene, side) for side in SIDES}
     first, last = shape.throws[0].z_mm, shape.throws[-1].z_mm + shape.throws[-1].scene.pitch_mm
@@ -142,7 +140,7 @@ def _lengthwise(
 
 def _end(axes: Any, raw: CrankShape, chains: Sequence[Array], scale: float) -> None:
     """Draw the raw crank from its free end, the planes that dies part in, and its sizes."""
-    mm, (left, right, low, high) = 1 / scale, raw.reach_mm
+    mm, (left, right, low, _) = 1 / scale, raw.reach_mm
     edges(axes, chains)
     dimension(axes, (-right, low), (-left, low), (0.0, -_GAP_MM * mm), f"{right - left:.1f}")
     reach = max(map(abs, raw.reach_mm)) + 3 * mm

@@ -19,10 +19,8 @@ from cranktopo.throw.raw_part.table import Forging
 
 _LEAST_SHOULDER = 0.005
 """Step of a radius, over it, that is no sliver."""
-_STEEPEST = 0.5
-"""Sine of the angle of a cone's draft across it, at most: a flatter cone is forged as a cylinder."""
-_SMALLEST = 0.9
-"""Share of a cone's narrow end that the land of the flash leaves, at least."""
+_MOST_DRAFT = math.radians(30.0)
+"""Angle of a cone's lines across it, at most: a flatter or thinner cone is forged as a cylinder."""
 _EQUAL = 1e-9
 
 
@@ -40,9 +38,14 @@ class _Step:
         return (self.radii_mm[1] - self.radii_mm[0]) / (self.z_mm[1] - self.z_mm[0])
 
     def draft(self, forging: Forging) -> float:
-        """Return the angle of its lines across it, rad, with which all of it has the draft."""
+        """Return the angle of a cone's lines across it, rad.
+
+        With it all of the cone has the draft, and the lines reach as far as its circles where they end in
+        the land of the flash.
+        """
         steep = math.sin(math.radians(forging.draft_deg)) * math.hypot(1.0, self.slope)
-        return math.asin(max(steep, forging.land_mm / (_SMALLEST * min(self.radii_mm))))
+        landed = 2 * math.atan(forging.land_mm / min(self.radii_mm))
+        return max(math.asin(min(steep, 1.0)), landed)
 
     def overlap_mm(self, allowance_mm: float) -> float:
         """Return how far a cylinder goes on into this cone until both differ by more than a sliver."""
@@ -82,12 +85,16 @@ def raw_end(journal_radius_mm: float, half_mm: float, steps: dict[str, EndStep],
 
 def machined_in_end(steps: dict[str, EndStep]) -> tuple[str, ...]:
     """Return the keys of what is machined out of the full: bores, bolt holes and keyways of the steps."""
-    cut = {
-        "bore_diameter_mm": lambda step: step.bore_radius_mm,
-        "bolts": lambda step: step.bolt_holes_mm,
-        "depth_mm": lambda step: step.slot,
-    }
-    return tuple(f"{key}.{name}" for key, step in steps.items() for name, has in cut.items() if has(step))
+    return tuple(
+        f"{key}.{name}"
+        for key, step in steps.items()
+        for name, cut in (
+            ("bore_diameter_mm", step.bore_radius_mm),
+            ("bolts", step.bolt_holes_mm),
+            ("depth_mm", step.slot),
+        )
+        if cut
+    )
 
 
 def _raw_steps(
@@ -106,13 +113,7 @@ def _raw_steps(
         _Step(key, z_mm, (inner + more, outer + more))
         for (key, _, (inner, outer)), z_mm in zip(found, pairwise(planes), strict=True)
     ]
-    return [_cylinder(step) if _flat(step, forging) else step for step in raw]
-
-
-def _flat(step: _Step, forging: Forging) -> bool:
-    land = forging.land_mm / (_SMALLEST * min(step.radii_mm))
-    steep = math.sin(math.radians(forging.draft_deg)) * math.hypot(1.0, step.slope)
-    return step.slope != 0 and max(land, steep) > _STEEPEST
+    return [_cylinder(step) if step.draft(forging) > _MOST_DRAFT else step for step in raw]
 
 
 def _cylinder(step: _Step) -> _Step:

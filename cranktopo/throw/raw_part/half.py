@@ -105,6 +105,13 @@ def _disc(
 
 def _check_room(scene: ThrowView, half: RawHalf, forging: Forging) -> None:
     """Refuse webs or collars that meet those of the neighbours, and a flash too thick for a journal."""
+    if scene.throw.main_journal.length_mm == 0:
+        raise invalid(
+            "throw.main_journal.length_mm",
+            0.0,
+            "a flying web is forged as one with its neighbour, whose raw part is not modelled",
+            "Give the journal a length, or leave [forging] out.",
+        )
     thinnest = min(journal.radius_mm for journal, _ in scene.throw.journals)
     if forging.land_mm > thinnest / 4:
         raise invalid(
