@@ -66,7 +66,14 @@ def check(text: str, product: str) -> None:
 
 
 @pytest.mark.usefixtures("first_day")
-@pytest.mark.parametrize("part", [part for part in PARTS if part != "plugs"])
+@pytest.mark.parametrize(
+    "part",
+    [
+        pytest.param(part, marks=[pytest.mark.slow] if part == "raw_crankshaft" else [])
+        for part in PARTS
+        if part != "plugs"
+    ],
+)
 def test_one_named_solid(part: SolidPart, mikron: Scene, tmp_path: Path) -> None:
     scene = load_scene("mikron-iiic-rod") if part == "rod" else with_forging(mikron)
     export_solid(scene, part, tmp_path / "one.step")

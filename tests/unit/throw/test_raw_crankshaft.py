@@ -182,7 +182,7 @@ def test_a_twisted_crank_is_one_closed_body(tmp_path: Path) -> None:
     assert step_volume_mm3(tmp_path / "raw.step") == pytest.approx(volume, rel=1e-6)
     mesh = surface_of(scene, "raw_crankshaft", 3.0).as_trimesh()
     assert mesh.is_watertight
-    assert mesh.volume == pytest.approx(volume, rel=1e-3)
+    assert mesh.volume == pytest.approx(volume, rel=3e-3)
     assert mesh.bounds[1, 2] - mesh.bounds[0, 2] > 3 * scene.pitch_mm + 40.0 + 20.0 + 12.0 + 4.0
 
 
