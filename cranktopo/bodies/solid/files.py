@@ -113,7 +113,7 @@ def _border(triangles: _Tags) -> list[tuple[int, int]]:
 
 
 _FACET_MM = 1.0
-_FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft")
+_FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft", "raw_crankshaft")
 _DELAUNAY = 5
 """gmsh's usual method, the frontal one, can refine without end a bore made of two halves with two seams."""
 
