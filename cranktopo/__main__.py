@@ -2,4 +2,5 @@
 
 from cranktopo.app.launch import main
 
-main()
+if __name__ == "__main__":  # who walks all modules imports this one too
+    main()

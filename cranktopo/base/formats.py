@@ -9,5 +9,7 @@ SURFACES: tuple[SurfaceFormat, ...] = get_args(SurfaceFormat)
 PLOTS = (".png", ".svg", ".pdf")
 DRAWINGS = (*PLOTS, ".dxf")
 SOLIDS = (".step", ".stp", ".stl")
-SolidPart = Literal["throw", "half", "web", "second_web", "crankshaft", "rod", "raw", "plugs"]
+SolidPart = Literal[
+    "throw", "half", "web", "second_web", "crankshaft", "rod", "raw", "raw_crankshaft", "plugs"
+]
 PARTS: tuple[SolidPart, ...] = get_args(SolidPart)

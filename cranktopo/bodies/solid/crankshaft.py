@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_ends import SIDES, EndPiece, crank_end, main_journal_places_mm
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import DimTags, cut
+from cranktopo.bodies.solid.shapes import DimTags, cut, fused
 from cranktopo.bodies.solid.step import import_solid
 from cranktopo.bodies.solid.throw import add_full_throw, throw_form
 from cranktopo.design.crank import Side
@@ -19,39 +20,39 @@ from cranktopo.throw.crank_end import BodyStep
 
 def add_crankshaft(occ: Any, scene: Scene) -> DimTags:
     """Return throws, turned by firing order, and ends of a crank as one checked body, journal 0 at z = 0."""
-    angles, throws = scene.shaft_angles_deg, throw_scenes(scene)
-    bodies: DimTags = []
+    pieces = [piece for side in SIDES for piece in crank_end(scene, side)]
+    bodies = [*placed_throws(occ, scene, add_full_throw), *(_add_piece(occ, piece) for piece in pieces)]
+    body = fused(occ, bodies)
+    forms = [throw_form(throw) for throw in throw_scenes(scene)]
+    volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
+    check_body(occ, body, ClosedForm(volume, sum(form.roundings_mm3 for form in forms)), "crankshaft")
+    return body
+
+
+def placed_throws(occ: Any, scene: Scene, add: Callable[[Any, Scene], DimTags]) -> list[DimTags]:
+    """Return the throws of a crank, each made once by `add`, turned by firing order and in its place."""
+    bodies: list[DimTags] = []
     made: dict[str, DimTags] = {}
-    for throw, angle, z in zip(throws, angles, main_journal_places_mm(scene), strict=False):
+    places = zip(throw_scenes(scene), scene.shaft_angles_deg, main_journal_places_mm(scene), strict=False)
+    for throw, angle, z in places:
         if throw.name not in made:
-            made[throw.name] = add_full_throw(occ, throw)
+            made[throw.name] = add(occ, throw)
         copy = occ.copy(made[throw.name])
         occ.rotate(copy, 0, 0, 0, 0, 0, 1, math.radians(about_z_deg(angle)))
         occ.translate(copy, 0, 0, z)
-        bodies += copy
+        bodies.append(copy)
     for throw_body in made.values():
         occ.remove(throw_body, recursive=True)
-    pieces = [piece for side in SIDES for piece in crank_end(scene, side)]
-    for piece in pieces:
-        bodies += _add_piece(occ, piece)
-    if len(bodies) > 1:
-        bodies, _ = occ.fuse(bodies[:1], bodies[1:])
-    forms = [throw_form(throw) for throw in throws]
-    volume = sum(form.volume_mm3 for form in forms) + sum(piece.moments.volume for piece in pieces)
-    expected = ClosedForm(volume, sum(form.roundings_mm3 for form in forms))
-    check_body(occ, bodies, expected, "crankshaft")
     return bodies
 
 
 def add_end(occ: Any, scene: Scene, side: Side) -> DimTags:
     """Return an end of the crank as one checked body, in its place along the shaft."""
     pieces = crank_end(scene, side)
-    bodies = [pair for piece in pieces for pair in _add_piece(occ, piece)]
-    if len(bodies) > 1:
-        bodies, _ = occ.fuse(bodies[:1], bodies[1:])
+    body = fused(occ, [_add_piece(occ, piece) for piece in pieces])
     volume = sum(piece.moments.volume for piece in pieces)
-    check_body(occ, bodies, ClosedForm(volume), f"{side} end of the crank")
-    return bodies
+    check_body(occ, body, ClosedForm(volume), f"{side} end of the crank")
+    return body
 
 
 def _add_piece(occ: Any, piece: EndPiece) -> DimTags:

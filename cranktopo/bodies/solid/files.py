@@ -15,9 +15,11 @@ from cranktopo.base.errors import solver_error
 from cranktopo.base.files import as_path, replacing
 from cranktopo.base.formats import SOLIDS, SolidPart
 from cranktopo.base.reproducible import time_of_writing
+from cranktopo.bodies.raw_crankshaft import raw_crank_end
 from cranktopo.bodies.solid.checked import VOLUME_TOLERANCE, ClosedForm
 from cranktopo.bodies.solid.crankshaft import add_crankshaft, add_end
 from cranktopo.bodies.solid.plugs import add_plugs, plug_names
+from cranktopo.bodies.solid.raw_crankshaft import add_raw_crankshaft, add_raw_end
 from cranktopo.bodies.solid.raw_part import add_raw_throw
 from cranktopo.bodies.solid.rod import add_rod
 from cranktopo.bodies.solid.shapes import DimTags, cut
@@ -111,7 +113,7 @@ def _border(triangles: _Tags) -> list[tuple[int, int]]:
 
 
 _FACET_MM = 1.0
-_FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft")
+_FUSED: tuple[SolidPart, ...] = ("throw", "crankshaft", "raw_crankshaft")
 _DELAUNAY = 5
 """gmsh's usual method, the frontal one, can refine without end a bore made of two halves with two seams."""
 
@@ -176,6 +178,17 @@ def end_surface_of(scene: Scene, side: Side) -> SurfaceMesh:
         return kernel_surface(gmsh)
 
 
+def raw_end_surface_of(scene: Scene, side: Side) -> SurfaceMesh | None:
+    """Return the kernel's triangles of a raw end of the crank in its place; None where it has no such end."""
+    end = raw_crank_end(scene, side)
+    if end is None:
+        return None
+    with cad_session(f"raw {side} end of {scene.name}") as gmsh:
+        add_raw_end(gmsh.model.occ, scene, side, end)
+        gmsh.model.occ.synchronize()
+        return kernel_surface(gmsh)
+
+
 def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
     """The bodies of a part, one but for plugs, and nothing else in the session: no points of its arcs."""
     if part in ("web", "second_web"):
@@ -190,6 +203,7 @@ def _add(occ: Any, scene: Scene, part: SolidPart) -> DimTags:
             "crankshaft": add_crankshaft,
             "rod": add_rod,
             "raw": add_raw_throw,
+            "raw_crankshaft": add_raw_crankshaft,
             "plugs": add_plugs,
         }[part]
         body = add(occ, scene)
@@ -214,10 +228,10 @@ def _remove_loose(occ: Any) -> int:
 
 
 def _label(scene: Scene, part: SolidPart, written: datetime) -> StepLabel:
-    names = {"half": "half throw", "second_web": "second web", "raw": "raw part"}
+    names = {"half": "half throw", "raw": "raw part"}
     version = versions()["cranktopo"] or "unknown version"
     return StepLabel(
-        f"{scene.name} {names.get(part, part)}",
+        f"{scene.name} {names.get(part, part.replace('_', ' '))}",
         f"mm; z along the crank axis, {_FRAME_OF_ROD if part == 'rod' else _FRAME}",
         "cranktopo",
         version,

@@ -8,7 +8,7 @@ from typing import Any
 
 from cranktopo.bodies.raw_part import forging_of, raw_half_volume_mm3
 from cranktopo.bodies.solid.checked import ClosedForm, check_body
-from cranktopo.bodies.solid.shapes import DimTags, add_solid, cut
+from cranktopo.bodies.solid.shapes import DimTags, add_solid, cut, fused
 from cranktopo.bodies.solid.throw import built
 from cranktopo.design.halves import halves, mirror_image
 from cranktopo.design.schema import Scene
@@ -38,25 +38,25 @@ def add_raw_half(occ: Any, scene: Scene) -> DimTags:
 def _raw_half(occ: Any, scene: Scene) -> DimTags:
     half = raw_half(scene, forging_of(scene))
     web = [_web(occ, half, cuts) for cuts in dict.fromkeys(half.cuts_of)]
-    return _fused(occ, [*web, *(_raw_body(occ, one) for one in half.journals)])
+    return fused(occ, [*web, *raw_bodies(occ, half)])
 
 
 def _web(occ: Any, half: RawHalf, cuts: tuple[Body, ...]) -> DimTags:
     """Return the parts of the web that have the same cuts, without those."""
     parts = [part for part, own in zip(half.web, half.cuts_of, strict=True) if own == cuts]
     tools = [pair for tool in cuts for solid in tool.solids() for pair in add_solid(occ, solid)]
-    return cut(occ, _fused(occ, [_prism(occ, part) for part in parts]), tools)
+    return cut(occ, fused(occ, [_prism(occ, part) for part in parts]), tools)
+
+
+def raw_bodies(occ: Any, half: RawHalf) -> list[DimTags]:
+    """Return the solids of what stands on the webs of a raw half."""
+    return [_raw_body(occ, one) for one in half.journals]
 
 
 def _raw_body(occ: Any, body: RawBody) -> DimTags:
     if isinstance(body, DraftedPrism):
         return _prism(occ, body)
     return [pair for solid in body.solids() for pair in add_solid(occ, solid)]
-
-
-def _fused(occ: Any, bodies: list[DimTags]) -> DimTags:
-    first, *more = bodies
-    return list(occ.fuse(first, [pair for body in more for pair in body])[0]) if more else first
 
 
 def _prism(occ: Any, prism: DraftedPrism) -> DimTags:
@@ -66,7 +66,7 @@ def _prism(occ: Any, prism: DraftedPrism) -> DimTags:
     for corners in prism.outline.fillers:
         own = cut(occ, own, [_slab(occ, prism, corners[0][0], corners[-1][0])])
         fillers += _filler(occ, corners, prism.z_mm)
-    own = _fused(occ, [own, fillers]) if fillers else own
+    own = fused(occ, [own, fillers]) if fillers else own
     profile = _extruded(occ, [(x, z) for x, z in prism.profile_mm()], prism.y_range_mm)
     return list(occ.intersect(own, profile)[0])
 

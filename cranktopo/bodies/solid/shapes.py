@@ -213,6 +213,12 @@ def cut(occ: Any, material: DimTags, tools: DimTags) -> DimTags:
     return list(occ.cut(material, tools)[0]) if tools else material
 
 
+def fused(occ: Any, bodies: Sequence[DimTags]) -> DimTags:
+    """Return the union of bodies."""
+    first, *more = bodies
+    return list(occ.fuse(first, [pair for body in more for pair in body])[0]) if more else first
+
+
 def add_all(occ: Any, bodies: Sequence[Body]) -> DimTags:
     """Add the exact solids of bodies, whether material or tools."""
     return [pair for body in bodies for solid in body.solids() for pair in add_solid(occ, solid)]

@@ -24,7 +24,8 @@ def command(design: str, file: Path, force: bool) -> None:
     """Write the workshop drawing of the whole crank of DESIGN to FILE (.pdf, .svg, .png or .dxf).
 
     One sheet, A3 to A0: the crank half in section, from its free end, every distinct web with its sections,
-    fillets magnified, fits and tolerances from [drawing]. DXF needs the extra `dxf`.
+    fillets magnified, fits and tolerances from [drawing]. With [forging] a PDF has a second page, the raw
+    crank. DXF needs the extra `dxf`.
 
     Example: cranktopo drawing mikron-iiic crank.pdf
     """

@@ -1,6 +1,6 @@
 """`cranktopo export`
 
-Write the exact solid of a design as STEP or STL: throw, half, web, crankshaft, raw part or plugs.
+Write the exact solid of a design as STEP or STL: throw, half, web, crankshaft, raw parts or plugs.
 """
 
 from __future__ import annotations
@@ -50,9 +50,10 @@ def command(
     check_file(file, "file", (*SOLIDS, *PLOTS), replace=force)
     _check_options(file.suffix.lower(), part, facet_mm)
     crank = load_scene(design, whole=True)
-    if part == "crankshaft" and throw is not None:
-        raise click.UsageError("--throw: --part crankshaft is all throws: leave it out")
-    scene = crank if part == "crankshaft" else one_throw(crank, throw, all_fire=False)
+    whole = part in ("crankshaft", "raw_crankshaft")
+    if whole and throw is not None:
+        raise click.UsageError(f"--throw: --part {part} is all throws: leave it out")
+    scene = crank if whole else one_throw(crank, throw, all_fire=False)
     assumed = assumptions(scene, (THROW,))
     if assumed:
         note(assumed_text(assumed))
@@ -62,7 +63,7 @@ def command(
     from cranktopo.bodies.solid.files import export_solid
 
     volume = export_solid(scene, part, file, facet_mm)
-    click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene) if part == 'raw' else ''}")
+    click.echo(f"{file}: {part}, {volume:.1f} mm3{_of_raw(scene, part)}")
 
 
 def _drawn(scene: Scene, file: Path) -> str:
@@ -84,14 +85,23 @@ def _sheets_in_words(finished: int, raw: int, *, paged: bool) -> str:
     return ", ".join([count, *["one of each half"] * (finished == 2), *last])
 
 
-def _of_raw(scene: Scene) -> str:
+def _of_raw(scene: Scene, part: SolidPart) -> str:
+    """Return the masses of a raw part, and what is machined out of it; nothing of other parts."""
+    from cranktopo.bodies.raw_crankshaft import machined_out_of_crank, parting_text, raw_crank_mass_kg
     from cranktopo.bodies.raw_part import machined_out, raw_mass_kg
+    from cranktopo.engine.balance.crank import drawn_crank_mass
     from cranktopo.engine.balance.throw import throw_balance
 
-    raw_kg, finished_kg = raw_mass_kg(scene), throw_balance(scene).mass_kg
-    full = ", ".join(machined_out(scene)) or "nothing"
-    part = f"{raw_kg:.3f} kg; finished {finished_kg:.3f} kg, {finished_kg / raw_kg:.1%} of it"
-    return f", {part}; machined out of the full: {full}"
+    if part == "raw":
+        raw_kg, finished_kg = raw_mass_kg(scene), throw_balance(scene).mass_kg
+        cut, plane = machined_out(scene), ""
+    elif part == "raw_crankshaft":
+        raw_kg, finished_kg = raw_crank_mass_kg(scene), drawn_crank_mass(scene).mass_kg
+        cut, plane = machined_out_of_crank(scene), f"; {parting_text(scene.shaft_angles_deg)}"
+    else:
+        return ""
+    masses = f"{raw_kg:.3f} kg; finished {finished_kg:.3f} kg, {finished_kg / raw_kg:.1%} of it"
+    return f", {masses}; machined out of the full: {', '.join(cut) or 'nothing'}{plane}"
 
 
 def _check_options(suffix: str, part: SolidPart, facet_mm: float | None) -> None:

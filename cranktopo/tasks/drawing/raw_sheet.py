@@ -15,7 +15,6 @@ from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.raw_part import forging_of, machined_of_half, raw_mass_kg
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
-from cranktopo.design.halves import WebName
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import solid_of
@@ -138,26 +137,37 @@ def _pages(scene: Scene, sheets: Sequence[Sheet]) -> list[SheetPage]:
         SheetPage(
             rooms=view.rooms,
             views=(view.front, view.lengthwise, view.across),
-            lines=[*_lines(view.scene), *_removed(scene, sheet.half or "first")],
+            lines=[
+                *forging_lines(view.scene),
+                *raw_throw_lines(view.scene),
+                *machined_lines(machined_of_half(scene, sheet.half or "first")),
+            ],
             title=f"{scene.name}: raw part, {sheet.half or 'half of it'}{' half' * bool(sheet.half)} shown",
             material=scene.material.name,
             mass=f"raw {raw_kg:.3f} kg, finished {finished_kg:.3f} kg, {finished_kg / raw_kg:.0%} of it",
-            notes=_notes(scene),
+            notes=["Die parts in x = 0, which holds both axes.", *flash_notes(scene)],
             ghost="finished part",
         )
         for sheet, view in zip(sheets, map(_RawView, sheets, solids), strict=True)
     ]
 
 
-def _lines(scene: Scene) -> list[str]:
-    forging, throw, web = forging_of(scene), scene.throw, scene.web
-    more = 2 * forging.allowance_mm
+def forging_lines(scene: Scene) -> list[str]:
+    """Return allowance, draft and flash as lines of a table."""
+    forging = forging_of(scene)
     return [
         "RAW PART",
         f"   allowance {forging.allowance_mm:g} on journals, fillets, faces",
         f"   draft {forging.draft_deg:g}° toward the parting plane x = 0",
         f"   flash {forging.flash_mm:g}, trimmed to the flash line",
         "",
+    ]
+
+
+def raw_throw_lines(scene: Scene) -> list[str]:
+    """Return raw journals and web of a throw as lines of a table."""
+    throw, web, more = scene.throw, scene.web, 2 * forging_of(scene).allowance_mm
+    return [
         f"MAIN JOURNAL ⌀{throw.main_journal.outer_diameter_mm + more:g}",
         f"CRANKPIN     ⌀{throw.crankpin.outer_diameter_mm + more:g}",
         f"WEB          {web.thickness_mm + more:g} thick at its widest place",
@@ -165,19 +175,18 @@ def _lines(scene: Scene) -> list[str]:
     ]
 
 
-def _removed(scene: Scene, side: WebName) -> list[str]:
-    """Return the keys of what is machined out of the half that is shown."""
-    keys = machined_of_half(scene, side)
+def machined_lines(keys: Sequence[str]) -> list[str]:
+    """Return the keys of what is machined out of the full as lines of a table."""
     if not keys:
         return []
     wrapped = (textwrap.wrap(key, _COLUMN, initial_indent="   ", subsequent_indent="      ") for key in keys)
     return ["MACHINED OUT OF THE FULL", *(line for lines in wrapped for line in lines)]
 
 
-def _notes(scene: Scene) -> list[str]:
+def flash_notes(scene: Scene) -> list[str]:
+    """Return notes on the flash and on what the forge rounds."""
     land = forging_of(scene).flash_mm
     return [
-        "Die parts in x = 0, which holds both axes.",
         f"Land of the flash {land:g} mm high." if land else "Flash trimmed flush.",
         "Edges and corners without radius are rounded as the die needs.",
     ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,8 +12,9 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
 from cranktopo.throw.feature import Body, ThrowView
 from cranktopo.throw.journal import Journal
-from cranktopo.throw.raw_part.bodies import Collar, Disc, DraftedPrism, RawBody, RawHalf
-from cranktopo.throw.raw_part.drafted_outline import DraftedOutline, drafted_outline
+from cranktopo.throw.raw_part.bodies import Collar, DraftedPrism, RawBody, RawHalf
+from cranktopo.throw.raw_part.drafted_outline import drafted_outline
+from cranktopo.throw.raw_part.prism import drafted_disc, drafted_prism
 from cranktopo.throw.raw_part.table import Forging
 from cranktopo.throw.web import web_bodies
 
@@ -56,24 +56,8 @@ def _web_part(body: Body, forging: Forging) -> DraftedPrism:
 
     (low, high), allowance = body.z_mm, forging.allowance_mm
     outline = drafted_outline(own, body.y_range_mm, forging.fall, forging.land_mm)
-    return _drafted(
+    return drafted_prism(
         body, outline, (low - allowance, high + allowance), (True, True), body.x_range_mm[1], forging
-    )
-
-
-def _drafted(
-    body: Body,
-    outline: DraftedOutline,
-    faces_mm: tuple[float, float],
-    tilted: tuple[bool, bool],
-    widest_mm: float,
-    forging: Forging,
-) -> DraftedPrism:
-    rise = forging.fall * (widest_mm - forging.land_mm)
-    low, high = faces_mm[0] - rise * tilted[0], faces_mm[1] + rise * tilted[1]
-    own = replace(body, z_mm=(low, high))
-    return DraftedPrism(
-        body.key, (low, high), own, outline, faces_mm, tilted, widest_mm, forging.fall, forging.land_mm
     )
 
 
@@ -114,15 +98,20 @@ def _disc(
     name: str, radius_mm: float, y_mm: float, ends_mm: tuple[float, float], forging: Forging
 ) -> DraftedPrism:
     """Return a cylinder with draft; its second end, in the web, has it too."""
-    faces = min(ends_mm), max(ends_mm)
-    disc = Disc(name, faces, y_mm, radius_mm)
-    outline = drafted_outline(disc.half_width_mm, disc.y_range_mm, forging.fall, forging.land_mm)
     upward = ends_mm[1] > ends_mm[0]
-    return _drafted(disc, outline, faces, (not upward, upward), radius_mm, forging)
+    faces = min(ends_mm), max(ends_mm)
+    return drafted_disc(name, radius_mm, y_mm, faces, (not upward, upward), forging)
 
 
 def _check_room(scene: ThrowView, half: RawHalf, forging: Forging) -> None:
     """Refuse webs or collars that meet those of the neighbours, and a flash too thick for a journal."""
+    if scene.throw.main_journal.length_mm == 0:
+        raise invalid(
+            "throw.main_journal.length_mm",
+            0.0,
+            "a flying web is forged as one with its neighbour, whose raw part is not modelled",
+            "Give the journal a length, or leave [forging] out.",
+        )
     thinnest = min(journal.radius_mm for journal, _ in scene.throw.journals)
     if forging.land_mm > thinnest / 4:
         raise invalid(

@@ -15,6 +15,7 @@ LEAST_DRAFT_DEG, MOST_DRAFT_DEG = 0.5, 15.0
 class Forging(SceneTable):
     """The raw part of a throw that dies forge which part in x = 0: `export --part raw` and its drawing.
 
+    That of the crank, `--part raw_crankshaft` and the second page of `drawing`, has its ends too.
     The journals with their fillets and both faces of each web have the allowance; outline and counterweight
     stay as forged. Bores, drillings, plugs, holes and pockets that the die does not release are machined out
     of the full. The tables of stiffness and strength are those of the finished part.
