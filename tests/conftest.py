@@ -100,6 +100,12 @@ def default_run(shared: Path) -> Path:
 
 
 @pytest.fixture
+def kernel_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """STEP files that a test has written are read in its own process: to start another takes longer."""
+    monkeypatch.setattr("cranktopo.bodies.solid.step.in_child", lambda _, work, *arguments: work(*arguments))
+
+
+@pytest.fixture
 def float64() -> Iterator[None]:
     with double_precision():
         yield

@@ -85,9 +85,9 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "film": {
         **_THROW,
-        "--speed": Acts("car-diesel", "--speed 1000"),
-        "--plot": Acts("car-diesel", "--plot p.png"),
-        "--json": Acts("car-diesel", "--json"),
+        "--speed": Acts("single.toml", "--speed 1000"),
+        "--plot": Acts("single.toml", "--plot p.png"),
+        "--json": Acts("single.toml", "--json"),
     },
     "bolts": {"--json": Acts("", "--json")},
     "rod": {
@@ -106,7 +106,7 @@ TABLE: dict[str, dict[str, Case]] = {
     },
     "balance": {
         "--report": Acts("", "--report b.md"),
-        "--propose": Acts("", "--propose 50%"),
+        "--propose": Acts("single.toml", "--propose 50%"),
         "--json": Acts("", "--json"),
     },
     "import": {

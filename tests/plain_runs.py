@@ -10,9 +10,10 @@ import pytest
 
 @contextmanager
 def plain_runs() -> Iterator[None]:
-    """Inside, runs of this process draw no picture and write no page: those of another test show both."""
+    """Inside, runs of this process prove no bound, draw no picture and write no page: others show them."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("cranktopo.tasks.optimise.finalise.save_run_picture", lambda *_: None)
         patch.setattr("cranktopo.tasks.optimise.finalise.run_page", lambda *_: None)
         patch.setattr("cranktopo.tasks.optimise.finalise.write_report", lambda *_: None)
+        patch.setattr("cranktopo.tasks.optimise.finalise.cells_of_bound", lambda *_: None)
         yield

@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -62,9 +62,9 @@ def browser() -> Iterator[Any]:
         opened.close()
 
 
-@pytest.fixture
-def visit(browser: Any) -> Iterator[Any]:
-    """Open a file in a fresh browser window and wait for its 3D view."""
+@contextmanager
+def windows(browser: Any) -> Iterator[Any]:
+    """Open files in fresh browser windows and wait for their 3D views; all close with the block."""
     contexts = []
 
     def opened(path: Path, **window: Any) -> Visit:
@@ -79,9 +79,18 @@ def visit(browser: Any) -> Iterator[Any]:
         found.page.wait_for_selector("#viewer[data-ready]")
         return found
 
-    yield opened
-    for context in contexts:
-        context.close()
+    try:
+        yield opened
+    finally:
+        for context in contexts:
+            context.close()
+
+
+@pytest.fixture
+def visit(browser: Any) -> Iterator[Any]:
+    """Open a file in a fresh browser window and wait for its 3D view."""
+    with windows(browser) as opened:
+        yield opened
 
 
 @pytest.fixture

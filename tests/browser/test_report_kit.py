@@ -125,7 +125,7 @@ def test_a_wide_drawing_is_scrolled_on_a_phone(opened: Any) -> None:
 def test_a_number_stays_with_its_unit(opened: Any) -> None:
     """However wide the window is."""
     page = opened()
-    for width in range(320, 700, 20):
+    for width in range(320, 700, 40):
         page.set_viewport_size({"width": width, "height": 800})
         found = page.locator(".headline").evaluate(
             """(line) => {

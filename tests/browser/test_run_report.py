@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.browser.conftest import Visit, windows
 from tests.page_text import typed
 
 MOST_BYTES = 8_000_000
@@ -24,10 +26,16 @@ def is_blue(picture: np.ndarray) -> np.ndarray:
     return (picture[:, :, 3] == 255) & (picture[:, :, 2] - picture[:, :, 0] > 30)
 
 
-def test_one_small_file_that_asks_for_nothing(visit: Any, run: Path) -> None:
-    report = run / "report.html"
+@pytest.fixture(scope="module")
+def read(browser: Any, run: Path) -> Iterator[Visit]:
+    """The report in one window, for what only reads it."""
+    with windows(browser) as visit:
+        yield visit(run / "report.html")
+
+
+def test_one_small_file_that_asks_for_nothing(read: Visit, run: Path) -> None:
+    report, seen = run / "report.html", read
     assert 100_000 < report.stat().st_size < MOST_BYTES
-    seen = visit(report)
     assert seen.complaints == []
     assert seen.requests == [report.resolve().as_uri()]
     text = report.read_text(encoding="utf-8")
@@ -35,8 +43,8 @@ def test_one_small_file_that_asks_for_nothing(visit: Any, run: Path) -> None:
     assert not re.search(r"\bimport\s*\(|@import|fetch\(|XMLHttpRequest", text)
 
 
-def test_tables_hold_the_metrics(visit: Any, run: Path, metrics: dict[str, Any]) -> None:
-    page = visit(run / "report.html").page
+def test_tables_hold_the_metrics(read: Visit, metrics: dict[str, Any]) -> None:
+    page = read.page
     rows = page.locator("#variants table").first.locator("tbody tr")
     cells = [
         [float(v) for v in rows.nth(i).locator("td").evaluate_all("c => c.map(x => x.dataset.value)")]
@@ -57,8 +65,8 @@ def test_tables_hold_the_metrics(visit: Any, run: Path, metrics: dict[str, Any])
         assert effect["reason"] in typed(effects.nth(row).inner_text())
 
 
-def test_verdict_comes_first(visit: Any, run: Path, metrics: dict[str, Any]) -> None:
-    page = visit(run / "report.html").page
+def test_verdict_comes_first(read: Visit, metrics: dict[str, Any]) -> None:
+    page = read.page
     first = page.locator("main > section").first
     assert first.get_attribute("id") == "verdict"
     gain = metrics["original_web"]["gain_of_stiffness_per_mass_percent"]
@@ -86,6 +94,7 @@ def test_the_throw_is_drawn_the_right_way_round(visit: Any, run: Path) -> None:
     assert np.nonzero(is_grey(seen.picture()))[0].mean() > middle, "the journal is below"
 
 
+@pytest.mark.slow
 def test_the_front_view_is_that_of_a_drawing(visit: Any, run: Path) -> None:
     """Parallel, so that the outline from behind is its mirror image, and with edges."""
     seen = visit(run / "report.html")
@@ -140,6 +149,7 @@ def test_whole_throw_is_longer(visit: Any, run: Path) -> None:
     assert whole > 1.5 * half
 
 
+@pytest.mark.slow
 def test_slider_shows_every_iteration_by_keyboard(visit: Any, run: Path, metrics: dict[str, Any]) -> None:
     seen = visit(run / "report.html")
     slider, text = seen.page.locator("[data-step]"), seen.page.locator("[data-step-text]")
@@ -182,8 +192,8 @@ def test_play_runs_to_the_final_surface(visit: Any, run: Path) -> None:
     assert seen.page.get_by_role("button", name="Play").is_visible()
 
 
-def test_all_controls_are_reached_by_tab(visit: Any, run: Path) -> None:
-    page = visit(run / "report.html").page
+def test_all_controls_are_reached_by_tab(read: Visit) -> None:
+    page = read.page
     reached = set()
     for _ in range(40):
         page.keyboard.press("Tab")
@@ -195,8 +205,8 @@ def test_all_controls_are_reached_by_tab(visit: Any, run: Path) -> None:
     assert set(wanted) <= reached
 
 
-def test_pictures_have_words(visit: Any, run: Path) -> None:
-    page = visit(run / "report.html").page
+def test_pictures_have_words(read: Visit) -> None:
+    page = read.page
     words = page.locator("img").evaluate_all("c => c.map(x => x.alt)")
     words += page.locator("svg").evaluate_all("c => c.map(x => x.getAttribute('aria-label'))")
     words += page.locator("canvas").evaluate_all("c => c.map(x => x.getAttribute('aria-label'))")
@@ -204,7 +214,8 @@ def test_pictures_have_words(visit: Any, run: Path) -> None:
     assert all(len(text) > 20 for text in words)
 
 
-@pytest.mark.parametrize("width", [360, pytest.param(820, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [360, 820])
 def test_narrow_screens_need_no_sideways_scrolling(visit: Any, run: Path, width: int) -> None:
     page = visit(run / "report.html", viewport={"width": width, "height": 780}, is_mobile=True).page
     assert page.evaluate("document.documentElement.scrollWidth") <= width

@@ -7,6 +7,7 @@ import json
 import random
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -142,9 +143,9 @@ def page_file(record: SweepResult, webs: dict[str, str], tmp_path_factory: pytes
     return path
 
 
-@pytest.fixture
-def opened(browser: Any, page_file: Path) -> Iterator[Any]:
-    """Open the page in a window; whatever it asks for or complains about fails the test."""
+@contextmanager
+def windows(browser: Any, page_file: Path) -> Iterator[Any]:
+    """Open the page in windows; whatever it asks for or complains about fails the block."""
     contexts, said = [], list[str]()
 
     def visit(**window: Any) -> Any:
@@ -164,6 +165,19 @@ def opened(browser: Any, page_file: Path) -> Iterator[Any]:
     assert set(said) == {page_file.as_uri()}
 
 
+@pytest.fixture
+def opened(browser: Any, page_file: Path) -> Iterator[Any]:
+    with windows(browser, page_file) as visit:
+        yield visit
+
+
+@pytest.fixture(scope="module")
+def read(browser: Any, page_file: Path) -> Iterator[Any]:
+    """The page in one window, for what only reads it."""
+    with windows(browser, page_file) as visit:
+        yield visit()
+
+
 def timed(page: Any, act: str) -> float:
     """Least time of three of a step, ms: others use the machine too."""
     return min(float(page.evaluate(TIMED.format(act=act))) for _ in range(3))
@@ -174,8 +188,8 @@ def table_ids(page: Any) -> list[str]:
     return found
 
 
-def test_plots_and_table_show_the_points(opened: Any, record: SweepResult) -> None:
-    page = opened()
+def test_plots_and_table_show_the_points(read: Any, record: SweepResult) -> None:
+    page = read
     assert page.locator("[data-scatter] circle:not(.ring)").count() == POINTS - 1
     assert page.locator("[data-scatter] circle.front").count() == len(record.front)
     assert page.locator("[data-scatter] .error").count() == len(record.front), "of the torsion"
@@ -312,8 +326,8 @@ def test_picks_lead_to_their_point(opened: Any, record: SweepResult) -> None:
         assert page.locator("[data-detail] .title").inner_text().startswith(one)
 
 
-def test_a_pick_says_first_what_got_worse_and_its_mass(opened: Any, record: SweepResult) -> None:
-    page = opened()
+def test_a_pick_says_first_what_got_worse_and_its_mass(read: Any, record: SweepResult) -> None:
+    page = read
     for number, one in enumerate(record.picks.values()):
         point = next(row for row in record.points if row.id == one)
         pick = page.locator("[data-pick]").nth(number)
@@ -336,12 +350,13 @@ def test_numbers_have_the_digits_of_their_error(opened: Any, record: SweepResult
     assert page.locator("[data-table] td.reason").nth(7).bounding_box()["height"] < 60
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "window",
     [
         {},
-        pytest.param({"color_scheme": "dark"}, marks=pytest.mark.slow),
-        pytest.param({"viewport": {"width": 360, "height": 740}}, marks=pytest.mark.slow),
+        {"color_scheme": "dark"},
+        {"viewport": {"width": 360, "height": 740}},
     ],
 )
 def test_screens_and_paper(opened: Any, record: SweepResult, window: dict[str, Any]) -> None:

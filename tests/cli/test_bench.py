@@ -174,6 +174,7 @@ def test_what_is_no_design_is_refused_before_anything_is_served(
     assert not (tmp_path / "bench").exists()
 
 
+@pytest.mark.slow
 def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
     """In a process of its own: a browser that another test drives has an event loop in this one."""
     with socket.socket() as taken:

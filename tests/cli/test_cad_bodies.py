@@ -90,6 +90,7 @@ def test_elliptical_fillets_are_the_body_s(step_of: Callable[..., Path], mikron:
     )
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_fillets_are_the_body_s_and_not_the_design_s(step_of: Callable[..., Path], mikron: Scene) -> None:
     path = step_of(with_fillets(3.25, 1.75), "other")
     assert radii_of(fillets_of_step(path, mikron)) == (3.25, 1.75)
@@ -116,6 +117,7 @@ def test_fillets_that_another_program_rolled(mikron: Scene, tmp_path: Path) -> N
     assert radii_of(fillets_of_step(path, mikron)) == (2.0, 2.0)
 
 
+@pytest.mark.usefixtures("kernel_here")
 @pytest.mark.parametrize(
     ("main_mm", "pin_mm", "where"),
     [(0.0, 2.5, "main journal"), pytest.param(2.5, 0.0, "crankpin", marks=pytest.mark.slow)],
@@ -128,6 +130,7 @@ def test_a_sharp_body_is_refused(
         check_inputs(Target("sharp.step", mikron, path), "lsa", "extremes")
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_a_fillet_elsewhere_is_named(step_of: Callable[..., Path], mikron: Scene) -> None:
     """A design whose web begins 0.5 mm later than the body's: found is where the fillet ends."""
     journal = mikron.throw.main_journal.model_copy(update={"length_mm": 41.0})
@@ -200,6 +203,7 @@ def test_the_shaft_of_a_body_is_that_of_its_design(
     assert body["natural_frequencies_Hz"] == pytest.approx(design["natural_frequencies_Hz"], rel=0.01)
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_the_surface_of_a_body_is_closed_and_ends_on_its_planes(
     step_of: Callable[..., Path], mikron: Scene
 ) -> None:
@@ -211,6 +215,7 @@ def test_the_surface_of_a_body_is_closed_and_ends_on_its_planes(
     assert (z.min(), z.max()) == (0.0, mikron.pitch_mm / 2)
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_a_step_of_two_parts_is_no_body(tmp_path: Path, mikron: Scene) -> None:
     path = tmp_path / "two.step"
     with cad_session("two") as gmsh:

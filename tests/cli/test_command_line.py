@@ -71,7 +71,7 @@ def test_quiet_and_verbose_exclude_each_other(name: str, capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     "words",
     [
-        ["film", "car-diesel"],
+        pytest.param(["film", "car-diesel"], marks=pytest.mark.slow),
         ["loads"],
         ["plan"],
         pytest.param(["export", "mikron-iiic"], marks=pytest.mark.slow),

@@ -71,6 +71,7 @@ def test_files_hold_the_fillets_of_every_target(beside_a_run: ComparedTargets) -
     assert set(json.loads(comparison_text(alone, "json"))["fillets"].values()) == {"as designed"}
 
 
+@pytest.mark.slow
 def test_page_and_plot_say_so(
     beside_a_run: ComparedTargets, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,9 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.loading import design_text, designs_folder
 from cranktopo.design.schema import Scene
+from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
+from cranktopo.tasks.compare import stage as pages
 from cranktopo.tasks.compare.result import Entry, compare
 from cranktopo.tasks.fatigue import stage
 from cranktopo.tasks.fatigue.m53 import Factors, FilletCheck, Nominal, dimensions
@@ -45,6 +48,29 @@ def invented(target: Target, *_: object) -> Evaluation:
 def evaluated(name: str, torsion: float, error: float) -> Evaluation:
     fine = Stiffness({"free": torsion}, {"pinned": 50e3}, 1234, 4.0, 1.0, 2.0)
     return Evaluation(name, 2.0, 0.6, 5000, 50, fine, "free", "pinned", error, 0.4, 3.0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _bodies_made_once() -> Iterator[None]:
+    """Pages of these tests show the same designs: each is meshed and tried in its die once."""
+    bodies, undercuts = dict[str, Any](), dict[str, Any]()
+    mesh, withdraw = pages.half_throws, pages.design_undercuts
+
+    def shown(target: Target) -> Any:
+        key = target.scene.model_dump_json()
+        if key not in bodies:
+            bodies[key] = mesh(target)
+        return bodies[key]
+
+    def held(name: str, surface: SurfaceMesh, scene: Scene) -> Any:
+        if name not in undercuts:
+            undercuts[name] = withdraw(name, surface, scene)
+        return undercuts[name]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pages, "half_throws", shown)
+        patch.setattr(pages, "design_undercuts", held)
+        yield
 
 
 @pytest.fixture(autouse=True)
@@ -118,6 +144,7 @@ def alike(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cranktopo.tasks.fea.stage.evaluate", near)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("alike")
 def test_gain_below_the_error_estimate_is_no_gain(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
@@ -293,6 +320,7 @@ def test_the_safety_is_of_the_loads_that_are_asked_for(
     assert json.loads(capsys.readouterr().out)["fatigue"]["loads"] == loads
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("safeties")
 def test_safety_on_the_page(tmp_path: Path) -> None:
     path = tmp_path / "page.html"

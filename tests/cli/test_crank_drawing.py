@@ -194,6 +194,7 @@ def test_without_ezdxf_a_dxf_file_is_a_missing_tool(
     assert "pip install 'cranktopo[dxf]'" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_it_replaces_a_file_by_force_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "crank.svg"
     path.write_text("mine")

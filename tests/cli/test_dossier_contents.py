@@ -99,6 +99,7 @@ def test_no_signature_under_what_the_rule_does_not_use(tmp_path: Path) -> None:
     assert "Not calculated, nor what a misfire does: it takes [shaft]" in text
 
 
+@pytest.mark.slow
 def test_the_verdict_says_what_its_strength_does_not_hold_for(tmp_path: Path) -> None:
     """Of solid journals of 42 mm, where the library's strength is that of sections to 40 mm."""
     design = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -121,6 +122,7 @@ def _headline(path: Path) -> str:
     return next(line for line in text.splitlines() if "The throw is" in line)
 
 
+@pytest.mark.slow
 def test_pdf_with_numbered_pages(tmp_path: Path) -> None:
     data = dossier(tmp_path, "", ".pdf").read_bytes()
     assert data.startswith(b"%PDF")

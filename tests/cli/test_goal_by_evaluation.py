@@ -71,6 +71,7 @@ def test_the_table_says_which_limit_breaks(design: str, capsys: pytest.CaptureFi
     assert line.split()[-3:] == ["100.0", "80.0", "NO"]
 
 
+@pytest.mark.slow
 def test_the_page_says_it_too(design: str, tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     assert (

@@ -13,6 +13,7 @@ from cranktopo.app.main import main
 from tests.page_text import typed_page
 from tests.plain_runs import plain_runs
 
+pytestmark = pytest.mark.slow
 OPTIONS = [
     *("--minimise", "mass", "--limit", "bending none", "--limit", "torsion >= 90 %"),
     *("--limit", "unbalance <= 0.05 kg m", "--resolution-mm", "4.5", "--max-iterations", "4"),

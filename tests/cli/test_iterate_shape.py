@@ -68,6 +68,7 @@ def test_a_loop_interrupted_in_its_last_step_goes_on_there(
     assert "best: shape" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_shape_that_finds_no_web_leaves_the_loop_as_it_is(
     stand_in: ShapeStandIn, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -391,6 +391,7 @@ def test_curves_of_one_web_of_two_say_whose_they_are(capsys, tmp_path):
     assert "place in their name" not in alike
 
 
+@pytest.mark.slow
 def test_the_torque_of_a_vibrating_shaft_is_called_by_its_section_and_speed(tmp_path: Path) -> None:
     """Its curve swings as `vibration` has it between the last throw and what follows, not as the engine's."""
     design = tmp_path / "turning.toml"

@@ -54,7 +54,12 @@ def test_a_body_in_inches_is_named(tmp_path: Path, capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize(
-    "content", ["ISO-10303-21;", "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=X("], ids=repr
+    "content",
+    [
+        pytest.param("ISO-10303-21;", marks=pytest.mark.slow),
+        "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=X(",
+    ],
+    ids=repr,
 )
 def test_a_damaged_step_is_said_to_be_one(
     content: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

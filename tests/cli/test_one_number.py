@@ -182,7 +182,10 @@ def _alike(one, other):
     return one == other if isinstance(one, str | None) else one == pytest.approx(other, rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize(
+    "scene",
+    [pytest.param(scene, marks=pytest.mark.slow if _SHAFT in SCENES[scene] else ()) for scene in SCENES],
+)
 def test_what_closed_forms_tell(capsys, tmp_path, scene):
     path = tmp_path / "engine.toml"
     path.write_text(SCENES[scene])

@@ -66,6 +66,7 @@ def test_cells_hold_the_web_of_the_body(suffix: str, body_of: Callable[..., Path
     assert input_files(scene)["original.file"].name == f"body{suffix}"
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_the_first_step_of_a_loop_is_the_body(
     body_of: Callable[..., Path], mikron: Scene, tmp_path: Path
 ) -> None:
@@ -100,6 +101,7 @@ def test_a_goal_is_measured_against_the_body_without_its_fillets(
     assert half_throw_volume_mm3(filleted) > 1.003 * half_throw_volume_mm3(sharp)
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_a_body_elsewhere_is_refused(body_of: Callable[..., Path], mikron: Scene) -> None:
     throw = mikron.throw.model_copy(update={"radius_mm": 44.0})
     with pytest.raises(CranktopoError, match="does not lie where the throw is"):

@@ -119,6 +119,7 @@ def test_its_solid_is_written_and_read_back(capsys, tmp_path):
     assert "mikron-iiic-rod rod" in file.read_text()
 
 
+@pytest.mark.slow
 def test_a_lighter_rod_is_found_and_written(capsys, tmp_path):
     file = tmp_path / "lighter.toml"
     code, out, _ = run(capsys, "rod", "--lighter", str(file), "--json")

@@ -64,6 +64,7 @@ def signal_after(process: subprocess.Popen[str], trace: Path, lines: int, how: s
     return process.wait(600)
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_goes_on(scheduler: str, tmp_path: Path, trace: Path) -> None:
     """`kill -9` of workers and all: no finished point is lost or computed twice."""
     out = tmp_path / "out"

@@ -25,7 +25,6 @@ FAST = (
     "balance",
     "balance car-diesel",
     "film car-diesel",
-    "film industrial-gas --speed 900:1800:300",
     "bolts",
     "rod",
     "balancer",
@@ -44,6 +43,7 @@ FAST = (
 )
 """Command lines that a few seconds suffice for; between them and `SLOW` every command is called."""
 SLOW = (
+    "film industrial-gas --speed 900:1800:300",
     "compare opposed-piston-variant-2 --baseline opposed-piston --element-size-mm 12",
     "vibration car-diesel --element-size-mm 14",
     "shaft mikron-iiic-plain --element-size-mm 14",

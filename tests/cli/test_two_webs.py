@@ -102,6 +102,7 @@ def test_the_rule_judges_each_web(
     assert rows[1][-1].rstrip("*") == f"{worse:.3f}", "the last column of the values"
 
 
+@pytest.mark.slow
 def test_the_page_of_a_comparison_shows_both_webs(two: str) -> None:
     """Each half throw in its own frame, a drilling of one half alone in it."""
     target = resolve_targets([two], whole=True)[0]

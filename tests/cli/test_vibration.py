@@ -85,6 +85,7 @@ def test_json_page_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert mine[0, 2 + column] == pytest.approx(by_order[worst["order"]], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_varying_inertia_above_the_threshold_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -214,6 +215,7 @@ def test_damping_and_speeds_of_a_marine_shaft(tmp_path: Path, capsys: pytest.Cap
     assert "(order 1)" in out
 
 
+@pytest.mark.slow
 def test_the_range_is_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the varying inertia changes is told beside the mean inertia's peaks, without all speeds again."""
     scene = load_scene(design(tmp_path, GIVEN + "propeller = {inertia_kg_m2 = 0.6}"))

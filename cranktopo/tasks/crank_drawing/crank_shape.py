@@ -22,7 +22,7 @@ from cranktopo.throw.journal import Journal
 if TYPE_CHECKING:
     from manifold3d import CrossSection, Manifold
 
-_SEAM_MM = 1e-4
+_SEAM_MM, _BESIDE_MM = 1e-4, 1e-3
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,8 @@ class CrankShape:
         return SurfaceMesh(vertices @ view.T, np.concatenate(faces))
 
     def section_x(self) -> list[Array]:
-        """Return polygons (z, y) of the section x = 0."""
-        cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(0.0) for piece in self.pieces]
+        """Return polygons (z, y) of the section just beside x = 0, in which flanks of counterweights can lie."""
+        cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(_BESIDE_MM) for piece in self.pieces]
         return [np.asarray(polygon) * (-1.0, 1.0) for polygon in _union(cuts).to_polygons()]
 
 

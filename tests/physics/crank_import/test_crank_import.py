@@ -299,6 +299,7 @@ def block(folder: Path, *boxes: tuple[float, ...], bars: int = 0) -> Path:
     return path
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_what_is_no_crank_is_refused_in_a_line(tmp_path: Path) -> None:
     with pytest.raises(CranktopoError, match="looks like no crank: no face is a full cylinder"):
         import_crank(block(tmp_path, (0, 0, 0, 10, 10, 10)), None, tmp_path / "out")

@@ -70,6 +70,7 @@ def check_near(scene: Scene, result: CrankImport) -> None:
     assert len(result.halves) == 1
 
 
+@pytest.mark.slow
 def test_a_half_throw_with_a_counterweight(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = load_scene("car-diesel")
     result = imported(coarse(scene, "half", monkeypatch), "car", tmp_path)

@@ -42,7 +42,13 @@ def sprung(**second: object) -> Scene:
     return scene_with(lengths, second_web={**SECOND, **second}, supports=supports)
 
 
-@pytest.mark.parametrize("pocket", [(), ({**POCKET, "x_mm": 9.0},)], ids=["mirror in x", "none"])
+@pytest.mark.parametrize(
+    "pocket",
+    [
+        pytest.param((), id="mirror in x", marks=pytest.mark.slow),
+        pytest.param(({**POCKET, "x_mm": 9.0},), id="none"),
+    ],
+)
 def test_unit_fields_add_up_to_one_direct_solve(pocket: tuple[dict[str, object], ...]) -> None:
     """All loads at once on the whole throw, its torque answered in equal parts; by one LU factorisation."""
     scene = sprung(pocket=list(pocket))

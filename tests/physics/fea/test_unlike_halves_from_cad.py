@@ -54,6 +54,7 @@ def test_stiffness_is_that_of_the_whole(tmp_path: Path) -> None:
     assert found.torsion_Nm_per_rad == pytest.approx(wanted.torsion_Nm_per_rad, rel=0.01)
 
 
+@pytest.mark.usefixtures("kernel_here")
 def test_equal_halves_are_one(tmp_path: Path) -> None:
     scene, _ = bevelled_far_web()
     export_solid(scene, "throw", tmp_path / "throw.step")

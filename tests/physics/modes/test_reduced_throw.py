@@ -145,9 +145,9 @@ def test_halves_that_differ(scene: Scene) -> None:
         scene_from_dict(data | {"web": web, "second_web": second}, whole=True)
         for web, second in ((near, far), (far, near))
     )
-    found = [frequencies_Hz(reduced(mesh_throw(own, SIZE_MM), own), own, 6) for own in (one, other)]
-    assert found[0] == pytest.approx(found[1], rel=1e-2)
     throws = [reduced(mesh_throw(own, SIZE_MM), own) for own in (one, other)]
+    found = [frequencies_Hz(throw, own, 6) for throw, own in zip(throws, (one, other), strict=True)]
+    assert found[0] == pytest.approx(found[1], rel=1e-2)
     for side in (0, 1):
         first, second = throws[0].stations[side], throws[1].stations[1 - side]
         assert first.z_mm == pytest.approx(one.pitch_mm - second.z_mm, rel=1e-2)

@@ -98,6 +98,7 @@ def test_a_ring_on_rubber_has_a_mode_of_its_own() -> None:
     assert nearest.disks_Hz == pytest.approx(closed, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_fluid_of_a_damper_is_told_and_what_it_would_change() -> None:
     """A fluid that holds ever more makes ring and hub one disk, which a pulley of both their inertias is."""
     damper = {"kind": "viscous", "ring_inertia_kg_m2": 0.01, "hub_inertia_kg_m2": 0.02}
@@ -113,6 +114,7 @@ def test_the_fluid_of_a_damper_is_told_and_what_it_would_change() -> None:
     assert "fluid" not in modes_text(joined)
 
 
+@pytest.mark.slow
 def test_a_heavy_flywheel_bends_the_free_shaft() -> None:
     """With its mass it lowers bending modes, without it none; the further out, the more."""
     table = {"inertia_kg_m2": 0.05}
@@ -125,6 +127,7 @@ def test_a_heavy_flywheel_bends_the_free_shaft() -> None:
     assert far[0] < heavy[0]
 
 
+@pytest.mark.slow
 def test_from_the_other_end() -> None:
     """A pulley at the free end is a flywheel of the crank that is turned around, whirl and all."""
     disk = {"inertia_kg_m2": 0.08, "mass_kg": 9.0, "overhang_mm": 30.0}
@@ -152,9 +155,9 @@ def test_a_disk_beyond_the_bearing_whirls() -> None:
 def test_springs_lie_between_free_and_rigid(bare: ShaftModes) -> None:
     data = mikron().model_dump(mode="json", exclude_none=True)
     first = []
-    for spring in (1e5, 1e6, 1e9):
+    for spring in (1e6, 1e9):
         data["supports"]["bearing_spring_N_per_mm"] = spring
         modes = found(scene_from_dict(data), "spring", speeds_rpm=(700.0, 2800.0)).modes
         first.append([mode.frequency_Hz for mode in modes])
-    assert first[2] == pytest.approx([mode.frequency_Hz for mode in bare.modes], rel=2e-3)
+    assert first[1] == pytest.approx([mode.frequency_Hz for mode in bare.modes], rel=2e-3)
     assert all(soft <= stiff for soft, stiff in zip(first[0], first[1], strict=True))

@@ -117,7 +117,14 @@ def test_each_parameter_is_recovered_within_half_a_percent() -> None:
         assert value == pytest.approx(known, rel=5e-3), name
 
 
-@pytest.mark.parametrize(("half_width", "stations"), [(36.0, 8), (44.0, 6), (44.0, 8)])
+@pytest.mark.parametrize(
+    ("half_width", "stations"),
+    [
+        pytest.param(36.0, 8, marks=pytest.mark.slow),
+        (44.0, 6),
+        pytest.param(44.0, 8, marks=pytest.mark.slow),
+    ],
+)
 def test_the_outline_of_a_square_body_does_not_fold_back(
     mikron: Scene, half_width: float, stations: int
 ) -> None:
@@ -195,7 +202,7 @@ def test_constraints_refuse_a_groove_whose_floor_a_bevel_takes_off(mikron: Scene
     layout, limits = Layout(7, (*PARTS[:2], FittedSlot(through=True))), ManufacturingLimits(0.5)
     points = _profile(mikron).flank.along(48)
     sound = []
-    for floor, offset, height in product((15.0, 20.0, 24.0, 27.0, 31.0), np.linspace(-7, 7, 15), (3.0, 4.0)):
+    for floor, offset, height in product((15.0, 20.0, 24.0, 27.0, 31.0), np.linspace(-7, 7, 8), (3.0, 4.0)):
         values = np.array([*values_of(MORE)[:13], height, floor, offset, 3.0])
         rules = part_rules(layout.parts, points, values[7:], mikron, limits)
         terms = np.array([excess for _, excess in rules])
@@ -270,6 +277,7 @@ DRILLING = {
 }
 
 
+@pytest.mark.slow
 def test_a_drilling_of_the_design_is_no_window_of_the_body(mikron: Scene) -> None:
     """The known web with a drilling lacks nothing of its own body; a window beside it is still told."""
     data = known_scene(mikron, PLAIN).model_dump(mode="json", exclude_none=True)

@@ -30,6 +30,7 @@ def drilled() -> Scene:
     return scene_from_dict({**data, "throw": throw}, "drilled")
 
 
+@pytest.mark.slow
 def test_the_drilling_stands_still(float64: None) -> None:
     """Nodes of its wall are on its face before and after a step; torsion by differences of the same mesh."""
     scene = drilled()

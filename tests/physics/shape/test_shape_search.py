@@ -162,6 +162,7 @@ def test_a_search_makes_the_web_lighter_and_keeps_both_stiffnesses(model: WebMod
     assert model.web(layout).constraints(found.values).max() < 6e-3
 
 
+@pytest.mark.slow
 def test_a_price_predicts_the_optimum_of_a_limit_moved_by_one_percent(model: WebModel, mikron: Scene) -> None:
     original, layout = model.original, Layout(7, PARTS[:2])
 

@@ -124,6 +124,7 @@ def test_solid_has_the_closed_form() -> None:
     assert balance.inertia_kg_mm2 == pytest.approx(2 * density * found.inertia_z_mm5, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_leaning_solid() -> None:
     """The kernel errs in integration and in its rounding, a spline; `tests/cad_check` tells how much."""
     scene = mikron(LEANING)

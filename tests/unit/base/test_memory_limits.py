@@ -63,7 +63,13 @@ def limited(kilobytes: int, line: str, folder: Path) -> subprocess.CompletedProc
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=600, check=False)
 
 
-@pytest.mark.parametrize("line", ["evaluate mikron-iiic-plain", "optimise mikron-iiic-plain --out run"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "evaluate mikron-iiic-plain",
+        pytest.param("optimise mikron-iiic-plain --out run", marks=pytest.mark.slow),
+    ],
+)
 def test_what_does_not_fit_is_refused_before_it_starts(line: str, tmp_path: Path) -> None:
     done = limited(1_000_000, line, tmp_path)
     assert (done.returncode, done.stdout) == (3, ""), done.stderr

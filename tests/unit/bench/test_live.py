@@ -68,6 +68,7 @@ def test_without_a_shaft_the_rule_rests_on_no_stiffness() -> None:
     assert not set(RESTING) & set(told["rings"])
 
 
+@pytest.mark.slow
 def test_a_settled_stiffness_gives_what_the_design_gives_that_states_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

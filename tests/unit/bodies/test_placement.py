@@ -99,7 +99,7 @@ def test_journals_alike_but_for_their_lengths_are_told_apart(name: str) -> None:
     """The built-in throw itself: with its fillets, each end shows the sections of the other."""
     whole = load_scene("mikron-iiic-plain")
     rotation, shift, words = WRONG[name]
-    wrong = solid_of(surface_of(whole, "half")).transform(np.column_stack([rotation, shift]))
+    wrong = solid_of(surface_of(whole, "half", 2.0)).transform(np.column_stack([rotation, shift]))
     with pytest.raises(CranktopoError, match=f"looks {words}"):
         placed(wrong, whole, "body.step", align=False)
 

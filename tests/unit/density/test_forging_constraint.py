@@ -30,7 +30,7 @@ def chain_of(scene: Scene, **grid: Any) -> tuple[Domain, MaterialInterpolation]:
     return domain, build_chain(scene, domain)
 
 
-@pytest.fixture(params=["quarter", "half"])
+@pytest.fixture(params=[pytest.param("quarter", marks=pytest.mark.slow), "half"])
 def density_chain(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> MaterialInterpolation:
     return chain_of(forged(mikron), extent=request.param)[1]
 

@@ -50,7 +50,12 @@ def solid_of(density_chain: MaterialInterpolation, seed: int, level: float = 0.5
     return np.asarray(made(density_chain, noise(density_chain, seed), 8.0)) > level
 
 
-@pytest.fixture(params=PROCESSES)
+VARIANTS = "die through the faces", "drafted die through the faces", "mould", "mould through the faces"
+
+
+@pytest.fixture(
+    params=[pytest.param(name, marks=pytest.mark.slow if name in VARIANTS else ()) for name in PROCESSES]
+)
 def made(request: pytest.FixtureRequest, float64: None, mikron: Scene) -> MaterialInterpolation:
     return chain_of(mikron, **PROCESSES[request.param])[1]
 

@@ -149,6 +149,7 @@ def test_symmetric_density_gives_a_symmetric_surface(slot: WebSurface) -> None:
     assert right == pytest.approx(mesh.volume_mm3 / 2, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_same_input_same_surface(slot: WebSurface) -> None:
     scene = scene_with()
     again = extract_half_throw(grid_of(scene, obround()), scene)
@@ -177,6 +178,7 @@ def test_a_heavy_island_fails_the_check() -> None:
     assert caught.value.code == ExitCode.CRITERION_NOT_MET
 
 
+@pytest.mark.slow
 def test_hollows_stay_and_those_of_islands_go_with_them() -> None:
     scene = scene_with()
     island = without(ball(37, 0, 29.5, 7.5), ball(37, 0, 29.5, 4))

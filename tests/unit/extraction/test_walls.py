@@ -79,9 +79,9 @@ DIE, FACES = {"process": "forged"}, {"process": "forged", "parting": "web_faces"
     [
         (DIE, SLOT, 6 * 8 * 7),
         (DIE, SIDE_SLOT, 0.0),
-        (FACES, SLOT, 0.0),
+        pytest.param(FACES, SLOT, 0.0, marks=pytest.mark.slow),
         (FACES, SIDE_SLOT, 16 * 8 * 8),  # on either side of mid-web, z = 29.5
-        (FACES, UNDER_THE_PIN, 8 * 6 * 7),
+        pytest.param(FACES, UNDER_THE_PIN, 8 * 6 * 7, marks=pytest.mark.slow),
         ({"process": "cast"}, SLOT, 6 * 8 * 7),
         ({"process": "cast"}, SIDE_SLOT, 0.0),
         ({"process": "milled"}, SLOT, 0.0),

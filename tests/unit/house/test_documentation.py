@@ -6,15 +6,17 @@ import doctest
 import inspect
 import os
 import re
+import shlex
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 import cranktopo
-from cranktopo.app.main import COMMANDS
+from cranktopo.app.main import COMMANDS, main
 from cranktopo.base.result import Result
 from tests.unit.house.test_structure import FLOORS, TASKS
 
@@ -42,26 +44,22 @@ def blocks(page: str) -> list[Block]:
     return [Block(found[1], found[2], found[3], bool(found[0])) for found in re.findall(pattern, text)]
 
 
-def run_tutorial(folder: Path, *, slow: bool) -> None:
-    """Every block in order in one folder; the slow ones too, or only the others."""
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+Said = tuple[int, str, str]
+"""Exit code, stdout and stderr."""
+
+
+def run_tutorial(folder: Path, given: Callable[[str], Said], *, slow: bool) -> None:
+    """Give every command in order in one folder; those of slow blocks too, or only the others."""
     for block in blocks("tutorial.md"):
         if block.title:
             (folder / block.title).write_text(block.text, encoding="utf-8")
         if block.language != "console" or (block.slow and not slow):
             continue
         for command, shown in re.findall(r"(?ms)^\$ ([^\n]*)\n(.*?)(?=^\$ |\Z)", block.text):
-            done = subprocess.run(
-                ["bash", "-c", command],
-                cwd=folder,
-                env=environment,
-                capture_output=True,
-                text=True,
-                check=False,
-            )
-            assert done.returncode == 0, f"{command}\n{done.stderr}"
+            code, out, err = given(command)
+            assert code == 0, f"{command}\n{err}"
             if not block.slow:  # what is meshed or compiled differs in the last digits between machines
-                assert doctest.OutputChecker().check_output(shown, done.stdout, ALIKE), done.stdout
+                assert doctest.OutputChecker().check_output(shown, out, ALIKE), out
 
 
 def run_python(folder: Path, capsys: pytest.CaptureFixture[str], *, slow: bool) -> None:
@@ -74,8 +72,19 @@ def run_python(folder: Path, capsys: pytest.CaptureFixture[str], *, slow: bool) 
         assert capsys.readouterr().out.splitlines() == re.findall(r"(?m)^# (.*)$", block.text)
 
 
-def test_tutorial_begins_as_shown(tmp_path: Path) -> None:
-    run_tutorial(tmp_path, slow=False)
+def test_tutorial_begins_as_shown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In this process; the whole of it below in a shell, as a reader does it."""
+    monkeypatch.chdir(tmp_path)
+
+    def given(command: str) -> Said:
+        program, *words = shlex.split(command)
+        assert program == "cranktopo"
+        capsys.readouterr()
+        return main(words), *capsys.readouterr()
+
+    run_tutorial(tmp_path, given, slow=False)
     assert (tmp_path / "throw.step").is_file()
 
 
@@ -97,7 +106,20 @@ def test_results_that_the_python_page_names_are_as_it_says() -> None:
 
 @pytest.mark.slow
 def test_whole_tutorial_runs(tmp_path: Path) -> None:
-    run_tutorial(tmp_path, slow=True)
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+
+    def given(command: str) -> Said:
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return done.returncode, done.stdout, done.stderr
+
+    run_tutorial(tmp_path, given, slow=True)
     assert "torsion per mass" in (tmp_path / "table.md").read_text(encoding="utf-8")
     assert (tmp_path / "web.step").is_file()
 

@@ -14,7 +14,15 @@ ROOT = Path(__file__).resolve().parents[3]
 GALLERY = ROOT / "docs" / "pages" / "images" / "examples"
 SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 LARGEST_PICTURE_BYTES = 60_000
-SLOW = ("07_sweep", "08_finished_run", "11_goal_and_limits")
+SLOW = (
+    "05_own_response",
+    "06_own_fatigue",
+    "07_sweep",
+    "08_finished_run",
+    "10_sensitivities",
+    "11_goal_and_limits",
+    "12_export",
+)
 
 
 @pytest.fixture(scope="module")

@@ -156,6 +156,7 @@ def test_a_lopsided_mesh_said_to_be_symmetric_is_refused(tmp_path: Path, mikron:
         build_domain(mikron.model_copy(update={"envelope": envelope}), 6.0)
 
 
+@pytest.mark.slow
 def test_the_envelope_of_a_fitted_web_is_its_own_mirror_image(tmp_path: Path, mikron: Scene) -> None:
     """Bevels, slots and holes: what is simplified after it was mirrored is not."""
     path = write_envelope(write_solids(known_scene(mikron, WHOLE), tmp_path).web, tmp_path)

@@ -78,6 +78,7 @@ def test_a_solve_compiles_nothing_more(float64: None) -> None:
     assert compiled == [EVENT]
 
 
+@pytest.mark.slow
 def test_the_step_compiles_nothing_more(mikron: Scene, float64: None) -> None:
     prepared = prepare(mikron.with_optimise(resolution_mm=4.5))
     problem = build_problem(prepared.scene, prepared.domain, prepared.cases)

@@ -51,6 +51,7 @@ def test_cantilever_of_five_boxes() -> None:
     np.testing.assert_allclose(0.0624 - 3 * multipliers[0] * np.asarray(shares) / x**4, 0.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_two_bars() -> None:
     """K. Svanberg, 1987, section 5: weight 1.51 at 1.41 and 0.38; one stress limit is active, one is not."""
 
@@ -84,6 +85,7 @@ def test_a_limit_that_cannot_hold_is_broken_as_little_as_possible() -> None:
     np.testing.assert_allclose(x, 0.5, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_many_variables_many_limits() -> None:
     """A linear programme with a known vertex: of every three variables the cheapest carries the load."""
     price = jnp.asarray([1.0, 2.0, 3.0] * 4)

@@ -140,6 +140,7 @@ def test_a_search_follows_torsion_and_inertia_where_the_goal_asks() -> None:
     assert needed_for(["natural_frequency"]) == {"natural_frequency", "torsion", "inertia"}
 
 
+@pytest.mark.slow
 def test_a_coarse_mesh_is_brought_to_the_shaft_on_its_bearings() -> None:
     """Its share times what its own stiffness gives is the frequency of the evaluation."""
     scene = limited(LIMITS[0])

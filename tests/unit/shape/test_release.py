@@ -20,6 +20,7 @@ from cranktopo.tasks.shape.text import shape_headline, shape_summary
 from tests.unit.refit.remodel_cases import table
 from tests.unit.shape.shape_results import invented_data
 
+FACET_MM = 2.0
 BOX = {"shape": "box", "face": "pin", "x_mm": 0.0, "y_mm": 18.0, "depth_mm": 9.0}
 BOX |= {"size_x_mm": 20.0, "size_y_mm": 8.0}
 SIDE = {"shape": "side", "y_mm": 24.0, "length_mm": 20.0, "height_mm": 6.0, "depth_mm": 5.0, "draft_deg": 5.0}
@@ -45,7 +46,7 @@ def test_the_process_decides_and_the_pocket_is_named(
 ) -> None:
     """A web that `shape` calls makeable is called so by `compare` as well."""
     scene = made(mikron, {**pocket}, **process)
-    surface = surface_of(scene, "half")
+    surface = surface_of(scene, "half", FACET_MM)
     found = shaped_undercuts(surface, scene)
     assert (found.released, found.makeable) == (released, released)
     assert found.held_by == (None if released else "web.pocket[0]")
@@ -70,7 +71,7 @@ def test_what_a_die_releases_without_draft_is_named(
 ) -> None:
     bevel = {"face": "journal", "y_mm": 54.0, "depth_mm": 9.0}
     scene = scene_with_web(mikron, table(bevel=[bevel])).with_optimise(**asked)
-    found = shaped_undercuts(surface_of(scene, "half"), scene)
+    found = shaped_undercuts(surface_of(scene, "half", FACET_MM), scene)
     assert found.without_draft == straight
     ends = f" it; too little draft: {', '.join(straight)}" if straight else " it"
     released = found.model_copy(update={"released": True})

@@ -80,14 +80,17 @@ def test_sharp_corners_stay_sharp_and_a_round_pocket_is_a_cone(mikron: Scene) ->
         {**BOX, **DRAFT, "corner_radius_mm": 2.0, "size_x_mm": 90.0},
         {**BOX, **DRAFT, "corner_radius_mm": 2.5, "floor_radius_mm": 2.5},
         pytest.param({**BOX, "corner_radius_mm": 2.0, "floor_radius_mm": 2.0}, marks=pytest.mark.slow),
-        {**ROUND, **DRAFT, "floor_radius_mm": 3.0},
+        pytest.param({**ROUND, **DRAFT, "floor_radius_mm": 3.0}, marks=pytest.mark.slow),
         pytest.param(
             {**BOX, **DRAFT, "corner_radius_mm": 2.0, "floor_radius_mm": 1.5, "size_x_mm": 90.0},
             marks=pytest.mark.slow,
         ),
         pytest.param({**SIDE, **DRAFT, "corner_radius_mm": 3.0}, marks=pytest.mark.slow),
         pytest.param({**SIDE, "corner_radius_mm": 2.0}, marks=pytest.mark.slow),
-        {**SIDE, **DRAFT, "corner_radius_mm": 2.0, "y_mm": 2.0, "depth_mm": 14.0},
+        pytest.param(
+            {**SIDE, **DRAFT, "corner_radius_mm": 2.0, "y_mm": 2.0, "depth_mm": 14.0},
+            marks=pytest.mark.slow,
+        ),
         {
             **BOX,
             **DRAFT,

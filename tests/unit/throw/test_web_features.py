@@ -77,7 +77,7 @@ def test_sloped_pocket_takes_two_frusta(mikron: Scene) -> None:
             marks=pytest.mark.slow,
         ),
         {"pocket": [{**SLOPED, "draft_deg": 0.0, "depth_mm": 9.0}]},
-        {"bevel": [ARC], "pocket": [SLOPED]},
+        pytest.param({"bevel": [ARC], "pocket": [SLOPED]}, marks=pytest.mark.slow),
         pytest.param({"bevel": [ARC, {**PLANE, "y_mm": 52.0}], "pocket": [GROOVE]}, marks=pytest.mark.slow),
     ],
     ids=[
