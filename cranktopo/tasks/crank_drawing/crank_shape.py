@@ -85,7 +85,7 @@ class CrankShape:
         return SurfaceMesh(vertices @ view.T, np.concatenate(faces))
 
     def section_x(self) -> list[Array]:
-        """Return polygons (z, y) of the section just beside x = 0, in which flanks of counterweights can lie."""
+        """Return polygons (z, y) of the section just beside x = 0, where flanks of counterweights can lie."""
         cuts = [piece.solid.rotate((0.0, -90.0, 0.0)).slice(_BESIDE_MM) for piece in self.pieces]
         return [np.asarray(polygon) * (-1.0, 1.0) for polygon in _union(cuts).to_polygons()]
 
