@@ -146,6 +146,10 @@ def test_a_lighter_rod_says_what_elements_have_judged(rods, words):
         result_kg=0.52,
         smallest_yield_safety=(2.95, 2.95),
         smallest_fatigue_safety=(2.33, 2.36),
+        small_end_ovalisation_um=(16.8, 15.9),
+        big_end_ovalisation_um=(36.8, 35.0),
+        elements_small_end_ovalisation_um=rods and (7.4, 7.9),
+        result_without_limits_kg=0.515,
         elements_yield_safety=rods and (2.47, 2.53),
         elements_fatigue_safety=rods and (1.94, 1.98),
         rods_by_elements=rods,
@@ -156,7 +160,9 @@ def test_a_lighter_rod_says_what_elements_have_judged(rods, words):
     )
     text = rod_text(rod.model_copy(update={"lighter": searched}))
     assert text.splitlines()[0] == words
-    assert ("1.94 -> 1.98" in text) == bool(rods)
+    assert ("1.94 -> 1.98" in text) == ("7.4 -> 7.9" in text) == bool(rods)
+    assert "cost of the ovalisation's limits" in text
+    assert "0.0050 kg" in text
 
 
 @pytest.mark.slow
@@ -189,6 +195,16 @@ def test_a_lighter_rod_needs_a_toml_file(capsys, tmp_path):
     code, _, err = run(capsys, "rod", "--lighter", str(tmp_path / "rod.step"))
     assert code == 2
     assert ".toml" in err
+
+
+def test_a_bore_that_changes_too_much_is_said_first(capsys, tmp_path):
+    design = tmp_path / "limited.toml"
+    design.write_text(TEXT.replace("[rod.material]", "small_end_ovalisation_um = 15.0\n[rod.material]"))
+    code, text, _ = run(capsys, "rod", str(design))
+    assert code == 0
+    said = "TOO OVAL: the bore of the small end changes by 15.5 um under the pull; permitted are 15 um"
+    assert text.splitlines()[2] == said
+    assert "Change of the bores' diameters, pressed by the cosine" in text
 
 
 def test_a_rod_below_a_safety_of_one_is_said_first(capsys, tmp_path):
