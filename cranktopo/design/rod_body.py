@@ -104,6 +104,11 @@ def _edge(rod: Rod, length_mm: float, y: Array) -> tuple[Array, Array]:
     return found, plain
 
 
+def shank_edge_mm(rod: Rod, length_mm: float, y: Array) -> Array:
+    """Return half the height of the shank in the plane of motion at places, with its fillets."""
+    return _edge(rod, length_mm, y)[0]
+
+
 def _disc(diameter_mm: float, y: Array) -> Array:
     return np.sqrt(np.maximum(diameter_mm**2 / 4 - y**2, 0.0))
 

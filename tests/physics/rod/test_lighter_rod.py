@@ -16,7 +16,7 @@ from cranktopo.tasks.rod import element_search
 from cranktopo.tasks.rod.element_search import corrected_search
 from cranktopo.tasks.rod.element_stage import RodOnElements
 from cranktopo.tasks.rod.element_stress import PLACES
-from cranktopo.tasks.rod.lighter import rod_search
+from cranktopo.tasks.rod.lighter import ovalisation_um, rod_search
 from cranktopo.tasks.rod.result import RodElements, RodPlace
 from cranktopo.tasks.rod.stage import check_rod_strength
 
@@ -96,27 +96,24 @@ def test_the_lightest_rod_of_a_grid_is_found_where_the_closed_form_is_blind():
 
 
 def test_bores_keep_their_limits_by_the_judge():
-    """The closed form alone would end with the big end's bore at 37.6 um, a fifth more by the judge."""
-    own = with_values(OWN, {"rod.big_end_ovalisation_um": 44.0})
-    whole = rod_search(own, "lsa", 3.0)
-    at = [whole.names.index(name) for name in ("shank_big_mm", "big_end_diameter_mm")]
+    """It finds a fifth more than the closed form: a rod that keeps the limit by that alone is too soft."""
+    limit_um = 42.5
+    own = with_values(load_scene("mikron-iiic-rod-i"), {"rod.big_end_ovalisation_um": limit_um})
+    whole, free = rod_search(own, "lsa", 3.0), ("big_end_diameter_mm", "shank_big_mm", "boss_above_mm")
+    at = [whole.names.index(name) for name in free]
     bounds = tuple(bound[at] for bound in whole.bounds)
-    task = replace(
-        whole, names=("shank_big_mm", "big_end_diameter_mm"), start_mm=whole.start_mm[at], bounds=bounds
-    )
+    task = replace(whole, names=free, start_mm=whole.start_mm[at], bounds=bounds)
 
     def judge(scene):
         return told(scene, lambda _: 1.0)
 
-    scene, found = corrected_search(task, judge)
+    _, found = corrected_search(task, judge)
     lighter = found.strength.lighter
-    assert lighter.elements_big_end_ovalisation_um[1] <= 44.0
-    assert lighter.elements_big_end_ovalisation_um[1] == pytest.approx(44.0, rel=0.02)
-    assert lighter.elements_big_end_ovalisation_um[1] == pytest.approx(
-        1.2 * lighter.big_end_ovalisation_um[1]
-    )
+    closed, elements = lighter.big_end_ovalisation_um[1], lighter.elements_big_end_ovalisation_um[1]
+    assert elements == pytest.approx(1.2 * closed)
+    assert 0.98 * limit_um < elements <= limit_um
     blind = judge(task.rod_at(task.best())).strength
-    assert max(eye.ovalisation_um for eye in blind.elements.eyes if eye.permitted_um) > 44.2
+    assert ovalisation_um(blind.elements.eyes, "big") > 1.01 * limit_um
 
 
 def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):

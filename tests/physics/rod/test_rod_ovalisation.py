@@ -1,4 +1,4 @@
-"""Ovalisation of the rod's eyes: rings with known changes of diameter, statics, elements, limits of the search."""
+"""Ovalisation of the rod's eyes: rings with known changes of diameter, elements, limits of the search."""
 
 import math
 from dataclasses import replace
@@ -54,7 +54,7 @@ def test_a_thin_ring_under_two_opposite_forces():
 
 @pytest.mark.parametrize(("outer", "error"), [(10.5, 0.002), (13.0, 0.01), (20.0, 0.025)])
 def test_a_thick_ring_under_a_pressure_of_two_waves(outer, error):
-    """Michell's stress function in plane stress: the diameter of the bore; 2 % of a wall as thick as the bore."""
+    """Michell's stress function in plane stress: the bore's diameter; 2 % off in a wall as wide as it."""
     ring, inner = uniform(10.0, outer), 10.0
     across, along = ring.opened_mm(*pressed(ring, inner, np.cos(2 * ring.angle_rad)))
     radial = [[-2, 0, -6 / r**4, -4 / r**2] for r in (inner, outer)]
