@@ -69,10 +69,14 @@ def command(
     With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
     eyes, or with --contact where rigid pins touch. A rod of --lighter is then no less safe by elements, too.
 
+    Permitted ovalisation of both bores is [rod] small_end_ovalisation_um and big_end_ovalisation_um: a rod of
+    --lighter keeps it. A drawing as DXF needs the extra `dxf`.
+
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
     from cranktopo.design.loading import load_scene
     from cranktopo.design.writing import design_name, save_scene
+    from cranktopo.report.dxf import check_dxf
     from cranktopo.runs.destination import check_file
     from cranktopo.tasks.rod.drawing import draw_rod
     from cranktopo.tasks.rod.lighter import lighten_rod
@@ -87,6 +91,7 @@ def command(
         check_file(lighter, "--lighter", (".toml",))
     if drawing is not None:
         check_file(drawing, "--drawing", DRAWINGS)
+        check_dxf(drawing)
     if fea and lighter:
         from cranktopo.tasks.rod.element_search import lighten_rod_by_elements  # loads the solvers
 
