@@ -73,7 +73,7 @@ def _table(scene: Scene) -> Iterator[str]:
             yield f"            interference {rod.bush_interference_um:g} µm of the diameter"
     yield f"BIG END     ⌀{rod.big_end_diameter_mm:g}, bore {big}"
     yield f"            width {rod.big_end_width_mm:g}, split square at the axis"
-    heights = f"{rod.boss_above_mm:g} above, {rod.boss_below_mm:g} below the split"
+    heights = f"{rod.boss_above_mm:g} above, {rod.boss_below_mm:g} below"
     yield f"BOSSES      {rod.boss_width_mm:g} wide, {heights}"
     yield f"SHANK       {rod.shank}, {rod.shank_width_mm:g} wide; height at the axes:"
     yield f"            small end {rod.shank_small_mm:g}, big end {rod.shank_big_mm:g}"

@@ -28,6 +28,7 @@ from cranktopo.report.drafting import (
     fits,
     hatched,
     leader,
+    number_mm,
     tolerance_frame,
 )
 from cranktopo.tasks.drawing.sheet import SCALES, scale_text
@@ -178,13 +179,14 @@ class RodViews:
         rod, length, wide, low = self.rod, self.length, self._half_width, self._y_range[0]
         first, second = -wide - _GAP_MM * mm, -wide - (_GAP_MM + _LINE_MM) * mm
         boss = -rod.boss_width_mm / 2
-        for start, end in ((0.0, rod.boss_above_mm), (-rod.boss_below_mm, 0.0)):
-            text = f"{end - start:g}"
-            lift = 0.0 if fits(end - start, text, mm) else -DROP_MM * mm
-            dimension(axes, (boss, start), (boss, end), (first - boss, 0.0), text, (lift, 0.0), mm)
+        for size, way in ((rod.boss_above_mm, 1.0), (rod.boss_below_mm, -1.0)):
+            text, lift = f"{size:g}", (0.0, 0.0)
+            if not fits(size, text, mm):  # beside the line, away from the other number
+                lift = -DROP_MM * mm, way * max(number_mm(text) * mm - size, 0.0) / 2
+            dimension(axes, (boss, 0.0), (boss, way * size), (first - boss, 0.0), text, lift, mm)
         tolerance = self._scene.drawing.rod_length_tolerance_mm
-        start, end = (-self._boss, 0.0), (-rod.small_end_diameter_mm / 2, length)
-        dimension(axes, start, end, (second + self._boss, 0.0), f"{length:g} ±{tolerance:g}")
+        split, top = (-self._boss, 0.0), (-rod.small_end_diameter_mm / 2, length)
+        dimension(axes, split, top, (second + self._boss, 0.0), f"{length:g} ±{tolerance:g}")
         under = -rod.boss_below_mm
         for number, size in enumerate((rod.bolt_distance_mm, rod.boss_width_mm)):
             shift = low - (_GAP_MM + number * _LINE_MM) * mm - under
@@ -258,16 +260,13 @@ class RodViews:
 
     def _seen_beyond(self, axes: Any) -> None:
         """Draw rims of both bores, flanges and the split beyond the section."""
-        rod, length = self.rod, self.length
-        chains = []
+        rod, length, chains = self.rod, self.length, []
         for at, bore, width in (
             (length, rod.pin_diameter_mm, rod.small_end_width_mm),
             (0.0, rod.big_end_bore_mm, rod.big_end_width_mm),
         ):
-            chains += [
-                np.array([(side * width / 2, at - bore / 2), (side * width / 2, at + bore / 2)])
-                for side in (-1, 1)
-            ]
+            low, high, z = at - bore / 2, at + bore / 2, width / 2
+            chains += [np.array([(side * z, low), (side * z, high)]) for side in (-1, 1)]
         chains.append(np.array([(-rod.big_end_width_mm / 2, 0.0), (rod.big_end_width_mm / 2, 0.0)]))
         low, high = self._shank_ends
         z = rod.shank_width_mm / 2
@@ -282,7 +281,7 @@ class RodViews:
         x, z = factor * self._half_height, factor * rod.shank_width_mm / 2
         centre_line(axes, (-x - 3 * mm, 0.0), (x + 3 * mm, 0.0))
         centre_line(axes, (0.0, -z - 3 * mm), (0.0, z + 3 * mm))
-        gap, line = _GAP_MM * mm, _LINE_MM * mm
+        gap = _GAP_MM * mm
         dimension(axes, (-x, -z), (x, -z), (0.0, -gap), f"{2 * self._half_height:.2f}", mm=mm)
         dimension(axes, (-x, -z), (-x, z), (-gap, 0.0), f"{rod.shank_width_mm:g}", mm=mm)
         flange, web = factor * rod.flange_mm, factor * rod.web_mm / 2
@@ -295,7 +294,9 @@ class RodViews:
             dimension(axes, (x, z - flange), (x, z), (gap, 0.0), f"{rod.flange_mm:g}", (3.0 * mm, 0.0), mm)
         if rod.oil_hole_mm:
             tip = factor * rod.oil_hole_mm / 2
-            leader(axes, (0.7 * tip, -0.7 * tip), (x * 0.6, -z - gap - line), f"⌀{rod.oil_hole_mm:g}")
+            leader(
+                axes, (0.7 * tip, -0.7 * tip), (x * 0.6, -z - gap - _LINE_MM * mm), f"⌀{rod.oil_hole_mm:g}"
+            )
         title = f"A-A, y = {self._middle:.2f}, {scale_text(scale * factor)}"
         axes.text(0.0, z + gap + 9 * mm, title, fontsize=10, ha="center", color=THIN)
         finish(axes, "")
