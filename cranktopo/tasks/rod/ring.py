@@ -4,7 +4,7 @@ Half of it is looked at, from the crown, where the eye is free, to the middle of
 turn nor leave the axis. The redundant moment and force follow from least energy with bending, stretch, their
 coupling and shear, by Winkler and Bach.
 
-Source: S. Timoshenko, Strength of Materials, Part II (3rd ed., 1956), chapter XII: energy of curved bars.
+Source: S. Timoshenko, Strength of Materials, on deflections of curved bars (their strain energy).
 """
 
 from __future__ import annotations
