@@ -9,7 +9,7 @@ What a command does is one call as well: `optimise_design`, `resume_optimisation
 `remodel_run`, `shape_design`, `resume_shape`, `shape_each_web`, `resume_each_web`, `bound_of`,
 `start_loop`, `continue_loop`, `evaluate_targets`, `compare_targets`, `assess_fatigue`, `shaft_vibration`,
 `shaft_modes`, `sweep`, `check_bolts`, `check_rod_strength`, `check_rod_elements`, `lighten_rod`,
-`lighten_rod_by_elements`, `check_balancer`, `redesign_balancer`, `draw_balancer`, `oil_films`,
+`lighten_rod_by_elements`, `draw_rod`, `check_balancer`, `redesign_balancer`, `draw_balancer`, `oil_films`,
 `study_accuracy`, `evaluate_shaft`, `assess_shaft`, `loads_at_speeds`, `engine_balance`, `report_balance`,
 `report_run`, `report_comparison`, `export_solid`, `draw_crank`, `summarise_runs`, `clean_runs`,
 `check_machine`.
@@ -89,6 +89,7 @@ if TYPE_CHECKING:
     from cranktopo.tasks.refit.result import RefitResult
     from cranktopo.tasks.refit.stage import remodel_run
     from cranktopo.tasks.report.stage import report_run
+    from cranktopo.tasks.rod.drawing import draw_rod
     from cranktopo.tasks.rod.element_search import lighten_rod_by_elements
     from cranktopo.tasks.rod.element_stage import check_rod_elements
     from cranktopo.tasks.rod.lighter import lighten_rod
@@ -221,6 +222,7 @@ _HOMES = {
     "draw_balancer": "tasks.balancer.drawing",
     "redesign_balancer": "tasks.balancer.redesign",
     "check_bolts": "tasks.bolts.stage",
+    "draw_rod": "tasks.rod.drawing",
     "check_rod_elements": "tasks.rod.element_stage",
     "check_rod_strength": "tasks.rod.stage",
     "LighterRod": "tasks.rod.result",
@@ -305,6 +307,7 @@ __all__ = [
     "double_precision",
     "draw_balancer",
     "draw_crank",
+    "draw_rod",
     "engine_balance",
     "evaluate_sensitivities",
     "evaluate_shaft",

@@ -93,6 +93,7 @@ TABLE: dict[str, dict[str, Case]] = {
     "rod": {
         "--method": Acts("", "--method fkm"),
         "--lighter": Shown("cli/test_rod.py::test_a_lighter_rod_is_found_and_written"),
+        "--drawing": Shown("cli/test_rod.py::test_the_drawing_is_written"),
         "--fea": Shown("cli/test_rod.py::test_elements_are_told_beside_the_closed_form"),
         "--element-size-mm": Refused("--element-size-mm 3", "--element-size-mm: only with --fea"),
         "--contact": Refused("--contact", "--contact: only with --fea"),

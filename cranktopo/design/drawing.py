@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from cranktopo.base.table import SceneTable
-from cranktopo.design.fit import FIT
+from cranktopo.design.fit import FIT, HOLE
 
 _Fit = Annotated[str, Field(pattern=FIT)]
 _Roughness = Annotated[float, Field(ge=0.01, le=100, allow_inf_nan=False)]
@@ -17,7 +17,7 @@ _Note = Annotated[str, Field(pattern=r"^[^\n]{1,90}$")]
 
 
 class Drawing(SceneTable):
-    """Words and tolerances of `cranktopo drawing` beside its dimensions; it changes no result."""
+    """Words and tolerances of workshop drawings beside their dimensions; it changes no result."""
 
     main_journal_fit: _Fit = Field(default="h6", examples=["h6"])
     """Tolerance of the main journals' diameter (ISO 286): position `f`, `g`, `h`, `js`, `k`, `m`, `n` or `p`
@@ -48,6 +48,12 @@ class Drawing(SceneTable):
     """Tolerance of the throw radius, plus and minus."""
     throw_angle_tolerance_deg: float = Field(default=0.2, ge=0.001, le=5, allow_inf_nan=False)
     """Tolerance of the angles between throws, plus and minus."""
+    rod_bore_fit: Annotated[str, Field(pattern=HOLE)] = "H6"
+    """Tolerance of the bores of a connecting rod (ISO 286): position `H` and grade 4 to 10."""
+    rod_bore_roughness_um: _Roughness = 0.8
+    """Ra of these bores."""
+    rod_length_tolerance_mm: _Tolerance = 0.05
+    """Tolerance of the distance of both bores' axes, plus and minus."""
     balance_quality: float = Field(default=16.0, ge=0.1, le=4000, allow_inf_nan=False)
     """Balance quality grade G (ISO 21940-11), mm/s, at the highest speed of the engine."""
     general_tolerances: _Words = "ISO 2768-mK"

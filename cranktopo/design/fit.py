@@ -29,6 +29,7 @@ _LOWER_UM = {
     "p": (6, 12, 15, 18, 22, 26, 32, 37, 43, 50, 56, 62, 68, 78, 88, 100, 120, 140, 170),
 }
 """Distance of the lower limit above the nominal size; `k` of the grades 4 to 7, of others 0."""
+HOLE = r"^H([4-9]|10)$"
 FIT = r"^(f|g|h|js|k|m|n|p)([4-9]|10)$"
 
 
@@ -50,6 +51,12 @@ def limits_um(diameter_mm: float, fit: str) -> tuple[float, float]:
         return upper, upper - width
     lower = 0 if letter == "k" and grade > 7 else _LOWER_UM[letter][place]
     return lower + width, lower
+
+
+def hole_limits_text(diameter_mm: float, fit: str) -> str:
+    """Return a bore of position H with its fit and limits in mm, such as `⌀46 H6 (+0.016/0)`."""
+    upper = tolerance_um(diameter_mm, int(fit[1:])) / 1000
+    return f"⌀{diameter_mm:g} {fit} ({upper:+.4g}/0)"
 
 
 def _range(diameter_mm: float) -> int:

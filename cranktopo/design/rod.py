@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
 from cranktopo.base.table import Length, LengthOrZero, SceneTable
 from cranktopo.design.bolt import Bolt
 from cranktopo.design.material import Material
+
+Eye = Literal["small", "big"]
+EYES: tuple[Eye, ...] = get_args(Eye)
+_Ovalisation = Annotated[float, Field(ge=0.01, le=1000, allow_inf_nan=False)]
 
 
 class PistonPin(SceneTable):
@@ -78,6 +82,12 @@ class Rod(SceneTable):
     """Radius between shank and both eyes in the plane of motion."""
     oil_hole_mm: LengthOrZero = 0.0
     """Diameter of an oil hole from eye to eye; 0 for none."""
+    small_end_ovalisation_um: _Ovalisation | None = Field(default=None, examples=[10.0])
+    """Permitted ovalisation of the small end: change of its bore's diameter under the largest pull. By
+    default there is no limit; usual is half of the pin's clearance."""
+    big_end_ovalisation_um: _Ovalisation | None = Field(default=None, examples=[25.0])
+    """Permitted ovalisation of the big end; by default half of the big-end bearing's clearance in
+    `[bearings]`, without that table there is no limit."""
     material: Material | None = None
     """Material of rod and cap; by default that of the crankshaft."""
     bolt: Bolt | None = None

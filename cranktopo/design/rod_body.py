@@ -104,28 +104,22 @@ def _edge(rod: Rod, length_mm: float, y: Array) -> tuple[Array, Array]:
     return found, plain
 
 
+def shank_edge_mm(rod: Rod, length_mm: float, y: Array) -> Array:
+    """Return half the height of the shank in the plane of motion at places, with its fillets."""
+    return _edge(rod, length_mm, y)[0]
+
+
 def _disc(diameter_mm: float, y: Array) -> Array:
     return np.sqrt(np.maximum(diameter_mm**2 / 4 - y**2, 0.0))
 
 
 def section(rod: Rod, length_mm: float, y: Array) -> RodSection:
     """Return the cross-sections across the rod at places, without holes along it."""
-    small, big = _disc(rod.small_end_diameter_mm, y - length_mm), _disc(rod.big_end_diameter_mm, y)
     bored = np.maximum(_disc(rod.small_end_bore_mm, y - length_mm), _disc(rod.big_end_bore_mm, y))
-    boss = np.where((y >= -rod.boss_below_mm) & (y <= rod.boss_above_mm), rod.boss_width_mm / 2, 0.0)
-    filleted, plain = _edge(rod, length_mm, y)
-    between = (y >= 0) & (y <= length_mm)
-    shank = np.where(between, filleted, 0.0)
-    inner = np.where(between, plain - rod.flange_mm, 0.0) if rod.shank == "I" else 0 * y
-    inner = np.where(between, rod.web_mm / 2, 0.0) if rod.shank == "H" else inner
-    marks = np.sort(np.stack([0 * y, small, big, boss, shank, inner, bored]), axis=0)
+    marks = np.sort(np.stack([0 * y, *_extents(rod, length_mm, y), bored]), axis=0)
     low, high = marks[:-1], marks[1:]
     x = (low + high) / 2
-    disc = np.where(x < small, rod.small_end_width_mm / 2, 0.0)
-    disc = np.maximum(disc, np.where((x < big) | (x < boss), rod.big_end_width_mm / 2, 0.0))
-    start, end = _shank_z(rod, x, shank, inner)
-    start = np.maximum(start, disc)
-    end = np.maximum(end, start)
+    disc, start, end = _heights(rod, length_mm, x, y)
     solid = x > bored
     dx = (high - low) * solid
     dx3 = (high**3 - low**3) / 3 * solid
@@ -135,6 +129,35 @@ def section(rod: Rod, length_mm: float, y: Array) -> RodSection:
     return RodSection(
         4 * (height * dx).sum(axis=0), 4 * (height * dx3).sum(axis=0), 4 * (side * dx).sum(axis=0), edge
     )
+
+
+def width_mm(rod: Rod, length_mm: float, x: Array, y: Array) -> Array:
+    """Return the material along the pins at points x >= 0 of the rod, bores not cut, holes of bolts cut."""
+    disc, start, end = _heights(rod, length_mm, x, y)
+    hole = 2 * _disc(rod.bolt_hole_mm, x - rod.bolt_distance_mm / 2) * _in_boss(rod, y)
+    return np.maximum(2 * (disc + end - start) - hole, 0.0)
+
+
+def _extents(rod: Rod, length_mm: float, y: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Half the width across at places: small end, big end, bosses, shank, inside of its flanges."""
+    small, big = _disc(rod.small_end_diameter_mm, y - length_mm), _disc(rod.big_end_diameter_mm, y)
+    boss = rod.boss_width_mm / 2 * _in_boss(rod, y)
+    filleted, plain = _edge(rod, length_mm, y)
+    between = (y >= 0) & (y <= length_mm)
+    shank = np.where(between, filleted, 0.0)
+    inner = np.where(between, plain - rod.flange_mm, 0.0) if rod.shank == "I" else 0 * y
+    inner = np.where(between, rod.web_mm / 2, 0.0) if rod.shank == "H" else inner
+    return small, big, boss, shank, inner
+
+
+def _heights(rod: Rod, length_mm: float, x: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Ranges of z >= 0 that are material: from 0 to the first, and from the second to the third."""
+    small, big, boss, shank, inner = _extents(rod, length_mm, y)
+    disc = np.where(x < small, rod.small_end_width_mm / 2, 0.0)
+    disc = np.maximum(disc, np.where((x < big) | (x < boss), rod.big_end_width_mm / 2, 0.0))
+    start, end = _shank_z(rod, x, shank, inner)
+    start = np.maximum(start, disc)
+    return disc, start, np.maximum(end, start)
 
 
 def _shank_z(rod: Rod, x: Array, shank: Array, inner: Array) -> tuple[Array, Array]:

@@ -7,7 +7,13 @@ from math import isclose
 
 from cranktopo.base.notes import note
 from cranktopo.design.halves import halves
-from cranktopo.design.material import LIBRARY_STRENGTHS, library_section_mm, material_library, thicker_MPa
+from cranktopo.design.material import (
+    LIBRARY_STRENGTHS,
+    Material,
+    library_section_mm,
+    material_library,
+    thicker_MPa,
+)
 from cranktopo.design.schema import Scene
 from cranktopo.throw.journal import Journal
 
@@ -33,6 +39,11 @@ def strength_notes(scene: Scene) -> list[str]:
             f"Rm {material.ultimate_MPa:g} MPa of the design is that of sections to "
             f"{library_section_mm(material.name):g} mm.",
         ]
+    return demanded_strength(material)
+
+
+def demanded_strength(material: Material) -> list[str]:
+    """Return the note on the strength that a material must have; nothing where none is known."""
     strengths = (("Rm", material.ultimate_MPa), ("Re", material.yield_MPa))
     told = [f"{name} at least {value:g} MPa" for name, value in strengths if value]
     told += [material.heat_treatment] if material.heat_treatment else []

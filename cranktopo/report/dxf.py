@@ -35,6 +35,13 @@ _RISE = {"center": 0.5, "center_baseline": 0.5, "bottom": 1.0, "baseline": 1.0}
 _PLACES = {"left": "LEFT", "center": "CENTER", "right": "RIGHT"}
 
 
+def check_dxf(path: Path) -> None:
+    """Check that the packages for a file are there, where it is a DXF file."""
+    if path.suffix.lower() == ".dxf":
+        with packages_of("dxf"):
+            import ezdxf  # noqa: F401
+
+
 def write_dxf(figure: Figure, scale: float, path: Path, written: datetime) -> None:
     """Write a figure at the scale of its main views as DXF R2010, mm; needs ezdxf."""
     with packages_of("dxf"):

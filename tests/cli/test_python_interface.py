@@ -43,7 +43,7 @@ BEHIND = {
     "vibration": ["shaft_vibration"],
     "modes": ["shaft_modes"],
     "bolts": ["check_bolts"],
-    "rod": ["check_rod_strength", "check_rod_elements", "lighten_rod", "lighten_rod_by_elements"],
+    "rod": ["check_rod_strength", "check_rod_elements", "lighten_rod", "lighten_rod_by_elements", "draw_rod"],
     "balancer": ["check_balancer", "redesign_balancer", "draw_balancer"],
     "film": ["oil_films"],
     "extract": ["extract_surface"],

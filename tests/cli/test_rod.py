@@ -1,13 +1,21 @@
 """The command `rod` as a user runs it, and the rod's solid."""
 
 import json
+import math
+from datetime import datetime
 
+import ezdxf
 import meshio
 import numpy as np
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder
+from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.named import with_values
+from cranktopo.design.rod_body import drilled, rod_mass, section
+from cranktopo.tasks.drawing.sheet import pages_figure
+from cranktopo.tasks.rod.drawing import rod_page
+from cranktopo.tasks.rod.outlines import front_outline
 from cranktopo.tasks.rod.result import LighterRod
 from cranktopo.tasks.rod.stage import check_rod_strength
 from cranktopo.tasks.rod.text import rod_text
@@ -147,6 +155,10 @@ def test_a_lighter_rod_says_what_elements_have_judged(rods, words):
         result_kg=0.52,
         smallest_yield_safety=(2.95, 2.95),
         smallest_fatigue_safety=(2.33, 2.36),
+        small_end_ovalisation_um=(16.8, 15.9),
+        big_end_ovalisation_um=(36.8, 35.0),
+        elements_small_end_ovalisation_um=rods and (7.4, 7.9),
+        result_without_limits_kg=0.515,
         elements_yield_safety=rods and (2.47, 2.53),
         elements_fatigue_safety=rods and (1.94, 1.98),
         rods_by_elements=rods,
@@ -157,7 +169,9 @@ def test_a_lighter_rod_says_what_elements_have_judged(rods, words):
     )
     text = rod_text(rod.model_copy(update={"lighter": searched}))
     assert text.splitlines()[0] == words
-    assert ("1.94 -> 1.98" in text) == bool(rods)
+    assert ("1.94 -> 1.98" in text) == ("7.4 -> 7.9" in text) == bool(rods)
+    assert "cost of the ovalisation's limits" in text
+    assert "0.0050 kg" in text
 
 
 @pytest.mark.slow
@@ -192,6 +206,16 @@ def test_a_lighter_rod_needs_a_toml_file(capsys, tmp_path):
     assert ".toml" in err
 
 
+def test_a_bore_that_changes_too_much_is_said_first(capsys, tmp_path):
+    design = tmp_path / "limited.toml"
+    design.write_text(TEXT.replace("[rod.material]", "small_end_ovalisation_um = 15.0\n[rod.material]"))
+    code, text, _ = run(capsys, "rod", str(design))
+    assert code == 0
+    said = "TOO OVAL: the bore of the small end changes by 15.5 um under the pull; permitted are 15 um"
+    assert text.splitlines()[2] == said
+    assert "Change of the bores' diameters, pressed by the cosine" in text
+
+
 def test_a_rod_below_a_safety_of_one_is_said_first(capsys, tmp_path):
     """The same rod under twice the pressure."""
     design = tmp_path / "strong.toml"
@@ -201,3 +225,82 @@ def test_a_rod_below_a_safety_of_one_is_said_first(capsys, tmp_path):
     code, text, _ = run(capsys, "rod", str(design))
     assert code == 0
     assert text.splitlines()[1].startswith("NOT SAFE: least safety: yield 1.0")
+
+
+@pytest.mark.parametrize("shank", ["I", "H", "plain"])
+def test_the_drawing_says_what_the_scene_says(shank):
+    """Dimension lines are as long as their numbers; cut areas are those of the rod, its section by hand."""
+    values = {
+        "rod.shank": shank,
+        "rod.shank_small_mm": 12.0,
+        "rod.shank_width_mm": 20.0,
+        "rod.oil_hole_mm": 2.0,
+    }
+    scene = with_values(load_scene("mikron-iiic-rod"), values)
+    rod, page = scene.rod, rod_page(scene)
+    front, along, across = pages_figure([page], datetime(2026, 1, 1)).axes[:3]
+    told = {
+        axes: [t.measured for t in axes.texts if hasattr(t, "measured")] for axes in (front, along, across)
+    }
+    assert {one.text for one in told[front]} == {"30.26", "16", "166 ±0.05", "62", "71.9"}
+    assert {one.text for one in told[along]} == {"28", "30"}
+    magnified = next(one for one in told[across] if one.text == "20")
+    factor = (magnified.end[1] - magnified.start[1]) / 20.0
+    for axes, scale in ((front, 1.0), (along, 1.0), (across, factor)):
+        for one in told[axes]:
+            ends = np.abs(np.subtract(one.end, one.start))
+            assert scale * float(one.text.split()[0]) == pytest.approx(
+                ends[0] or ends[1], abs=0.01 * scale
+            ) or (one.text == "166 ±0.05" and ends[1] == pytest.approx(166.0))
+    words = {text.get_text() for axes in (front, along, across) for text in axes.texts}
+    assert {"⌀24 H6 (+0.013/0)", "bush ⌀22 H6 (+0.013/0)", "⌀46 H6 (+0.016/0)", "2 x M8x1", "⌀2"} <= words
+    assert {"∥", "0.009", "B", "4 x R30"} <= words
+    text = "\n".join((*page.lines, *page.notes, page.mass))
+    for word in ("⌀65, bore ⌀46 H6 (+0.016/0)", "tightened to 40.8 N m", "Ra 0.8", "EN-AW-2031"):
+        assert word in text
+    assert f"{rod_mass(rod, 166.0, scene.material).total_kg:.3f} kg" in page.mass
+    at = np.array([float(next(t for t in words if t.startswith("A-A")).split()[3].rstrip(","))])
+    shank_area = drilled(rod, section(rod, 166.0, at)).area_mm2[0]
+    assert hatched_mm2(across) == pytest.approx(factor**2 * shank_area, rel=2e-3)
+    web = {"I": rod.web_mm, "H": 20.0, "plain": 20.0}[shank]
+    eyes = 28.0 * (38.63 - 24.0) + 30.0 * (65.0 - 46.0 + 0.0) + 28.0 * 2 * rod.bush_thickness_mm
+    free = 166.0 - (38.63 + 65.0) / 2
+    hole = 2.0 * (166.0 - (24.0 + 46.0) / 2)
+    assert hatched_mm2(along) == pytest.approx(eyes + web * free - hole, rel=1e-3)
+
+
+def hatched_mm2(axes):
+    cut = [patch.get_path() for patch in axes.patches if patch.get_hatch()]
+    return sum(ring_mm2(ring) for path in cut for ring in path.to_polygons(closed_only=True))
+
+
+def ring_mm2(ring):
+    """Area by the shoelace formula, negative of a hole."""
+    (x, y), (x1, y1) = ring.T, np.roll(ring, -1, axis=0).T
+    return float((x * y1 - x1 * y).sum()) / 2
+
+
+def test_the_outline_of_the_drawing_is_that_of_the_solid():
+    """Its area times the width, where all of the rod is as wide, is the volume without holes of bolts."""
+    values = {"rod.small_end_width_mm": 27.41, "rod.big_end_width_mm": 27.41}
+    scene = with_values(load_scene("mikron-iiic-rod"), values | {"rod.bolt.hole_diameter_mm": 8.4})
+    rod, front = scene.rod, front_outline(scene.rod, 166.0)
+    area = sum(ring_mm2(ring) for ring in front)
+    holes = math.pi / 2 * 8.4**2 * (rod.boss_above_mm + rod.boss_below_mm)
+    volume = rod_mass(rod, 166.0, scene.material).body_kg / rod.material.density_kg_m3 * 1e9
+    assert 27.41 * area - holes == pytest.approx(volume, rel=5e-4)
+
+
+@pytest.mark.parametrize("kind", ["pdf", "dxf"])
+def test_the_drawing_is_written(capsys, tmp_path, kind):
+    file = tmp_path / f"rod.{kind}"
+    code, _, err = run(capsys, "rod", "--drawing", str(file))
+    assert code == 0, err
+    if kind == "pdf":
+        assert file.read_bytes().startswith(b"%PDF")
+    else:
+        measured = [one for one in ezdxf.readfile(file).modelspace() if one.dxftype() == "DIMENSION"]
+        assert any(one.get_measurement() == pytest.approx(166.0) for one in measured)
+    code, _, err = run(capsys, "rod", "--drawing", str(tmp_path / "rod.step"))
+    assert code == 2
+    assert ".dxf" in err

@@ -29,17 +29,15 @@ def command(design: str, file: Path, force: bool) -> None:
 
     Example: cranktopo drawing mikron-iiic crank.pdf
     """
-    from cranktopo.base.errors import packages_of
     from cranktopo.design.assumed import THROW, assumed_text, assumptions
     from cranktopo.design.loading import load_scene
+    from cranktopo.report.dxf import check_dxf
     from cranktopo.runs.destination import check_file
     from cranktopo.tasks.crank_drawing.sheet import draw_crank
     from cranktopo.tasks.drawing.sheet import scale_text
 
     check_file(file, "file", DRAWINGS, replace=force)
-    if file.suffix.lower() == ".dxf":
-        with packages_of("dxf"):
-            import ezdxf  # noqa: F401
+    check_dxf(file)
     scene = load_scene(design, whole=True)
     assumed = assumptions(scene, (THROW,))
     if assumed:

@@ -26,6 +26,7 @@ from cranktopo.design.strength import strength_notes
 from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
 from cranktopo.report.drafting import GHOST, INK, TEXT_SIZE, folded, frame, projection_symbol
+from cranktopo.report.dxf import write_dxf
 from cranktopo.report.plot import save_figure, save_pages
 from cranktopo.tasks.drawing.views import Room, Sheet, cross_section, front_view, lengthwise_section
 from cranktopo.throw.profile import ProfileWeb
@@ -57,6 +58,7 @@ class SheetPage:
     Attributes:
         views: front, section through both axes, section across the throw; each takes axes and scale.
         ghost: what the dashed outlines are of; empty without any.
+        in_row: the third view stands beside the second, not below the first.
     """
 
     rooms: tuple[Room, Room, Room]
@@ -67,6 +69,7 @@ class SheetPage:
     mass: str
     notes: Sequence[str]
     ghost: str = ""
+    in_row: bool = False
 
 
 def write_drawing(
@@ -85,7 +88,7 @@ def write_pages(
 ) -> None:
     """Draw pages into files; `name` is that of the design.
 
-    A PDF has an A3 page for each; SVG and PNG have them one above the other.
+    A PDF has an A3 page for each; SVG, PNG and DXF have them one above the other. DXF needs the extra `dxf`.
     """
     import matplotlib as mpl
 
@@ -93,7 +96,9 @@ def write_pages(
     with mpl.rc_context({"svg.hashsalt": name}):  # the same names of parts in every drawing
         for path in paths:
             suffix = path.suffix.lower()
-            if suffix == ".pdf":
+            if suffix == ".dxf":
+                write_dxf(pages_figure(pages, written), page_scale(pages[0]), path, written)
+            elif suffix == ".pdf":
                 save_pages([pages_figure([page], written) for page in pages], path, {"CreationDate": written})
             else:
                 date = {"Date": written.isoformat()} if suffix == ".svg" else None
@@ -146,13 +151,14 @@ def _on_sheet(view: Callable[[Any, Sheet, float], None], sheet: Sheet, axes: Any
 
 
 def _draw(figure: SubFigure, page: SheetPage, written: datetime, beside_scale: str) -> None:
-    scale = _scale(page.rooms)
+    scale = page_scale(page)
     front, long, across = sizes = [room.size_mm(scale) for room in page.rooms]
+    wide, tall = _extent_mm(page, scale)
     # the views stand in the middle of their room
-    x = _BORDER_MM + (_WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - front[0] - long[0]) / 2
-    free_y = _HEIGHT_MM - 2 * _BORDER_MM - max(front[1], long[1]) - across[1]
-    y = _BORDER_MM + free_y / 2 + across[1]
-    places = ((x, y), (x + front[0], y), (x, y - across[1]))
+    x = _BORDER_MM + (_WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM - wide) / 2
+    low = _BORDER_MM + (_HEIGHT_MM - 2 * _BORDER_MM - tall) / 2
+    y = low if page.in_row else low + across[1]
+    places = ((x, y), (x + front[0], y), (x + front[0] + long[0], y) if page.in_row else (x, low))
     for view, room, size, place in zip(page.views, page.rooms, sizes, places, strict=True):
         axes = _axes(figure, place, size)
         room.set_limits(axes, scale)
@@ -166,13 +172,22 @@ def _draw(figure: SubFigure, page: SheetPage, written: datetime, beside_scale: s
     _title_block(paper, page, scale_text(scale) + beside_scale, written)
 
 
-def _scale(rooms: Sequence[Room]) -> float:
+def page_scale(page: SheetPage) -> float:
+    """Return the largest scale at which the views of a page fit."""
     for scale in SCALES:
-        front, long, across = (room.size_mm(scale) for room in rooms)
-        wide = max(front[0] + long[0], across[0]) <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
-        if wide and max(front[1], long[1]) + across[1] <= _HEIGHT_MM - 2 * _BORDER_MM:
+        wide, tall = _extent_mm(page, scale)
+        fits_across = wide <= _WIDTH_MM - 2 * _BORDER_MM - _TABLE_MM
+        if fits_across and tall <= _HEIGHT_MM - 2 * _BORDER_MM:
             return scale
     return SCALES[-1]
+
+
+def _extent_mm(page: SheetPage, scale: float) -> tuple[float, float]:
+    """Width and height of the views on paper."""
+    front, long, across = (room.size_mm(scale) for room in page.rooms)
+    if page.in_row:
+        return front[0] + long[0] + across[0], max(front[1], long[1], across[1])
+    return max(front[0] + long[0], across[0]), max(front[1], long[1]) + across[1]
 
 
 def _axes(figure: SubFigure, corner: tuple[float, float], size: tuple[float, float]) -> Any:

@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from cranktopo.base.errors import CranktopoError, ExitCode
+from cranktopo.base.formats import DRAWINGS
 from cranktopo.base.notes import note
 from cranktopo.cli.options import CELL_MM, Choice, designs
 from cranktopo.cli.verbosity import verbosity_options
@@ -33,6 +34,12 @@ _DESIGN = "mikron-iiic-rod"
     metavar="FILE",
     help="Search a lighter rod at no less safety and write the design with it (.toml).",
 )
+@click.option(
+    "--drawing",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write the workshop drawing, of the lighter rod with --lighter (.pdf, .svg, .png or .dxf).",
+)
 @click.option("--fea", is_flag=True, help="With stresses, safeties and ovalisation by finite elements.")
 @click.option("--element-size-mm", type=CELL_MM, help="With --fea: element size; by default by the volume.")
 @click.option("--contact", is_flag=True, help="With --fea: rigid pins touch the bores; else by the cosine.")
@@ -47,6 +54,7 @@ def command(
     design: str,
     method: str,
     lighter: Path | None,
+    drawing: Path | None,
     fea: bool,
     element_size_mm: float | None,
     contact: bool,
@@ -61,11 +69,16 @@ def command(
     With --fea a quarter of the rod is solved on curved tet10 elements, with pressure by the cosine in both
     eyes, or with --contact where rigid pins touch. A rod of --lighter is then no less safe by elements, too.
 
+    Permitted ovalisation of both bores is [rod] small_end_ovalisation_um and big_end_ovalisation_um: a rod of
+    --lighter keeps it. A drawing as DXF needs the extra `dxf`.
+
     Example: cranktopo rod mikron-iiic-rod-h --lighter lighter.toml
     """
     from cranktopo.design.loading import load_scene
     from cranktopo.design.writing import design_name, save_scene
+    from cranktopo.report.dxf import check_dxf
     from cranktopo.runs.destination import check_file
+    from cranktopo.tasks.rod.drawing import draw_rod
     from cranktopo.tasks.rod.lighter import lighten_rod
     from cranktopo.tasks.rod.stage import check_rod_strength
     from cranktopo.tasks.rod.text import rod_text
@@ -76,6 +89,9 @@ def command(
     scene = load_scene(design, whole=True)
     if lighter is not None:
         check_file(lighter, "--lighter", (".toml",))
+    if drawing is not None:
+        check_file(drawing, "--drawing", DRAWINGS)
+        check_dxf(drawing)
     if fea and lighter:
         from cranktopo.tasks.rod.element_search import lighten_rod_by_elements  # loads the solvers
 
@@ -90,6 +106,10 @@ def command(
     else:
         found = check_rod_strength(scene, method)
     if lighter:
-        save_scene(scene.model_copy(update={"name": design_name(lighter)}), lighter)
+        scene = scene.model_copy(update={"name": design_name(lighter)})
+        save_scene(scene, lighter)
         note(str(lighter))
+    if drawing is not None:
+        draw_rod(scene, drawing)
+        note(str(drawing))
     click.echo(json.dumps(found.as_json(), indent=2) if as_json else rod_text(found))

@@ -1,18 +1,20 @@
 """A lighter rod at no less safety by finite elements: the closed form searches, elements correct it.
 
-Each place by elements has a section of the closed form. The ratio of both safeties is known for each rod that
-elements have judged. Between and beyond these rods it is a product of powers of the dimensions, with the
-smallest exponents that meet all of them: the next search knows what the last one has lost without a gradient
-of elements. Where a rod is no better than the best so far all the same, the next one is nearer to that. One
-exponent is known before: the small end carries its push over the width of the shank alone, not over its own.
+Each place by elements has a section of the closed form. The ratio of both safeties, and of the
+ovalisation of a bore with a limit, is known for each rod that elements have judged. Between and beyond these
+rods it is a product of powers of the dimensions, with the smallest exponents that meet all of them: the next
+search knows what the last one has lost without a gradient of elements. Where a rod is no better than the best
+so far all the same, the next one is nearer to that. One exponent is known before: the small end carries its
+push over the width of the shank alone, not over its own.
 
 Source: D. Echeverria, P. W. Hemker, Space mapping and defect correction, CMAM 5, 2005 (manifold mapping).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +24,12 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.files import as_path
 from cranktopo.base.notes import note
 from cranktopo.design.named import DesignLike, as_scene
+from cranktopo.design.rod import Eye
 from cranktopo.design.schema import Scene
 from cranktopo.runs.destination import check_folder
 from cranktopo.tasks.rod.element_stage import RodOnElements, rod_on_elements, write_rod_folder
-from cranktopo.tasks.rod.lighter import Limits, RodSearch, rod_search
-from cranktopo.tasks.rod.result import LighterRod, RodElements, RodPlace, RodSectionCheck, RodStrength
+from cranktopo.tasks.rod.lighter import Limits, RodSearch, ovalisation_um, rod_search
+from cranktopo.tasks.rod.result import EyeShape, LighterRod, RodElements, RodStrength
 
 Judge = Callable[[Scene], RodOnElements]
 """Strength of a design's rod with that by elements."""
@@ -42,6 +45,10 @@ _NOISE = 0.1
 """Share of the largest difference of rods below which directions have no slope: meshes differ, too."""
 
 _CARRIED, _WIDTH = "small end", "shank_width_mm"
+_SAFETIES = ("yield_safety", "fatigue_safety")
+_MARGIN = "margin of ovalisation"
+_Quantity = tuple[str, str]
+"""A place or bore, and what is judged of it: one of `_SAFETIES`, or `_MARGIN`."""
 
 
 def lighten_rod_by_elements(
@@ -55,7 +62,7 @@ def lighten_rod_by_elements(
     """Return the design with a lighter rod at no less safety in closed form and by elements; its strength.
 
     By elements the smallest safety of all places against yield, and that for fatigue, are not below those of
-    the own rod on elements of the same size.
+    the own rod on elements of the same size; bores keep their permitted ovalisation.
 
     Args:
         out: folder for the files of `check_rod_elements`, of the lighter rod.
@@ -124,8 +131,8 @@ def _of_the_mesh(error: CranktopoError) -> CranktopoError:
 
 
 def _lost(search: RodSearch, own: _Judged, one: _Judged) -> float:
-    """Share of the safety by elements that a rod has lost; 0 of one that is lighter at no less safety."""
-    lost = max(1 - mine / its for mine, its in zip(one.safeties, own.safeties, strict=True))
+    """Share of what is wanted by elements that a rod lacks; 0 of one that is lighter and lacks nothing."""
+    lost = max(1 - one.least(kind) / wanted for kind, wanted in _wanted(own).items())
     return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
 
 
@@ -151,21 +158,48 @@ class _Judged:
         """Smallest against yield and for fatigue."""
         return self.elements.yield_safety, self.elements.fatigue_safety
 
+    @cached_property
+    def by_elements(self) -> dict[_Quantity, float]:
+        """Both safeties of each place, and the margin of each bore that has a limit."""
+        places = {(p.place, kind): getattr(p, kind) for p in self.elements.places for kind in _SAFETIES}
+        return places | _margins(self.elements.eyes)
+
+    def least(self, kind: str) -> float:
+        """Return the least value of a kind; without any nothing is lost."""
+        return min((value for (_, of), value in self.by_elements.items() if of == kind), default=np.inf)
+
     def distance(self, values: Array) -> float:
         """Largest change of a dimension to those of another rod."""
         return float(np.abs(self.values - values).max())
 
-    def ratios(self) -> dict[str, Array]:
-        """Logarithm of both safeties of each place by elements over those of its section."""
-        return {
-            place.place: np.log(_both(place) / _both(self.strength.section_of(place.place)))
-            for place in self.elements.places
-        }
+    def ratios(self) -> dict[_Quantity, float]:
+        """Logarithm of each value by elements over that of the closed form."""
+        closed = _closed_form(self.strength, self.by_elements)
+        return {key: float(np.log(self.by_elements[key] / value)) for key, value in closed.items()}
 
 
-def _both(one: RodPlace | RodSectionCheck) -> Array:
-    """Safety against yield and for fatigue."""
-    return np.array([one.yield_safety, one.fatigue_safety])
+def _closed_form(found: RodStrength, keys: Iterable[_Quantity]) -> dict[_Quantity, float]:
+    """Values of the closed form, as far as it has them."""
+    margins = _margins(found.eyes)
+    safeties = {
+        (place, kind): getattr(found.section_of(place), kind) for place, kind in keys if kind in _SAFETIES
+    }
+    return safeties | {key: margins[key] for key in keys if key in margins}
+
+
+def _margins(eyes: Sequence[EyeShape]) -> dict[_Quantity, float]:
+    """Permitted ovalisation over that of each bore that has a limit, least of its loads."""
+    found: dict[_Quantity, float] = {}
+    for eye in eyes:
+        if eye.permitted_um and eye.ovalisation_um:
+            margin = eye.permitted_um / eye.ovalisation_um
+            found[eye.eye, _MARGIN] = min(margin, found.get((eye.eye, _MARGIN), np.inf))
+    return found
+
+
+def _wanted(own: _Judged) -> dict[str, float]:
+    """Least value of each kind: safeties of the own rod, and the limits of the design."""
+    return {**{kind: own.least(kind) for kind in _SAFETIES}, _MARGIN: 1.0}
 
 
 def _limits(names: Sequence[str], tried: Sequence[_Judged], at: _Judged) -> Limits:
@@ -174,32 +208,32 @@ def _limits(names: Sequence[str], tried: Sequence[_Judged], at: _Judged) -> Limi
     The first rod that was tried is the own one.
     """
     known = [one.ratios() for one in tried]
-    places = [name for name in known[0] if all(name in one for one in known)]
-    ratios = np.array([[one[name] for name in places] for one in known])
+    keys = [key for key in known[0] if all(key in one for one in known)]
+    ratios = np.array([[one[key] for key in keys] for one in known])
     here, there = ratios[tried.index(at)], np.log(at.values)
     moves = np.log([one.values for one in tried]) - there
     # far and near rods count alike, but for those so near that the change of the mesh is in their slope
     scale = 1 / np.maximum(np.abs(moves).max(axis=1), _NEAREST)
-    slopes = _known_slopes(names, places)
-    missed = ratios - here - np.tensordot(moves, slopes, axes=1)
-    slopes += np.tensordot(
-        np.linalg.pinv(scale[:, None] * moves, _NOISE), scale[:, None, None] * missed, axes=1
-    )
-    least = np.array(tried[0].safeties)
+    slopes = _known_slopes(names, keys)
+    missed = ratios - here - moves @ slopes
+    slopes += np.linalg.pinv(scale[:, None] * moves, _NOISE) @ (scale[:, None] * missed)
+    wanted = _wanted(tried[0])
+    least = np.array([wanted[kind] for _, kind in keys])
 
     def limits(values: Array, found: RodStrength) -> Array:
-        closed = np.array([_both(found.section_of(name)) for name in places])
-        ratio = here + np.tensordot(np.log(values) - there, slopes, axes=1)
-        return np.asarray(1 + _KEPT - closed * np.exp(ratio) / least).ravel()
+        closed = _closed_form(found, keys)
+        ratio = here + (np.log(values) - there) @ slopes
+        return np.asarray(1 + _KEPT - np.array([closed[key] for key in keys]) * np.exp(ratio) / least)
 
     return limits
 
 
-def _known_slopes(names: Sequence[str], places: Sequence[str]) -> Array:
-    """Exponents of the dimensions in the ratios that are expected, (dimensions, places, 2)."""
-    slopes = np.zeros((len(names), len(places), 2))
-    if _WIDTH in names and _CARRIED in places:
-        slopes[list(names).index(_WIDTH), list(places).index(_CARRIED)] = 1.0
+def _known_slopes(names: Sequence[str], keys: Sequence[_Quantity]) -> Array:
+    """Exponents of the dimensions in the ratios that are expected, (dimensions, quantities)."""
+    slopes = np.zeros((len(names), len(keys)))
+    if _WIDTH in names:
+        carried = [place == _CARRIED and kind in _SAFETIES for place, kind in keys]
+        slopes[list(names).index(_WIDTH)] = carried
     return slopes
 
 
@@ -217,6 +251,12 @@ def _with_elements(found: LighterRod, own: _Judged, best: _Judged, rods: int) ->
         update={
             "elements_yield_safety": against_yield,
             "elements_fatigue_safety": for_fatigue,
+            "elements_small_end_ovalisation_um": _ovalisations(own, best, "small"),
+            "elements_big_end_ovalisation_um": _ovalisations(own, best, "big"),
             "rods_by_elements": rods,
         }
     )
+
+
+def _ovalisations(own: _Judged, best: _Judged, eye: Eye) -> tuple[float, float]:
+    return ovalisation_um(own.elements.eyes, eye), ovalisation_um(best.elements.eyes, eye)

@@ -10,6 +10,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.units import MM_PER_M
 from cranktopo.bodies.mesh.rod_mesh import default_rod_element_mm, rod_volume_mm3
+from cranktopo.design.rod import Eye
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion
@@ -18,12 +19,12 @@ from cranktopo.tasks.fea.evaluation import RATIO
 from cranktopo.tasks.rod.contact import contact_deg, cosine
 from cranktopo.tasks.rod.element_stress import ElementStress, WorstPoint, cycle_loads, element_stress
 from cranktopo.tasks.rod.eye import bush_pressure_MPa
+from cranktopo.tasks.rod.ovalisation import eye_shape
 from cranktopo.tasks.rod.result import EyeShape, RodElements, RodPlace, SharpEdge
 from cranktopo.tasks.rod.unit_fields import (
     ALONG,
     PRESSED,
     QUARTERS,
-    Eye,
     Pressures,
     RodFields,
     bore_of,
@@ -139,15 +140,9 @@ def eye_shapes(fields: RodFields, loads: Array) -> tuple[EyeShape, ...]:
     for number, (eye, side) in enumerate(PRESSED):
         state = int(loads[:, number].argmax())
         across, along = _diameters_um(fields, loads[state], eye)
-        shape = EyeShape(
-            eye=f"{eye} end",
-            load=ALONG[number].split()[1],
-            force_N=float(loads[state, number]),
-            contact_deg=contact_deg(fields.pressures.get((eye, side), cosine)),
-            across_um=across,
-            along_um=along,
-        )
-        found.append(shape)
+        load, force = ALONG[number].split()[1], float(loads[state, number])
+        pressed = contact_deg(fields.pressures.get((eye, side), cosine))
+        found.append(eye_shape(fields.scene, eye, load, force, pressed, across, along))
     return tuple(found)
 
 

@@ -1,11 +1,11 @@
 """A lighter rod at no less safety: shank and bosses searched by the analytic strength of the rod.
 
-Eyes may only grow: what they widen under load is not in the model. Bores, widths, bolts and length stay.
+Eyes may only grow. Bores, widths, bolts and length stay. Ovalisation keeps the limits of the design, if any.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,11 +15,11 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import at_work
 from cranktopo.design.checks.rod import least_dimensions, rod_of
 from cranktopo.design.named import DesignLike, as_scene, with_values
-from cranktopo.design.rod import Rod
+from cranktopo.design.rod import Eye, Rod
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import analyse, at_speed
 from cranktopo.numerics.optimisers.gradient_search import central_difference, minimise, remembered
-from cranktopo.tasks.rod.result import FreeDimension, LighterRod, RodStrength
+from cranktopo.tasks.rod.result import EyeShape, FreeDimension, LighterRod, RodStrength
 from cranktopo.tasks.rod.stage import check_rod_strength
 
 _FREE = ("small_end_diameter_mm", "big_end_diameter_mm", "boss_width_mm", "boss_above_mm", "boss_below_mm")
@@ -44,8 +44,8 @@ def lighten_rod(
 ) -> tuple[Scene, LighterRod]:
     """Return the design with a lighter rod whose smallest safeties are not below those of its own rod.
 
-    Kept are the smallest safety against yield of all sections and struts, the smallest for fatigue, and the
-    length that each bolt is screwed in.
+    Kept are the smallest safety against yield of all sections and struts, the smallest for fatigue, the
+    permitted ovalisation of both bores, and the length that each bolt is screwed in.
 
     Raises:
         CranktopoError: as `check_rod_strength`, or no lighter rod was found.
@@ -55,7 +55,10 @@ def lighten_rod(
     after = check_rod_strength(lighter, method)
     if not search.is_better(lighter, after):
         raise search.nothing_found()
-    return lighter, search.told(lighter, after)
+    told = search.told(lighter, after)
+    if not any(eye.permitted_um for eye in after.eyes):
+        return lighter, told
+    return lighter, told.model_copy(update={"result_without_limits_kg": search.unlimited_kg()})
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ class RodSearch:
     Attributes:
         start_mm, bounds: (dimensions,); the bounds are shares.
         before: strength of the own rod.
+        limited: whether bores keep their permitted ovalisation.
     """
 
     scene: Scene
@@ -73,6 +77,7 @@ class RodSearch:
     start_mm: Array
     bounds: tuple[Array, Array]
     before: RodStrength
+    limited: bool = True
 
     def within(self, values: Array, reach: float) -> RodSearch:
         """Return the same search with each dimension at most so far from given ones."""
@@ -93,7 +98,7 @@ class RodSearch:
             found = check_rod_strength(tried, self.method)
             mass = found.masses.total_kg / before.masses.total_kg
             beside = np.array([]) if more is None else more(values, found)
-            return np.concatenate([[mass], _excess(tried, found, before), beside])
+            return np.concatenate([[mass], self._excess(tried, found), beside])
 
         of = remembered(judged)
 
@@ -118,13 +123,30 @@ class RodSearch:
 
     def is_better(self, lighter: Scene, after: RodStrength) -> bool:
         """Tell whether a rod is lighter than the own one at no less safety in closed form."""
-        kept = float(_excess(lighter, after, self.before).max()) <= _ROUNDED
+        kept = float(self._excess(lighter, after).max()) <= _ROUNDED
         return kept and after.masses.total_kg < self.before.masses.total_kg
+
+    def _excess(self, scene: Scene, found: RodStrength) -> Array:
+        """Values that must stay below 0 of a rod: what it lost, and what its bores change too much."""
+        return np.concatenate([_excess(scene, found, self.before), _too_oval(found) * self.limited])
+
+    def unlimited_kg(self) -> float:
+        """Return the mass of the lightest rod of the same search without limits of ovalisation."""
+        free = replace(self, limited=False)
+        return check_rod_strength(free.rod_at(free.best()), self.method).masses.total_kg
 
     def nothing_found(self, judge: str = "") -> CranktopoError:
         """Return the error that tells that the search ended without a better rod."""
+        limits = [eye for eye in self.before.eyes if eye.permitted_um]
+        kept = " within the permitted ovalisation" * bool(limits)
+        over = [eye for eye in limits if eye.ovalisation_um > (eye.permitted_um or np.inf)]
+        own = "".join(
+            f" The bore of its {eye.eye} changes by {eye.ovalisation_um:.1f} um, permitted are "
+            f"{eye.permitted_um:g} um."
+            for eye in over
+        )
         return CranktopoError(
-            f"{self.scene.name}: no lighter rod of this shape at no less safety{judge} was found.",
+            f"{self.scene.name}: no lighter rod of this shape at no less safety{judge}{kept} was found.{own}",
             hint="Change rod.shank, or give dimensions that are farther from the limits.",
         )
 
@@ -149,6 +171,8 @@ class RodSearch:
             smallest_fatigue_safety=(min(_safeties(before)[1]), min(_safeties(after)[1])),
             speed_rpm=speed,
             crankpin_pull_N=(_pin_pull_N(scene, speed), _pin_pull_N(lighter, speed)),
+            small_end_ovalisation_um=_of_both(before, after, "small"),
+            big_end_ovalisation_um=_of_both(before, after, "big"),
             rotating_unbalance_kg_mm=(
                 before.masses.rotating_kg * radius,
                 after.masses.rotating_kg * radius,
@@ -208,6 +232,21 @@ def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
     assert rod is not None
     short = [(smallest - getattr(rod, key)) / smallest for key, smallest in least_dimensions(rod)]
     return np.array([*lost, *short])
+
+
+def _too_oval(found: RodStrength) -> Array:
+    """Ovalisation over what is permitted, less 1."""
+    over = [eye.ovalisation_um / eye.permitted_um for eye in found.eyes if eye.permitted_um]
+    return np.array(over) + _KEPT - 1
+
+
+def _of_both(before: RodStrength, after: RodStrength, eye: Eye) -> tuple[float, float]:
+    return ovalisation_um(before.eyes, eye), ovalisation_um(after.eyes, eye)
+
+
+def ovalisation_um(eyes: Sequence[EyeShape], eye: Eye) -> float:
+    """Return the largest ovalisation of an eye among the loads that a limit is for."""
+    return max(one.ovalisation_um for one in eyes if one.eye == f"{eye} end" and one.judged)
 
 
 def _pin_pull_N(scene: Scene, speed_rpm: float) -> float:

@@ -82,6 +82,14 @@ class LighterRod(Result):
     """Smallest of all places by finite elements, with `--fea`."""
     elements_fatigue_safety: tuple[float, float] | None = UNLESS_NONE
     """Smallest of all places by finite elements, with `--fea`."""
+    small_end_ovalisation_um: tuple[float, float]
+    """Largest change of the bore's diameter that is judged, in closed form under the pull."""
+    big_end_ovalisation_um: tuple[float, float]
+    elements_small_end_ovalisation_um: tuple[float, float] | None = UNLESS_NONE
+    """By finite elements, with `--fea`; where rigid pins touch under pull or push."""
+    elements_big_end_ovalisation_um: tuple[float, float] | None = UNLESS_NONE
+    result_without_limits_kg: float | None = UNLESS_NONE
+    """Mass that the same search finds without limits of ovalisation, where there are any; in closed form."""
     rods_by_elements: int | None = UNLESS_NONE
     """Rods that elements have judged until the search was settled, beside the own one, with `--fea`."""
     speed_rpm: float
@@ -121,7 +129,7 @@ class RodPlace(Result):
 
 
 class EyeShape(Result):
-    """Change of an eye's bore under the largest push or pull, mean over its width."""
+    """Change of an eye's bore under the largest push or pull; by elements mean over its width."""
 
     eye: str
     load: str
@@ -133,6 +141,13 @@ class EyeShape(Result):
     """Change of the diameter across the rod."""
     along_um: float
     """Change of the diameter along the rod."""
+    ovalisation_um: float
+    """The larger of both, without its sign."""
+    judged: bool
+    """Whether a limit is for this load: not for a push by the cosine, which opens a bore by more than any
+    clearance, so that the pin leaves the flanks that the cosine presses."""
+    permitted_um: float | None
+    """Largest permitted ovalisation; null without a limit, and where it is not judged."""
 
 
 class SharpEdge(Result):
@@ -186,6 +201,8 @@ class RodStrength(Result):
     """Angle from the crown of the small end to where the shank holds it."""
     sections: tuple[RodSectionCheck, ...]
     buckling: tuple[Buckling, ...]
+    eyes: tuple[EyeShape, ...]
+    """Change of both bores in closed form, pressed by the cosine."""
     pin: PinCheck | None
     bolt: JointCheck | None
     lighter: LighterRod | None = UNLESS_NONE

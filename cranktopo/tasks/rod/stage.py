@@ -32,6 +32,7 @@ from cranktopo.tasks.rod.eye import (
     pushed_arch,
     ring_stress_MPa,
 )
+from cranktopo.tasks.rod.ovalisation import eye_shapes_of
 from cranktopo.tasks.rod.pin import check_pin
 from cranktopo.tasks.rod.result import Buckling, RodMasses, RodSectionCheck, RodStrength
 
@@ -90,6 +91,7 @@ def strength_of(scene: Scene, loaded: LoadedRod) -> RodStrength:
         held_deg=math.degrees(held_angle_rad(rod, length)),
         sections=(*_eye(loaded, push, pull), *_shank(loaded), _cap(loaded), _big_end(loaded)),
         buckling=_buckling(loaded),
+        eyes=eye_shapes_of(loaded.scene, mass, loaded.motions),
         pin=check_pin(rod, rod.pin, push) if rod.pin else None,
         bolt=check_rod_bolt(scene),
     )

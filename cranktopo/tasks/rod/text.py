@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from cranktopo.base.units import N_PER_KN
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks
@@ -46,6 +48,7 @@ _EYES: tuple[Column[EyeShape], ...] = (
     Column("pressed_deg", 0, lambda e: e.contact_deg),
     Column("across_um", 1, lambda e: e.across_um),
     Column("along_um", 1, lambda e: e.along_um),
+    Column("permitted_um", 1, lambda e: e.permitted_um),
 )
 _FREE: tuple[Column[FreeDimension], ...] = (
     Column("dimension", 0, lambda d: d.name.removesuffix("_mm").replace("_", " ")),
@@ -70,12 +73,14 @@ def rod_text(rod: RodStrength) -> str:
     )
     parts = [
         *([_lighter(rod.lighter)] if rod.lighter else []),
-        f"{rod.design}: {rod.shank} shank at {speeds} rpm\n{least_safety(rod)}",
+        "\n".join([f"{rod.design}: {rod.shank} shank at {speeds} rpm", least_safety(rod), *_too_oval(rod)]),
         labelled(rows),
         f"Stresses over the cycle, tension positive; fatigue by method {rod.method}",
         terminal(tabulate(_SECTIONS, rod.sections)),
         "Shank under the largest push, by Navier and Rankine",
         terminal(tabulate(_BUCKLING, rod.buckling)),
+        "Change of the bores' diameters, pressed by the cosine",
+        terminal(tabulate(_EYES, rod.eyes)),
     ]
     parts += [_elements(rod.elements, rod)] if rod.elements else []
     parts += [_pin(rod.pin)] if rod.pin else []
@@ -98,6 +103,16 @@ def least_safety(rod: RodStrength) -> str:
     }
     words = "; ".join(f"{what} {safety:.2f} ({place})" for what, (place, safety) in told.items())
     return f"{'' if min(safety for _, safety in told.values()) >= 1 else 'NOT SAFE: '}least safety: {words}"
+
+
+def _too_oval(rod: RodStrength) -> Iterator[str]:
+    """Yield a line for each bore that changes by more than is permitted."""
+    judges = (("", rod.eyes), (", by elements", rod.elements.eyes if rod.elements else ()))
+    for by, eyes in judges:
+        for eye in eyes:
+            if eye.permitted_um and eye.ovalisation_um > eye.permitted_um:
+                changed = f"the bore of the {eye.eye} changes by {eye.ovalisation_um:.1f} um"
+                yield f"TOO OVAL: {changed} under the {eye.load}{by}; permitted are {eye.permitted_um:g} um"
 
 
 def _elements(found: RodElements, rod: RodStrength) -> str:
@@ -124,7 +139,7 @@ def _elements(found: RodElements, rod: RodStrength) -> str:
             f"Nearer than {found.edge_distance_mm:.2g} mm to sharp inner edges the mesh decides: "
             f"{found.at_sharp_edges.von_mises_MPa:.0f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, not judged."
         )
-    lines.append("Change of the bores' diameters")
+    lines.append("Change of the bores' diameters by finite elements")
     lines.append(terminal(tabulate(_EYES, found.eyes)))
     return "\n\n".join(lines)
 
@@ -149,6 +164,20 @@ def _by_elements(found: LighterRod) -> list[tuple[str, str]]:
     return [(name, "{:.2f} -> {:.2f}".format(*pair)) for name, pair in safeties if pair]
 
 
+def _ovalisations(found: LighterRod) -> Iterator[tuple[str, str]]:
+    """Rows of what bores change by, and of what their limits cost."""
+    rows = (
+        ("small end's bore, um", found.small_end_ovalisation_um),
+        ("big end's bore, um", found.big_end_ovalisation_um),
+        ("small end's bore, um, elements", found.elements_small_end_ovalisation_um),
+        ("big end's bore, um, elements", found.elements_big_end_ovalisation_um),
+    )
+    yield from ((name, "{:.1f} -> {:.1f}".format(*pair)) for name, pair in rows if pair)
+    if found.result_without_limits_kg is not None:
+        cost = found.result_kg - found.result_without_limits_kg
+        yield "cost of the ovalisation's limits", f"{cost:.4f} kg"
+
+
 def _lighter(found: LighterRod) -> str:
     change = 100 * (found.result_kg / found.start_kg - 1)
     rows = (
@@ -156,6 +185,7 @@ def _lighter(found: LighterRod) -> str:
         ("smallest against yield", "{:.2f} -> {:.2f}".format(*found.smallest_yield_safety)),
         ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*found.smallest_fatigue_safety)),
         *_by_elements(found),
+        *_ovalisations(found),
         ("rod's unbalance", "{:.2f} -> {:.2f} kg mm".format(*found.rotating_unbalance_kg_mm)),
         (
             f"pull on the crankpin at {found.speed_rpm:g} rpm",

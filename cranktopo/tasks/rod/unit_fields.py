@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from cranktopo.base.units import KG_PER_TONNE, MM_PER_M, MPA_PER_GPA, density_to
 from cranktopo.bodies.mesh.rod_mesh import mesh_rod
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.material import Material
-from cranktopo.design.rod import Rod
+from cranktopo.design.rod import EYES, Eye, Rod
 from cranktopo.design.rod_body import bolts_kg
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mass_matrix
@@ -35,8 +35,6 @@ and on the upper or lower half of the big end's, by the cosine; the inertia wher
 ACROSS = ("small whip", "big whip")
 """Loads that the mirror x -> -x turns around: the inertia where one end accelerates by 1 m/s2 across the rod
 and the other does not, carried by both eyes."""
-Eye = Literal["small", "big"]
-EYES: tuple[Eye, ...] = ("small", "big")
 PRESSED: tuple[tuple[Eye, int], ...] = (("small", -1), ("small", 1), ("big", 1), ("big", -1))
 """Eyes and sides of the first loads of `ALONG`."""
 Pressures = Mapping[tuple[Eye, int], Pressure]

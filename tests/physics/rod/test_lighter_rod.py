@@ -11,11 +11,12 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode, solver_error
 from cranktopo.design.loading import load_scene
+from cranktopo.design.named import with_values
 from cranktopo.tasks.rod import element_search
 from cranktopo.tasks.rod.element_search import corrected_search
 from cranktopo.tasks.rod.element_stage import RodOnElements
 from cranktopo.tasks.rod.element_stress import PLACES
-from cranktopo.tasks.rod.lighter import rod_search
+from cranktopo.tasks.rod.lighter import ovalisation_um, rod_search
 from cranktopo.tasks.rod.result import RodElements, RodPlace
 from cranktopo.tasks.rod.stage import check_rod_strength
 
@@ -46,8 +47,14 @@ def told(scene, share_of_place):
         places=places,
         yield_safety=min(place.yield_safety for place in places),
         fatigue_safety=min(place.fatigue_safety for place in places),
+        eyes=tuple(softer(eye) for eye in strength.eyes),
     )
     return RodOnElements(strength.model_copy(update={"elements": elements}), stress=None)
+
+
+def softer(eye):
+    """Elements find a fifth more than the closed form."""
+    return eye.model_copy(update={"ovalisation_um": 1.2 * eye.ovalisation_um})
 
 
 def narrow(scene):
@@ -86,6 +93,27 @@ def test_the_lightest_rod_of_a_grid_is_found_where_the_closed_form_is_blind():
     assert lighter.result_kg == pytest.approx(best)
     assert lighter.elements_fatigue_safety == pytest.approx((least[1], safeties(again)[1]))
     assert 2 <= lighter.rods_by_elements <= 8
+
+
+def test_bores_keep_their_limits_by_the_judge():
+    """It finds a fifth more than the closed form: a rod that keeps the limit by that alone is too soft."""
+    limit_um = 42.5
+    own = with_values(load_scene("mikron-iiic-rod-i"), {"rod.big_end_ovalisation_um": limit_um})
+    whole, free = rod_search(own, "lsa", 3.0), ("big_end_diameter_mm", "shank_big_mm", "boss_above_mm")
+    at = [whole.names.index(name) for name in free]
+    bounds = tuple(bound[at] for bound in whole.bounds)
+    task = replace(whole, names=free, start_mm=whole.start_mm[at], bounds=bounds)
+
+    def judge(scene):
+        return told(scene, lambda _: 1.0)
+
+    _, found = corrected_search(task, judge)
+    lighter = found.strength.lighter
+    closed, elements = lighter.big_end_ovalisation_um[1], lighter.elements_big_end_ovalisation_um[1]
+    assert elements == pytest.approx(1.2 * closed)
+    assert 0.98 * limit_um < elements <= limit_um
+    blind = judge(task.rod_at(task.best())).strength
+    assert ovalisation_um(blind.elements.eyes, "big") > 1.01 * limit_um
 
 
 def test_a_judge_whom_no_lighter_rod_suits_ends_the_search(monkeypatch):
