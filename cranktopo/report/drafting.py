@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from cranktopo.base.units import MM_PER_INCH
 
 INK, THIN, GHOST, STEEL = "#1a1a1a", "#5a6472", "#d0482b", "#dfe4ea"
 TEXT_SIZE = 7.5
@@ -17,8 +18,6 @@ _HEADS_MM = 4.0
 """Least paper between two arrowheads; a shorter line ends in dots."""
 _LETTER_MM = 1.9
 """Mean width of a letter of a dimension on paper."""
-_NOTE_LETTER_MM = 1.6
-"""Mean width of a letter of a note on paper, whose letters are mostly small ones."""
 _Flat = tuple[float, float]
 
 
@@ -82,9 +81,28 @@ def number_mm(text: str) -> float:
 
 def folded(notes: Iterable[str], width_mm: float) -> list[str]:
     """Return notes in lines that fit a width of paper; what follows the first line of a note is indented."""
-    letters = int(width_mm / _NOTE_LETTER_MM)
-    lines = (textwrap.wrap(note, letters, subsequent_indent="   ") or [""] for note in notes)
-    return [line for folded_note in lines for line in folded_note]
+    return [line for note in notes for line in _lines(note, width_mm)]
+
+
+def _lines(note: str, width_mm: float) -> list[str]:
+    lines = [""]
+    for word in note.split(" "):
+        longer = f"{lines[-1]} {word}" if lines[-1].strip() else f"{lines[-1]}{word}"
+        if lines[-1].strip() and _text_mm(longer) > width_mm:
+            lines.append(f"   {word}")
+        else:
+            lines[-1] = longer
+    return lines
+
+
+def _text_mm(text: str) -> float:
+    """Return the width of a line of a note on paper."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    size = FontProperties(size=TEXT_SIZE)
+    width_pt, _, _ = text_to_path.get_text_width_height_descent(text, size, ismath=False)
+    return float(width_pt) * MM_PER_INCH / 72
 
 
 def fits(length_mm: float, text: str, mm: float) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -86,7 +85,7 @@ def raw_crank_figure(
 
 def _notes(scene: Scene, shape: CrankShape) -> list[str]:
     told = parting_text([throw.angle_deg for throw in shape.throws])
-    return [*textwrap.wrap(f"Parting: {told}.", 100), *flash_notes(scene), "Dashed: the finished crank."]
+    return [f"Parting: {told}.", *flash_notes(scene), "Dashed: the finished crank."]
 
 
 def _lines(scene: Scene, raw: CrankShape) -> list[str]:

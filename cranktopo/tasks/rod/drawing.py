@@ -53,9 +53,11 @@ def _notes(scene: Scene) -> Iterator[str]:
     rod, length = rod_of(scene)
     drawing, mass = scene.drawing, rod_mass(rod, length, scene.material)
     yield f"General tolerances {drawing.general_tolerances} unless stated."
-    yield f"Both bores finished with the cap tightened, Ra {drawing.rod_bore_roughness_um:g} µm;"
-    yield f"other bores Ra {drawing.bore_roughness_um:g} µm, all other surfaces Ra "
-    yield f"{drawing.surface_roughness_um:g} µm. Break sharp edges 0.3 mm."
+    yield (
+        f"Both bores finished with the cap tightened, Ra {drawing.rod_bore_roughness_um:g} µm; other bores "
+        f"Ra {drawing.bore_roughness_um:g} µm, all other surfaces Ra {drawing.surface_roughness_um:g} µm. "
+        "Break sharp edges 0.3 mm."
+    )
     ends = f"small end {mass.reciprocating_kg:.3f} kg, big end {mass.rotating_kg:.3f} kg"
     yield f"Weighed on both axes: {ends}."
 
