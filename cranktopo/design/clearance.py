@@ -78,11 +78,29 @@ def turning_limits(scene: Scene) -> dict[str, ClearanceLimit]:
 
 
 def clearance_text(scene: Scene) -> str:
-    """Return the least room of web and counterweight in words; empty without a clearance."""
+    """Return the least room of web and counterweight in words, or what is in the way; empty where unknown."""
     clearance = scene.envelope.clearance if scene.envelope else None
     if clearance is None:
-        return ""
+        return pin_in_the_way(scene)
     return f"{clearances_text(clearances_mm(scene))}; at least {clearance.least_gap_mm:g} mm stay"
+
+
+def pin_in_the_way(scene: Scene) -> str:
+    """Tell of a counterweight that reaches the axis of the piston pin; empty where none does.
+
+    The pin is nearest at bottom dead centre, the length of the rod less the throw radius from the crank axis.
+    """
+    webs = (scene.web, scene.second_web)
+    radii = [web.counterweight.outer_radius_mm for web in webs if web and web.counterweight]
+    if scene.engine is None or not radii:
+        return ""
+    nearest, radius = scene.engine.rod_length_mm - scene.throw.radius_mm, max(radii)
+    if radius < nearest:
+        return ""
+    return (
+        f"the counterweight reaches {radius:g} mm from the crank axis, past the axis of the piston pin at "
+        f"{nearest:g} mm at bottom dead centre; [envelope.clearance] tells what the piston leaves"
+    )
 
 
 def clearances_text(clearances_mm: Mapping[str, float]) -> str:

@@ -8,7 +8,7 @@ from cranktopo.base.units import plain_number
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
 
-_FELT_PERCENT = 2.0
+FELT_PERCENT = 2.0
 """Change of the balance factor, of the oscillating mass, that is told."""
 _FACTOR, _UNBALANCE = "balance_factor", "unbalance"
 
@@ -27,9 +27,9 @@ def balance_moved(scene: Scene, result: Mapping[str, float], original: Mapping[s
     if not meant or _FACTOR not in result or _FACTOR not in original:
         return ""
     now, before = result[_FACTOR], original[_FACTOR]
-    if abs(now - before) < _FELT_PERCENT or _held(scene, rose=now > before):
+    if abs(now - before) < FELT_PERCENT or _held(scene, rose=now > before):
         return ""
-    bound = f"<= {before + _FELT_PERCENT:.0f}" if now > before else f">= {before - _FELT_PERCENT:.0f}"
+    bound = f"<= {before + FELT_PERCENT:.0f}" if now > before else f">= {before - FELT_PERCENT:.0f}"
     needed = "lighter" if now > before else "heavier"
     return (
         f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "

@@ -274,8 +274,8 @@ def centrifugal(context: PlanningContext) -> Estimate:
     ]
     left_out = f", the pull of {' and '.join(fastened)} left out" if fastened else ""
     forces = (
-        f"outward {pin:,.0f} N on the pin, rods among them, and {webs:,.0f} N in the mid-planes of the webs "
-        f"at {speed:g} rpm{left_out}"
+        f"outward {pin:,.0f} N on the pin, rods and pistons at dead centre among them, and {webs:,.0f} N in "
+        f"the mid-planes of the webs at {speed:g} rpm{left_out}"
     )
     return _case(context, "centrifugal", forces)
 

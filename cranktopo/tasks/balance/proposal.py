@@ -10,9 +10,11 @@ from cranktopo.base.errors import CranktopoError, invalid
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.base.root import root
 from cranktopo.design.balance_factor import rods_kg_mm
+from cranktopo.design.clearance import pin_in_the_way
 from cranktopo.design.halves import difference
 from cranktopo.design.named import with_values
 from cranktopo.design.schema import Scene
+from cranktopo.design.shape import ShapeTable
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.throw.counterweight.table import Counterweight
@@ -133,7 +135,7 @@ def _refusal(scene: Scene) -> str | None:
         with_values(scene, {})
     except CranktopoError as error:
         return error.message
-    return None
+    return pin_in_the_way(scene) or None
 
 
 def _factor_percent(scene: Scene) -> float:
@@ -153,4 +155,7 @@ def _weighted(scene: Scene, radius_mm: float, angle_deg: float) -> Scene:
     if scene.web.counterweight is not None:
         sizes = {"outer_radius_mm": radius_mm, "half_angle_deg": angle_deg}
         weight = scene.web.counterweight.model_copy(update=sizes)
-    return scene.model_copy(update={"web": scene.web.model_copy(update={"counterweight": weight})})
+    web = scene.web.model_copy(update={"counterweight": weight})
+    return scene.model_copy(
+        update={"web": web, "shape": ShapeTable()}
+    )  # ranges of a search refuse nothing here

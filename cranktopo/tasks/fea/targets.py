@@ -199,9 +199,15 @@ def _run(run: RunStore) -> Target:
 
 
 def unlike_fillet_line(targets: Sequence[Target]) -> str:
-    """Return the line that designs with fillets stand beside surfaces without; empty where none do."""
+    """Return the line that surfaces without fillets stand beside designs with them, or will; else nothing."""
     bare = [target.name for target in targets if target.run]
     rounded = [target.name for target in targets if target.file is None and target.scene.throw.has_fillets]
+    own = [target.name for target in targets if target.run and target.scene.throw.has_fillets]
+    if own and len(own) == len(targets):
+        return (
+            f"{', '.join(own)}: the surface of a run has no fillets, which make its design stiffer; "
+            "cranktopo compare leaves them out of both."
+        )
     if not bare or not rounded:
         return ""
     return (

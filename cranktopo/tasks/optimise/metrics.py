@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.machine import peak_memory_MiB
+from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import Domain
 from cranktopo.design.goal.balance_moved import balance_moved
 from cranktopo.design.schema import Scene
@@ -39,6 +40,8 @@ from cranktopo.tasks.optimise.result import (
 )
 
 SOLID = 0.5
+_SAME_MASS = 0.01
+"""Difference of mass from which webs are no longer compared at the same mass."""
 
 _PER_MASS_UNIT = {"torsion": "torsion_Nm_per_rad_kg", "bending": "bending_N_per_mm_kg"}
 
@@ -59,7 +62,10 @@ def run_metrics(
     The density is the physical one of the web's layers; result and original are on the same grid.
     """
     scene, domain = prepared.scene, prepared.domain
-    moved = balance_moved(scene, result.quantities, original.quantities)
+    told = (
+        balance_moved(scene, result.quantities, original.quantities),
+        "" if scene.goal else _other_mass(scene, domain, state.last.volume_fraction, result, original),
+    )
     return RunMetrics(
         run=run_name,
         design=scene.name,
@@ -79,9 +85,29 @@ def run_metrics(
         solver=_solver(problem, state, result),
         peak_memory_MiB=peak_memory_MiB(),
         effects=prepared.plan.effects,
-        notices=[*prepared.notices, *filter(None, [moved])],
+        notices=[*prepared.notices, *filter(None, told)],
         **others,
     )
+
+
+def _other_mass(
+    scene: Scene, domain: Domain, reached: float, result: Assessment, original: Assessment
+) -> str:
+    """Return the volume fraction with which a web weighs what the original's does; empty where this one does.
+
+    The mass of a web is a straight line over the share of its design space that is filled.
+    """
+    if abs(result.throw_kg / original.throw_kg - 1) < _SAME_MASS:
+        return ""
+    layers = slice(*domain.web_layers)
+    space_mm3 = (
+        (domain.design_fraction * domain.volume_mm3)[:, :, layers].sum() / domain.symmetry_fraction / 2
+    )
+    space_kg = float(space_mm3) * density_kg_per_mm3(scene.material.density_kg_m3)
+    own = reached + (original.web_kg - result.web_kg) / space_kg
+    if not 0 < own <= 1:
+        return ""
+    return f"with --volume-fraction {own:.3f} the web weighs what the original's does"
 
 
 def run_seconds(state: State, total: float, outputs: float, compile_s: float, **others: float) -> RunSeconds:

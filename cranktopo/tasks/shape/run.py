@@ -37,6 +37,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.strength import note_strength
 from cranktopo.design.writing import design_from_run, new_run, toml_text
+from cranktopo.engine.balance.kept import balance_kept
 from cranktopo.engine.histories import Loads, WebLoads, histories_of, loads_name
 from cranktopo.engine.performance import note_pressure
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -141,6 +142,7 @@ def shape_design(
     check_destination(out)
     check_device()
     check_original(scene)
+    scene = balance_kept(scene)
     goal = shape_goal(scene)
     plan(scene, goal=goal)
     if scene.envelope is None:
@@ -263,7 +265,10 @@ def _worked(run: RunStore, scene: Scene, settings: ShapeSettings, start: WebRead
 def _bound(scene: Scene, goal: Goal, cell_mm: float, work: Work) -> BoundStatement | NoBound | None:
     if plan(scene, goal=goal)["bound"].state != "on":
         return None
-    kept = work.once("bound", lambda: bound_for_goal(scene, goal, cell_mm).as_json())
+    # An unbalance in kg mm is not that of the cells, whose original has another: without it the bound holds.
+    limits = tuple(limit for limit in goal.limits if limit.percent or limit.quantity != "unbalance")
+    proven = replace(goal, limits=limits)
+    kept = work.once("bound", lambda: bound_for_goal(scene, proven, cell_mm).as_json())
     return (NoBound if "none" in kept else BoundStatement).of_json(kept, "bound")
 
 

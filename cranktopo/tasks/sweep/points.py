@@ -10,10 +10,12 @@ from typing import Any, cast
 
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.units import plain_number
+from cranktopo.design.goal.balance_moved import FELT_PERCENT
 from cranktopo.design.loading import scene_from_dict, with_value
 from cranktopo.design.pitch import SAME_PITCH_MM, lengths_at_pitch
 from cranktopo.design.scene_files import input_files
 from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.runs.manifest import file_hash, settings_hash
 from cranktopo.tasks.sweep.fineness import Fineness
 from cranktopo.tasks.sweep.plan import OPTIMISED, Stage, SweepPlan
@@ -33,6 +35,7 @@ class SweepPoint:
         tables: the tables of its scene as they would be written.
         reason: why no such web can be; empty where it can.
         pitch_mm: distance of its throws; 0 where no such web can be.
+        balance_percent: what its throw balances of the oscillating mass; None without counterweights.
     """
 
     id: str
@@ -44,6 +47,7 @@ class SweepPoint:
     fineness: Fineness
     reason: str = ""
     pitch_mm: float = 0.0
+    balance_percent: float | None = None
 
 
 def points_of(
@@ -124,8 +128,25 @@ def _point(
     told = tables if scene is None else _told(scene)
     sha256 = settings_hash(told, known)
     pitch_mm = 0.0 if scene is None else scene.pitch_mm
-    id_ = sha256[:_ID_LETTERS]
-    return SweepPoint(id_, sha256, stage, dict(varied), design, tables, fineness, reason, pitch_mm)
+    id_, balance = sha256[:_ID_LETTERS], None if scene is None else _balance_percent(scene)
+    return SweepPoint(id_, sha256, stage, dict(varied), design, tables, fineness, reason, pitch_mm, balance)
+
+
+def _balance_percent(scene: Scene) -> float | None:
+    return throw_balance(scene).balance_factor_percent if scene.web.counterweight is not None else None
+
+
+def balance_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:
+    """Return a line where points are not balanced as the original with its counterweights, or nothing."""
+    found = [one.balance_percent for one in points if one.balance_percent is not None]
+    own = _balance_percent(plan.original)
+    if own is None or not found or max(own - min(found), max(found) - own) < FELT_PERCENT:
+        return ""
+    told = " to ".join(dict.fromkeys(plain_number(percent, 3) for percent in (min(found), max(found))))
+    return (
+        f"balance factors of {told} % of the oscillating mass, the original has {plain_number(own, 3)} %: no "
+        "counterweight follows a web that varies, so points differ by their balance too"
+    )
 
 
 def pitch_line(plan: SweepPlan, points: Sequence[SweepPoint]) -> str:

@@ -28,7 +28,7 @@ from cranktopo.tasks.sweep.front import OBJECTIVES, choices_of, conditions_of, f
 from cranktopo.tasks.sweep.job import PointFunction
 from cranktopo.tasks.sweep.page import sweep_html
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
-from cranktopo.tasks.sweep.points import SweepPoint, original_of, pitch_line, points_of
+from cranktopo.tasks.sweep.points import SweepPoint, balance_line, original_of, pitch_line, points_of
 from cranktopo.tasks.sweep.result import (
     COARSE,
     DONE,
@@ -99,7 +99,7 @@ def run_sweep(
 
 def _note_what_differs(plan: SweepPlan, points: Sequence[SweepPoint]) -> None:
     """Tell what the table does not: throws farther apart, what strength and pressure hold for."""
-    if line := pitch_line(plan, points):
+    for line in filter(None, (pitch_line(plan, points), balance_line(plan, points))):
         note(f"sweep: {line}")
     if {"fatigue", "shape"} & set(plan.stages):
         note_strength(plan.original.name, plan.original)

@@ -31,6 +31,10 @@ def test_evaluate_tells_that_the_surface_of_a_run_has_no_fillets() -> None:
     assert "run4: the surface of a run has no fillets, which make design stiffer" in unlike_fillet_line(
         [design, surface]
     )
+    assert "run4: the surface of a run has no fillets, which make its design stiffer" in unlike_fillet_line(
+        [surface]
+    )
+    assert unlike_fillet_line([replace(surface, scene=without(scene, "fillets"))]) == ""
     for alike in (
         [design, body],
         [surface, body],

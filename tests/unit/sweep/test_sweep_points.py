@@ -9,9 +9,10 @@ import pytest
 
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.loading import scene_from_dict
+from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.sweep.job import Job, keep_result, kept_result, point_result
 from cranktopo.tasks.sweep.plan import SweepPlan, is_plan, read_plan, sweep_plan
-from cranktopo.tasks.sweep.points import original_of, pitch_line, points_of
+from cranktopo.tasks.sweep.points import balance_line, original_of, pitch_line, points_of
 from cranktopo.tasks.sweep.variation import read_entry, read_option
 
 WIDTH, FILLET = "web.width_mm", "throw.crankpin.fillet_mm"
@@ -136,6 +137,19 @@ def test_the_pitch_stays_where_it_is_asked_for() -> None:
     assert told[1] == "", "nothing is told of a pitch that stays"
     with pytest.raises(CranktopoError, match="the pitch decides it"):
         sweep_plan(["mikron-iiic-plain"], [read_option("throw.main_journal.length_mm=40,42")], keep="pitch")
+
+
+def test_points_that_are_balanced_otherwise_are_told() -> None:
+    """By the closed form of each point; where nothing moves or no counterweight is, nothing is said."""
+    swept = sweep_plan(["car-diesel"], [read_option("web.width_mm=62,70,78")])
+    points = points_of(swept)
+    factors = [throw_balance(scene_from_dict(one.tables, "x")).balance_factor_percent for one in points]
+    low, high = min(factors), max(factors)
+    assert high - low > 2
+    assert balance_line(swept, points).startswith(f"balance factors of {low:.3g} to {high:.3g} % of the")
+    for design, vary in (("car-diesel", "material.E_GPa=200,210"), ("mikron-iiic", "web.width_mm=48,52")):
+        other = sweep_plan([design], [read_option(vary)])
+        assert balance_line(other, points_of(other)) == ""
 
 
 def test_impossible_webs_are_points_with_a_reason() -> None:

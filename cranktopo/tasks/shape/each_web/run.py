@@ -22,6 +22,7 @@ from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.design.shape import FreeDimensions
 from cranktopo.design.writing import design_from_run, new_run
+from cranktopo.engine.balance.kept import balance_kept
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.plan.planning import plan_for_stress
 from cranktopo.numerics.precision import check_device
@@ -80,7 +81,7 @@ def shape_each_web(
         CranktopoError: bad input, no web that keeps the limits, or interruption (exit code 130).
     """
     out = as_path(out)
-    scene = _without_free_journals(as_scene(scene))
+    scene = balance_kept(_without_free_journals(as_scene(scene)))
     check_destination(out)
     check_device()
     _check(scene)
