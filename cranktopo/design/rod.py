@@ -31,8 +31,8 @@ class PistonPin(SceneTable):
 class Rod(SceneTable):
     """The connecting rod, for `cranktopo rod`: its masses replace those of the rod in `[engine.masses]`.
 
-    Both eyes are rings in the plane of motion, the split is square, the shank tapers from one eye to the
-    other. Its length is `engine.rod_length_mm`.
+    Both eyes are rings in the plane of motion, the split goes through the axis of the big end, the shank
+    tapers from one eye to the other. Its length is `engine.rod_length_mm`.
     """
 
     small_end_diameter_mm: Length = Field(examples=[34.0])
@@ -65,6 +65,11 @@ class Rod(SceneTable):
     """Height of the bosses of the cap."""
     bolt_distance_mm: Length = Field(examples=[62.0])
     """Distance of the axes of both bolts."""
+    split_angle_deg: float = Field(default=0.0, ge=0, le=60, allow_inf_nan=False, examples=[45.0])
+    """Angle between the split and the plane square to the rod's axis; bosses and bolts are turned with it.
+    0 is a square split. The shank must stay on the rod's side of the split."""
+    split_friction: float = Field(default=0.15, ge=0.02, le=0.6, allow_inf_nan=False)
+    """Coefficient of friction in an oblique split; the default is that of clean steel on steel."""
     shank: Literal["I", "H", "plain"] = Field(default="I", examples=["I"])
     """Section of the shank: `I` has its flanges on both sides in the plane of motion and its pockets toward
     the crank's axis, `H` is turned by a right angle, `plain` is a rectangle."""

@@ -8,7 +8,7 @@ are exact. Along y they are added up by Gauss points, to some 1e-6 of the mass.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -18,10 +18,13 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.design.material import Material
 from cranktopo.design.rod import Rod
+from cranktopo.design.rod_fitted import fitted, turned_holes
+from cranktopo.design.rod_split import boss_marks_mm, boss_range_mm, in_split
 
 _PANELS = 1660
 """Panels over the length of a rod."""
-_BOLT_KG_PER_MM3 = density_kg_per_mm3(7850.0)
+_SHELL_CENTRE = 2 / math.pi
+"""Distance of the centre of half a thin ring from its axis, over the radius."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,14 @@ class RodSection:
         swing_mm4: second moment of area for bending in the plane of motion.
         side_mm4: for bending along the crank.
         edge_mm: farthest x.
+        across_mm3: first moment of area toward positive x; 0 but at the bosses of an oblique split.
     """
 
     area_mm2: Array
     swing_mm4: Array
     side_mm4: Array
     edge_mm: Array
+    across_mm3: Array
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ class RodMass:
         inertia_kg_mm2: about the centre of mass, for swinging.
         y_mm, y_kg: places along the rod and the mass at each.
         split_kg: of cap, its shell and the heads of the bolts, below the split.
+        split_centre_mm: distance of their centre of mass from the split, along the bolts.
+        across_mm: distance of the centre of mass from the rod's axis toward positive x, of an oblique split.
     """
 
     body_kg: float
@@ -70,6 +77,8 @@ class RodMass:
     rotating_kg: float
     inertia_kg_mm2: float
     split_kg: float
+    split_centre_mm: float
+    across_mm: float
     y_mm: Array
     y_kg: Array
 
@@ -115,46 +124,68 @@ def _disc(diameter_mm: float, y: Array) -> Array:
 
 def section(rod: Rod, length_mm: float, y: Array) -> RodSection:
     """Return the cross-sections across the rod at places, without holes along it."""
+    right = _one_side(rod, length_mm, y, 1)
+    left = _one_side(rod, length_mm, y, -1) if rod.split_angle_deg else right
+    return RodSection(
+        2 * (right.area_mm2 + left.area_mm2),
+        2 * (right.swing_mm4 + left.swing_mm4),
+        2 * (right.side_mm4 + left.side_mm4),
+        np.maximum(right.edge_mm, left.edge_mm),
+        2 * (right.across_mm3 - left.across_mm3),
+    )
+
+
+def _one_side(rod: Rod, length_mm: float, y: Array, side: int) -> RodSection:
+    """The quarter of the cross-sections on one side of the rod's axis."""
     bored = np.maximum(_disc(rod.small_end_bore_mm, y - length_mm), _disc(rod.big_end_bore_mm, y))
-    marks = np.sort(np.stack([0 * y, *_extents(rod, length_mm, y), bored]), axis=0)
+    marks = np.sort(np.stack([0 * y, *_extents(rod, length_mm, y, side), bored]), axis=0)
     low, high = marks[:-1], marks[1:]
     x = (low + high) / 2
-    disc, start, end = _heights(rod, length_mm, x, y)
+    disc, start, end = _heights(rod, length_mm, x, y, side)
     solid = x > bored
     dx = (high - low) * solid
+    dx2 = (high**2 - low**2) / 2 * solid
     dx3 = (high**3 - low**3) / 3 * solid
     height = disc + end - start
-    side = (disc**3 + end**3 - start**3) / 3
+    wide = (disc**3 + end**3 - start**3) / 3
     edge = np.where(solid & (height > 0) & (high > low), high, 0.0).max(axis=0)
+    across = (height * dx2).sum(axis=0)
     return RodSection(
-        4 * (height * dx).sum(axis=0), 4 * (height * dx3).sum(axis=0), 4 * (side * dx).sum(axis=0), edge
+        (height * dx).sum(axis=0), (height * dx3).sum(axis=0), (wide * dx).sum(axis=0), edge, across
     )
 
 
 def width_mm(rod: Rod, length_mm: float, x: Array, y: Array) -> Array:
-    """Return the material along the pins at points x >= 0 of the rod, bores not cut, holes of bolts cut."""
-    disc, start, end = _heights(rod, length_mm, x, y)
-    hole = 2 * _disc(rod.bolt_hole_mm, x - rod.bolt_distance_mm / 2) * _in_boss(rod, y)
-    return np.maximum(2 * (disc + end - start) - hole, 0.0)
+    """Return the material along the pins at points of the rod, bores not cut, holes of bolts cut."""
+    sides = (1, -1) if rod.split_angle_deg else (1,)
+    found = [_width(rod, length_mm, np.abs(x), y, side) for side in sides]
+    u, v = in_split(rod, x, y)
+    hole = 2 * _disc(rod.bolt_hole_mm, np.abs(u) - rod.bolt_distance_mm / 2) * _in_boss(rod, v)
+    return np.maximum(np.where(x < 0, found[-1], found[0]) - hole, 0.0)
 
 
-def _extents(rod: Rod, length_mm: float, y: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Half the width across at places: small end, big end, bosses, shank, inside of its flanges."""
+def _width(rod: Rod, length_mm: float, x: Array, y: Array, side: int) -> Array:
+    disc, start, end = _heights(rod, length_mm, x, y, side)
+    return np.asarray(2 * (disc + end - start))
+
+
+def _extents(rod: Rod, length_mm: float, y: Array, side: int) -> tuple[Array, ...]:
+    """Half the width on a side: small end, big end, shank, inside of its flanges, bosses from and to."""
     small, big = _disc(rod.small_end_diameter_mm, y - length_mm), _disc(rod.big_end_diameter_mm, y)
-    boss = rod.boss_width_mm / 2 * _in_boss(rod, y)
     filleted, plain = _edge(rod, length_mm, y)
     between = (y >= 0) & (y <= length_mm)
     shank = np.where(between, filleted, 0.0)
     inner = np.where(between, plain - rod.flange_mm, 0.0) if rod.shank == "I" else 0 * y
     inner = np.where(between, rod.web_mm / 2, 0.0) if rod.shank == "H" else inner
-    return small, big, boss, shank, inner
+    return small, big, shank, inner, *boss_range_mm(rod, y, side)
 
 
-def _heights(rod: Rod, length_mm: float, x: Array, y: Array) -> tuple[Array, Array, Array]:
+def _heights(rod: Rod, length_mm: float, x: Array, y: Array, side: int) -> tuple[Array, Array, Array]:
     """Ranges of z >= 0 that are material: from 0 to the first, and from the second to the third."""
-    small, big, boss, shank, inner = _extents(rod, length_mm, y)
+    small, big, shank, inner, low, high = _extents(rod, length_mm, y, side)
     disc = np.where(x < small, rod.small_end_width_mm / 2, 0.0)
-    disc = np.maximum(disc, np.where((x < big) | (x < boss), rod.big_end_width_mm / 2, 0.0))
+    in_boss = (x < high) & (x >= low)
+    disc = np.maximum(disc, np.where((x < big) | in_boss, rod.big_end_width_mm / 2, 0.0))
     start, end = _shank_z(rod, x, shank, inner)
     start = np.maximum(start, disc)
     return disc, start, np.maximum(end, start)
@@ -174,7 +205,12 @@ def drilled(rod: Rod, found: RodSection) -> RodSection:
     """Return sections of the shank less the oil hole in their middle."""
     hole = rod.oil_hole_mm
     area, moment = math.pi / 4 * hole**2, math.pi / 64 * hole**4
-    return RodSection(found.area_mm2 - area, found.swing_mm4 - moment, found.side_mm4 - moment, found.edge_mm)
+    return replace(
+        found,
+        area_mm2=found.area_mm2 - area,
+        swing_mm4=found.swing_mm4 - moment,
+        side_mm4=found.side_mm4 - moment,
+    )
 
 
 def rod_mass(rod: Rod, length_mm: float, material: Material) -> RodMass:
@@ -187,25 +223,60 @@ def _mass(rod: Rod, length_mm: float, density_kg_m3: float) -> RodMass:
     density = density_kg_per_mm3(density_kg_m3)
     y, step = _places(rod, length_mm)
     sections = section(rod, length_mm, y)
-    removed_mm2 = _holes_mm2(rod, length_mm, y)
-    bolts = math.pi / 2 * rod.bolt_distance_mm**2 / 4 * rod.bolt_hole_mm**2 * _in_boss(rod, y)
+    square = not rod.split_angle_deg
+    removed_mm2 = _oil_hole_mm2(rod, length_mm, y) + (_bolt_holes_mm2(rod, y) if square else 0.0)
     kg = density * step * (sections.area_mm2 - removed_mm2)
-    own_kg_mm2 = density * float((step * (sections.swing_mm4 - bolts)).sum())
+    swing_mm4 = sections.swing_mm4 - (
+        _bolt_holes_mm2(rod, y) * rod.bolt_distance_mm**2 / 4 if square else 0.0
+    )
+    own_kg_mm2 = density * float((step * swing_mm4).sum())
     body = float(kg.sum())
-    extra = _fitted(rod, length_mm)
-    own_kg_mm2 += sum(mass for _, mass in extra[2:]) * rod.bolt_distance_mm**2 / 4
-    y, kg = np.append(y, [place for place, _ in extra]), np.append(kg, [mass for _, mass in extra])
+    more = fitted(rod, length_mm)
+    if not square:
+        holes = turned_holes(rod, density)
+        body += float(sum(hole.kg for hole in holes))
+        more = [*holes, *more]
+    own_kg_mm2 += sum(one.kg * one.across2_mm2 for one in more)
+    y, kg = np.append(y, [one.y_mm for one in more]), np.append(kg, [one.kg for one in more])
     total = float(kg.sum())
     centre = float((kg * y).sum()) / total
-    inertia = own_kg_mm2 + float((kg * (y - centre) ** 2).sum())
+    across = density * float((step * sections.across_mm3).sum()) + sum(one.kg * one.x_mm for one in more)
+    across /= total
+    inertia = own_kg_mm2 + float((kg * (y - centre) ** 2).sum()) - total * across**2
     reciprocating = total * centre / length_mm
-    below = float(kg[y < 0].sum()) + rod.shells_kg / 2
-    return RodMass(body, total, centre, reciprocating, total - reciprocating, inertia, below, y, kg)
+    below, below_mm = _below_split(rod, y, kg) if square else _square_cap(rod, length_mm, density_kg_m3)
+    return RodMass(
+        body,
+        total,
+        centre,
+        reciprocating,
+        total - reciprocating,
+        inertia,
+        below,
+        below_mm,
+        across,
+        y,
+        kg,
+    )
+
+
+def _below_split(rod: Rod, y: Array, kg: Array) -> tuple[float, float]:
+    """Mass of the cap of a square split with its shell and heads, and how far their centre is below it."""
+    cap = y < 0
+    mass = float(kg[cap].sum()) + rod.shells_kg / 2
+    shell = rod.shells_kg / 2 * _SHELL_CENTRE * rod.big_end_bore_mm / 2
+    return mass, (shell - float((kg * y)[cap].sum())) / mass
+
+
+def _square_cap(rod: Rod, length_mm: float, density_kg_m3: float) -> tuple[float, float]:
+    """The same of an oblique split: its cap is that of a square one, turned."""
+    square = _mass(rod.model_copy(update={"split_angle_deg": 0.0}), length_mm, density_kg_m3)
+    return square.split_kg, square.split_centre_mm
 
 
 def _places(rod: Rod, length_mm: float) -> tuple[Array, Array]:
     """Gauss points along the rod and the length that each stands for, between all places where it changes."""
-    marks = {0.0, length_mm, -rod.boss_below_mm, rod.boss_above_mm}
+    marks = {0.0, length_mm, *boss_marks_mm(rod)}
     marks |= {side * d / 2 for d in (rod.big_end_diameter_mm, rod.big_end_bore_mm) for side in (-1, 1)}
     small = (rod.small_end_diameter_mm, rod.small_end_bore_mm)
     marks |= {length_mm + side * d / 2 for d in small for side in (-1, 1)}
@@ -224,9 +295,13 @@ def _in_boss(rod: Rod, y: Array) -> Array:
     return ((y >= -rod.boss_below_mm) & (y <= rod.boss_above_mm)).astype(float)
 
 
-def _holes_mm2(rod: Rod, length_mm: float, y: Array) -> Array:
-    """Area of the holes of both bolts and of the oil hole, between both bores, in each cross-section."""
-    bolts = math.pi / 2 * rod.bolt_hole_mm**2 * _in_boss(rod, y)
+def _bolt_holes_mm2(rod: Rod, y: Array) -> Array:
+    """Area of the holes of both bolts of a square split in each cross-section."""
+    return np.asarray(math.pi / 2 * rod.bolt_hole_mm**2 * _in_boss(rod, y))
+
+
+def _oil_hole_mm2(rod: Rod, length_mm: float, y: Array) -> Array:
+    """Area of the oil hole, between both bores, in each cross-section."""
     radius = rod.oil_hole_mm / 2
     from_axis = np.maximum(
         _disc(rod.small_end_bore_mm, y - length_mm) * (y < length_mm), _disc(rod.big_end_bore_mm, y) * (y > 0)
@@ -234,36 +309,4 @@ def _holes_mm2(rod: Rod, length_mm: float, y: Array) -> Array:
     at = np.minimum(from_axis / radius, 1.0) if radius else 0 * y
     open_share = 1 - 2 / math.pi * (np.arcsin(at) + at * np.sqrt(1 - at**2))
     between = (y > 0) & (y < length_mm)
-    return np.asarray(bolts + math.pi * radius**2 * open_share * between)
-
-
-def bush_kg(rod: Rod) -> float:
-    """Return the mass of the bush."""
-    bush = math.pi / 4 * (rod.small_end_bore_mm**2 - rod.pin_diameter_mm**2) * rod.small_end_width_mm
-    return density_kg_per_mm3(rod.bush_density_kg_m3) * bush
-
-
-def bolts_kg(rod: Rod) -> float:
-    """Return the mass of both bolts."""
-    return sum(mass for _, mass in _bolts(rod))
-
-
-def _fitted(rod: Rod, length_mm: float) -> list[tuple[float, float]]:
-    """Place and mass of what is fitted: bush, shells, then heads and shanks of both bolts."""
-    return [(length_mm, bush_kg(rod)), (0.0, rod.shells_kg), *_bolts(rod)]
-
-
-def _bolts(rod: Rod) -> list[tuple[float, float]]:
-    """Place and mass of heads and shanks of both bolts."""
-    found: list[tuple[float, float]] = []
-    if rod.bolt is not None:
-        bolt, diameter = rod.bolt, rod.bolt.nominal.diameter_mm
-        head = 2 * _BOLT_KG_PER_MM3 * math.pi / 4 * bolt.head_mm**2 * diameter
-        found.append((-rod.boss_below_mm - diameter / 2, head))
-        reach = bolt.grip_mm + bolt.engaged_mm
-        in_cap = min(rod.boss_below_mm, reach)
-        per_mm = 2 * _BOLT_KG_PER_MM3 * math.pi / 4 * diameter**2
-        found.append((-rod.boss_below_mm + in_cap / 2, per_mm * in_cap))
-        if reach > in_cap:
-            found.append(((reach - in_cap) / 2, per_mm * (reach - in_cap)))
-    return found
+    return np.asarray(math.pi * radius**2 * open_share * between)

@@ -59,6 +59,16 @@ class RodMotion:
         across = by_small * self.small_m_s2 + by_big * self.big_m_s2
         return (self.pin_force_N() - across * self.sine) / self.cosine
 
+    def big_end_force_N(self, mass: RodMass, length_mm: float) -> tuple[Array, Array]:
+        """Return the force of the crankpin on the rod across it and along it, toward the small end."""
+        share = mass.y_mm / length_mm
+        by_small, by_big = (float((weight * mass.y_kg).sum()) for weight in (share, 1 - share))
+        along = self.small_end_push_N(mass, length_mm)
+        along = along - by_small * self.small_along_m_s2 - by_big * self.big_along_m_s2
+        turned = (1 - share) * mass.y_kg
+        by_small, by_big = (float((weight * turned).sum()) for weight in (share, 1 - share))
+        return by_small * self.small_m_s2 + by_big * self.big_m_s2, along
+
     def section_force_N(self, mass: RodMass, length_mm: float, y_mm: float) -> Array:
         """Return the compression of the rod at a place, with the inertia of what lies beyond it."""
         beyond = mass.y_mm > y_mm
@@ -122,7 +132,7 @@ def _motion(scene: Scene, speed_rpm: float) -> RodMotion:
 
 
 def rod_bolt_force_N(scene: Scene) -> tuple[float, float]:
-    """Return the largest and the smallest force on one bolt of the cap, positive parting the split."""
+    """Return the largest and the smallest force on one bolt of a square cap, positive parting the split."""
     rod, length = rod_of(scene)
     mass = rod_mass(rod, length, scene.material)
     pulls = [-motion.section_force_N(mass, length, 0.0) / 2 for motion in rod_motions(scene)]

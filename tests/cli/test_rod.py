@@ -114,6 +114,62 @@ def test_dimensions_that_give_no_body(capsys, tmp_path, old, new, key):
     assert key in err
 
 
+def oblique(tmp_path, angle_deg, *changes):
+    design = tmp_path / "oblique.toml"
+    text = TEXT.replace("bolt_distance_mm = 62.0", f"bolt_distance_mm = 62.0\nsplit_angle_deg = {angle_deg}")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    design.write_text(text)
+    return str(design)
+
+
+@pytest.mark.parametrize(
+    ("angle_deg", "changes", "key"),
+    [
+        (55.0, (), "rod.split_angle_deg = 55.0: must be at most 51.6 deg: beyond, the split cuts the shank"),
+        (70.0, (), "rod.split_angle_deg"),
+        (45.0, (("shank_fillet_mm", "oil_hole_mm = 2.0\nshank_fillet_mm"),), "rod.bolt_distance_mm"),
+        (45.0, (("grip_mm = 16.0", "grip_mm = 35.0"),), "rod.boss_above_mm"),
+        (45.0, (("grip_mm = 16.0", 'grip_mm = 46.26\nheld_in = "nut"'),), "the upper nut meets the shank"),
+        (45.0, (("boss_width_mm = 71.9", "boss_width_mm = 360.0"),), "rod.boss_width_mm"),
+    ],
+)
+def test_an_oblique_split_that_gives_no_rod(capsys, tmp_path, angle_deg, changes, key):
+    code, _, err = run(capsys, "rod", oblique(tmp_path, angle_deg, *changes))
+    assert code == 3
+    assert key in err
+
+
+def test_an_oblique_split_is_told(capsys, tmp_path):
+    code, text, _ = run(capsys, "rod", oblique(tmp_path, 45.0))
+    assert code == 0
+    size = "72.2 mm across the rod, 78.2 mm over its corners"
+    assert text.splitlines()[2] == f"the big end without its cap, {size}, passes the bore of 95 mm"
+    assert "Split oblique by 45 deg: force of the cap along the bolts and along the joint" in text
+    assert (
+        "NOT HELD BY FRICTION: 0.81 of the shear at 0.15; serrations, a shoulder or dowels must carry" in text
+    )
+
+
+@pytest.mark.parametrize("more", [(), ("--lighter", "lighter.toml")])
+def test_elements_refuse_an_oblique_split(capsys, tmp_path, monkeypatch, more):
+    design = oblique(tmp_path, 45.0)
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(capsys, "rod", design, "--fea", "--out", "found", *more)
+    assert code == 3
+    assert "rod.split_angle_deg = 45.0: must be 0 for finite elements" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["oblique.toml"]
+
+
+def test_a_big_end_wider_than_the_cylinder_is_said(capsys, tmp_path):
+    design = tmp_path / "wide.toml"
+    design.write_text(TEXT.replace("boss_width_mm = 71.9", "boss_width_mm = 92.0"))
+    code, text, _ = run(capsys, "rod", str(design))
+    assert code == 0
+    assert text.splitlines()[2].startswith("NOT THROUGH THE CYLINDER: the big end without its cap, 92.0 mm")
+
+
 def test_a_design_without_a_rod(capsys):
     code, _, err = run(capsys, "rod", "mikron-iiic-plain")
     assert code == 3
@@ -280,15 +336,41 @@ def ring_mm2(ring):
     return float((x * y1 - x1 * y).sum()) / 2
 
 
-def test_the_outline_of_the_drawing_is_that_of_the_solid():
+@pytest.mark.parametrize("angle_deg", [0.0, 40.0])
+def test_the_outline_of_the_drawing_is_that_of_the_solid(angle_deg):
     """Its area times the width, where all of the rod is as wide, is the volume without holes of bolts."""
     values = {"rod.small_end_width_mm": 27.41, "rod.big_end_width_mm": 27.41}
-    scene = with_values(load_scene("mikron-iiic-rod"), values | {"rod.bolt.hole_diameter_mm": 8.4})
+    values |= {"rod.bolt.hole_diameter_mm": 8.4, "rod.split_angle_deg": angle_deg}
+    scene = with_values(load_scene("mikron-iiic-rod"), values)
     rod, front = scene.rod, front_outline(scene.rod, 166.0)
     area = sum(ring_mm2(ring) for ring in front)
     holes = math.pi / 2 * 8.4**2 * (rod.boss_above_mm + rod.boss_below_mm)
     volume = rod_mass(rod, 166.0, scene.material).body_kg / rod.material.density_kg_m3 * 1e9
     assert 27.41 * area - holes == pytest.approx(volume, rel=5e-4)
+
+
+def test_the_drawing_of_an_oblique_split():
+    """The split at its angle through the axis, the angle's number on its bisector, the cut hole of a bolt."""
+    scene = with_values(load_scene("mikron-iiic-rod-i"), {"rod.split_angle_deg": 45.0})
+    rod, page = scene.rod, rod_page(scene)
+    assert "            width 20, split oblique by 45° at the axis" in page.lines
+    front, along = pages_figure([page], datetime(2026, 1, 1)).axes[:2]
+    angle = next(text for text in front.texts if text.get_text() == "45°")
+    x, y = angle.get_position()
+    assert math.degrees(math.atan2(-y, x)) == pytest.approx(22.5)
+    chains = [np.asarray(chain) for one in front.collections for chain in one.get_segments()]
+    split = [chain for chain in chains if len(chain) and np.abs(chain.sum(axis=1)).max() < 1e-9]
+    ends = sorted(float(np.hypot(*point)) for chain in split for point in chain)
+    assert ends == pytest.approx([rod.big_end_bore_mm / 2] * 2 + [rod.boss_width_mm / 2] * 2)
+    hole = rod.bolt_hole_mm / 2
+    y = np.linspace(0.0, rod.boss_above_mm * math.sqrt(2), 200_001)
+    reach = np.abs(rod.bolt_distance_mm / 2 - y * math.sqrt(0.5))
+    cut = np.trapezoid(2 * np.sqrt(np.maximum(hole**2 - reach**2, 0.0)), y)
+    top = rod.boss_above_mm * math.sqrt(2)
+    eyes = 22.0 * (36.0 - 26.0) + 20.0 * (top + 30.0 - 46.0)
+    bush = 22.0 * 2 * rod.bush_thickness_mm
+    web = rod.web_mm * (166.0 - 18.0 - top)
+    assert hatched_mm2(along) == pytest.approx(eyes + bush + web - cut, rel=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["pdf", "dxf"])

@@ -6,7 +6,7 @@ from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.memory import check_mesh_memory
 from cranktopo.bodies.mesh.solid_mesh import NoMeshError, generate, positive_x
 from cranktopo.bodies.solid.rod import add_rod
-from cranktopo.design.checks.rod import rod_of
+from cranktopo.design.checks.rod import check_square_split, rod_of
 from cranktopo.design.rod_body import rod_mass
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session
@@ -38,8 +38,10 @@ def mesh_rod(scene: Scene, element_size_mm: float) -> TetMesh:
     """Return the mesh of a quarter of a design's rod with its cap, in the frame of its solid.
 
     Raises:
-        CranktopoError: no rod, impossible geometry, elements too fine for the memory, or no valid mesh.
+        CranktopoError: no rod, an oblique split, impossible geometry, elements too fine for the memory, or no
+            valid mesh.
     """
+    check_square_split(scene)
     check_mesh_memory(rod_volume_mm3(scene) / 4, element_size_mm)
     try:
         return _made(scene, element_size_mm, adapt=False)

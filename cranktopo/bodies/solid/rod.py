@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -21,6 +22,7 @@ def add_rod(occ: Any, scene: Scene) -> DimTags:
     big = _eye(occ, 0.0, rod.big_end_diameter_mm, rod.big_end_width_mm)
     low, width = (-rod.boss_width_mm / 2, -rod.boss_below_mm, -rod.big_end_width_mm / 2), rod.big_end_width_mm
     boss = (3, occ.addBox(*low, rod.boss_width_mm, rod.boss_below_mm + rod.boss_above_mm, width))
+    _turn(occ, rod, [boss])
     shank = cut(occ, _prism(occ, _outline(occ, rod, length), rod.shank_width_mm), _pockets(occ, rod, length))
     body, _ = occ.fuse(shank, [small, big, boss])
     wide = 2 * max(rod.small_end_width_mm, rod.big_end_width_mm)
@@ -30,9 +32,12 @@ def add_rod(occ: Any, scene: Scene) -> DimTags:
     ]
     if rod.bolt_hole_mm:
         deep = rod.boss_below_mm + rod.boss_above_mm
+        bolts: DimTags = []
         for side in (-1, 1):
             x = side * rod.bolt_distance_mm / 2
-            holes.append((3, occ.addCylinder(x, -rod.boss_below_mm, 0, 0, deep, 0, rod.bolt_hole_mm / 2)))
+            bolts.append((3, occ.addCylinder(x, -rod.boss_below_mm, 0, 0, deep, 0, rod.bolt_hole_mm / 2)))
+        _turn(occ, rod, bolts)
+        holes += bolts
     if rod.oil_hole_mm:
         holes.append((3, occ.addCylinder(0, 0, 0, 0, length, 0, rod.oil_hole_mm / 2)))
     body = cut(occ, body, holes)
@@ -40,6 +45,12 @@ def add_rod(occ: Any, scene: Scene) -> DimTags:
     density = density_kg_per_mm3(material.density_kg_m3)
     check_body(occ, body, ClosedForm(rod_mass(rod, length, material).body_kg / density), "rod")
     return list(body)
+
+
+def _turn(occ: Any, rod: Rod, bodies: DimTags) -> None:
+    """Turn what stands on a square split by the angle of the split."""
+    if rod.split_angle_deg:
+        occ.rotate(bodies, 0, 0, 0, 0, 0, 1, -math.radians(rod.split_angle_deg))
 
 
 def _eye(occ: Any, y: float, diameter: float, width: float) -> tuple[int, int]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from cranktopo.base.errors import CranktopoError
 from cranktopo.design.rod import PistonPin, Rod
 from cranktopo.design.rod_body import fillet
+from cranktopo.design.rod_split import oblique_shortfalls
 from cranktopo.design.schema import Scene
 
 _LEAST_WALL_MM = 0.5
@@ -21,6 +24,17 @@ def rod_of(scene: Scene) -> tuple[Rod, float]:
             hint="The built-in design mikron-iiic-rod has them: cranktopo designs copy mikron-iiic-rod",
         )
     return scene.rod, scene.engine.rod_length_mm
+
+
+def check_square_split(scene: Scene) -> None:
+    """Check that the split is square, as finite elements need it; raises CranktopoError."""
+    rod, _ = rod_of(scene)
+    if rod.split_angle_deg:
+        raise scene.invalid(
+            "rod.split_angle_deg",
+            "must be 0 for finite elements: an oblique split has no mirror in the rod's axis",
+            "Leave out --fea: the closed form judges it.",
+        )
 
 
 def check_rod(scene: Scene) -> None:
@@ -88,3 +102,15 @@ def _check_length(scene: Scene, rod: Rod) -> None:
     web = {"I": rod.web_mm, "H": rod.web_mm}.get(rod.shank, rod.shank_width_mm)
     if rod.oil_hole_mm and rod.oil_hole_mm > web - 2 * _LEAST_WALL_MM:
         raise scene.invalid("rod.oil_hole_mm", f"must leave {_LEAST_WALL_MM:g} mm of the shank's web")
+    for key, missing, why in split_shortfalls(rod, scene.engine.rod_length_mm):
+        if missing > 0:
+            raise scene.invalid(f"rod.{key}", why)
+
+
+def split_shortfalls(rod: Rod, length_mm: float) -> list[tuple[str, float, str]]:
+    """Return keys of what an oblique split asks of the rod, the share that is missing, and why."""
+    arc, eye = fillet(rod, length_mm, small=False), rod.big_end_diameter_mm / 2
+    x, y = rod.shank_big_mm / 2, math.sqrt(max(eye**2 - rod.shank_big_mm**2 / 4, 0.0))
+    if arc is not None:
+        x, y = arc.eye_x_mm, arc.eye_y_mm
+    return list(oblique_shortfalls(rod, length_mm, math.degrees(math.atan2(y, x))))

@@ -8,6 +8,7 @@ from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import rod_bolt_force_N
+from cranktopo.engine.rod_split import oblique_bolt_force_N
 from cranktopo.tasks.bolts.joint import JointLoads, shigley, vdi_2230
 from cranktopo.tasks.bolts.result import BoltChecks, JointCheck
 
@@ -40,10 +41,14 @@ def check_bolts(design: DesignLike) -> BoltChecks:
 
 
 def check_rod_bolt(scene: Scene) -> JointCheck | None:
-    """Return one of the two bolts of the rod under the largest pull of inertia; None without one."""
+    """Return one of the two bolts of the rod under the largest pull of inertia; None without one.
+
+    With an oblique split it is the one that carries more, under its largest force of the cycle.
+    """
     if scene.rod is None or scene.rod.bolt is None:
         return None
-    most, least = rod_bolt_force_N(scene)
+    oblique = scene.rod.split_angle_deg > 0
+    most, least = (oblique_bolt_force_N(scene), 0.0) if oblique else rod_bolt_force_N(scene)
     return check_joint("rod", scene.rod.bolt, JointLoads(most, least), scene.rod.material or scene.material)
 
 

@@ -74,7 +74,8 @@ def _table(scene: Scene) -> Iterator[str]:
         if rod.bush_interference_um:
             yield f"            interference {rod.bush_interference_um:g} µm of the diameter"
     yield f"BIG END     ⌀{rod.big_end_diameter_mm:g}, bore {big}"
-    yield f"            width {rod.big_end_width_mm:g}, split square at the axis"
+    oblique = f"oblique by {rod.split_angle_deg:g}°" if rod.split_angle_deg else "square"
+    yield f"            width {rod.big_end_width_mm:g}, split {oblique} at the axis"
     heights = f"{rod.boss_above_mm:g} above, {rod.boss_below_mm:g} below"
     yield f"BOSSES      {rod.boss_width_mm:g} wide, {heights}"
     yield f"SHANK       {rod.shank}, {rod.shank_width_mm:g} wide; height at the axes:"
@@ -94,4 +95,6 @@ def _bolt_lines(scene: Scene) -> Iterator[str]:
     held = "nut" if bolt.held_in == "nut" else "tapped in the rod"
     yield f"            head's face ⌀{bolt.head_mm:g}, flat on the cap"
     yield f"            grip {bolt.grip_mm:g}, engaged {bolt.engaged_mm:g}, {held}"
+    if rod_of(scene)[0].split_angle_deg:
+        yield f"            {rod_of(scene)[0].bolt_distance_mm:g} apart, square to the split"
     yield f"            tightened to {checked.vdi_2230.torque_Nm:.1f} N m"

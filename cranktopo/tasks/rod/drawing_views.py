@@ -33,6 +33,13 @@ from cranktopo.report.drafting import (
 )
 from cranktopo.tasks.drawing.sheet import SCALES, scale_text
 from cranktopo.tasks.drawing.views import Room
+from cranktopo.tasks.rod.drawing_split import (
+    big_end_corners,
+    boss_top_mm,
+    draw_angle,
+    draw_split,
+    turned,
+)
 from cranktopo.tasks.rod.outlines import bush_cut, front_outline, lengthwise_cut, shank_cut
 
 _GAP_MM, _LINE_MM = 7.0, 7.0
@@ -41,6 +48,8 @@ _SHANK_SHARE = 0.26
 """Largest size of the shank's section as it is drawn, over the length of the rod."""
 _PARALLEL_GRADE, _ROUND_GRADE = 5, 4
 """Grades of ISO 286 whose tolerance at the bore's diameter is that of parallelism and of cylindricity."""
+_ANGLE_MM = 2.0
+"""Paper from the rod to the arc of the split's angle."""
 _HATCH, _OTHER_HATCH = "////", "\\\\\\\\"
 
 
@@ -59,14 +68,13 @@ class RodViews:
     @property
     def _half_width(self) -> float:
         rod = self.rod
-        heads = rod.bolt_distance_mm + rod.bolt.head_mm if rod.bolt else 0.0
-        return max(rod.boss_width_mm, rod.big_end_diameter_mm, rod.small_end_diameter_mm, heads) / 2
+        corners = 2 * float(np.abs(big_end_corners(rod)[:, 0]).max())
+        return max(corners, rod.big_end_diameter_mm, rod.small_end_diameter_mm) / 2
 
     @property
     def _y_range(self) -> tuple[float, float]:
         rod = self.rod
-        head = rod.bolt.nominal.diameter_mm if rod.bolt else 0.0
-        low = max(rod.big_end_diameter_mm / 2, rod.boss_below_mm + head)
+        low = max(rod.big_end_diameter_mm / 2, -float(big_end_corners(rod)[:, 1].min()))
         return -low, self.length + rod.small_end_diameter_mm / 2
 
     @cached_property
@@ -103,7 +111,9 @@ class RodViews:
         if rod.bush_thickness_mm:
             circle(axes, rod.pin_diameter_mm / 2, self.length, "-", 1.0)
         self._shoulders(axes)
-        self._split(axes, mm)
+        draw_split(axes, self.rod, mm)
+        if rod.split_angle_deg:
+            draw_angle(axes, rod, self._half_width + _ANGLE_MM * mm, mm)
         low, high = self._y_range
         centre_line(axes, (0.0, low - 3 * mm), (0.0, high + 3 * mm))
         for at, reach in ((self.length, rod.small_end_diameter_mm / 2), (0.0, self._half_width)):
@@ -124,51 +134,31 @@ class RodViews:
                 reach = min((arc.eye_x_mm if arc else corner) / outer, 1.0)
                 open_rad = np.linspace(-1, 1, 61) * np.arcsin(reach)
                 rim = np.column_stack([outer * np.sin(open_rad), at + toward * outer * np.cos(open_rad)])
-                edges(axes, [rim[rim[:, 1] > rod.boss_above_mm]] if toward > 0 else [rim])
-        low, high = self._shank_ends
+                above = np.array([y > boss_top_mm(rod, x) for x, y in rim])
+                edges(axes, [rim[above]] if toward > 0 else [rim])
+        high = self._shank_ends(0.0)[1]
         taper = (rod.shank_small_mm - rod.shank_big_mm) / 2 / length
         for side in (-1, 1):
             if rod.shank == "I":
+                low = self._shank_ends(side * rod.shank_big_mm / 2)[0]
                 inside = [(side * (rod.shank_big_mm / 2 + taper * y - rod.flange_mm), y) for y in (low, high)]
                 edges(axes, [np.array(inside)])
             if rod.shank == "H":
+                low = self._shank_ends(side * rod.web_mm / 2)[0]
                 self._hidden(axes, side * rod.web_mm / 2, low, high)
             if rod.oil_hole_mm:
                 top, bottom = length - rod.small_end_bore_mm / 2, rod.big_end_bore_mm / 2
                 self._hidden(axes, side * rod.oil_hole_mm / 2, bottom, top)
 
-    @property
-    def _shank_ends(self) -> tuple[float, float]:
-        """Where the shank leaves the rims of both eyes in its middle."""
+    def _shank_ends(self, x: float) -> tuple[float, float]:
+        """Where the shank leaves the rims of both eyes in its middle, and the bosses beside it."""
         rod = self.rod
-        low = max(rod.big_end_diameter_mm / 2, rod.boss_above_mm)
+        low = max(rod.big_end_diameter_mm / 2, boss_top_mm(rod, x))
         return low, self.length - rod.small_end_diameter_mm / 2
 
     @staticmethod
     def _hidden(axes: Any, x: float, low: float, high: float) -> None:
         axes.plot([x, x], [low, high], color=THIN, lw=0.7, ls="--")
-
-    def _split(self, axes: Any, mm: float) -> None:
-        """Draw the split, holes and threads of the bolts as hidden lines, their heads below the cap."""
-        rod = self.rod
-        for side in (-1, 1):
-            edges(axes, [np.array([(side * rod.big_end_bore_mm / 2, 0.0), (side * self._boss, 0.0)])], 1.6)
-            if rod.bolt is None:
-                continue
-            x, below, d = side * rod.bolt_distance_mm / 2, -rod.boss_below_mm, rod.bolt.nominal.diameter_mm
-            clamped = below + rod.bolt.grip_mm
-            engaged, half = clamped + rod.bolt.engaged_mm, rod.bolt.head_mm / 2
-            seen = [(below - d, below)]
-            if rod.bolt.held_in == "nut":
-                seen.append((clamped, engaged))
-            for start, end in seen:
-                box = [(x - half, start), (x + half, start), (x + half, end), (x - half, end)]
-                hatched(axes, [np.array(box)], "")
-            for edge in (-1, 1):
-                self._hidden(axes, x + edge * rod.bolt_hole_mm / 2, below, clamped)
-                self._hidden(axes, x + edge * d / 2, clamped, engaged)
-            top = max(clamped + rod.bolt.engaged_mm, rod.boss_above_mm)
-            centre_line(axes, (x, below - d - 2 * mm), (x, top + 2 * mm))
 
     @property
     def _boss(self) -> float:
@@ -176,26 +166,32 @@ class RodViews:
         return max(self.rod.boss_width_mm, self.rod.big_end_diameter_mm) / 2
 
     def _front_numbers(self, axes: Any, mm: float) -> None:
-        rod, length, wide, low = self.rod, self.length, self._half_width, self._y_range[0]
-        first, second = -wide - _GAP_MM * mm, -wide - (_GAP_MM + _LINE_MM) * mm
-        boss = -rod.boss_width_mm / 2
-        for size, way in ((rod.boss_above_mm, 1.0), (rod.boss_below_mm, -1.0)):
-            text, lift = f"{size:g}", (0.0, 0.0)
-            if not fits(size, text, mm):  # beside the line, away from the other number
-                lift = -DROP_MM * mm, way * max(number_mm(text) * mm - size, 0.0) / 2
-            dimension(axes, (boss, 0.0), (boss, way * size), (first - boss, 0.0), text, lift, mm)
+        rod, length, wide = self.rod, self.length, self._half_width
+        second = -wide - (_GAP_MM + _LINE_MM) * mm
+        if not rod.split_angle_deg:
+            self._boss_numbers(axes, mm)
         tolerance = self._scene.drawing.rod_length_tolerance_mm
         split, top = (-self._boss, 0.0), (-rod.small_end_diameter_mm / 2, length)
         dimension(axes, split, top, (second + self._boss, 0.0), f"{length:g} ±{tolerance:g}")
-        under = -rod.boss_below_mm
-        for number, size in enumerate((rod.bolt_distance_mm, rod.boss_width_mm)):
-            shift = low - (_GAP_MM + number * _LINE_MM) * mm - under
-            dimension(axes, (-size / 2, under), (size / 2, under), (0.0, shift), f"{size:g}")
         self._plane(axes, mm)
         last = np.inf
         for (x, y), text in sorted(self._callouts(mm), key=lambda one: -one[0][1]):
             last = min(y + (2.0 if y > 0 else -2.0) * mm, last - 4.5 * mm)
             leader(axes, (x, y), (wide + 3 * mm, last), text, "left")
+
+    def _boss_numbers(self, axes: Any, mm: float) -> None:
+        """Dimension the bosses of a square split; the table has those of an oblique one."""
+        rod, low = self.rod, self._y_range[0]
+        first, boss = -self._half_width - _GAP_MM * mm, -rod.boss_width_mm / 2
+        for size, way in ((rod.boss_above_mm, 1.0), (rod.boss_below_mm, -1.0)):
+            text, lift = f"{size:g}", (0.0, 0.0)
+            if not fits(size, text, mm):  # beside the line, away from the other number
+                lift = -DROP_MM * mm, way * max(number_mm(text) * mm - size, 0.0) / 2
+            dimension(axes, (boss, 0.0), (boss, way * size), (first - boss, 0.0), text, lift, mm)
+        under = -rod.boss_below_mm
+        for number, size in enumerate((rod.bolt_distance_mm, rod.boss_width_mm)):
+            shift = low - (_GAP_MM + number * _LINE_MM) * mm - under
+            dimension(axes, (-size / 2, under), (size / 2, under), (0.0, shift), f"{size:g}")
 
     def _callouts(self, mm: float) -> Iterator[tuple[tuple[float, float], str]]:
         """Yield points of the outline with what is written beside them."""
@@ -217,7 +213,8 @@ class RodViews:
             yield (float(shank_edge_mm(rod, length, np.array([y]))[0]), y), f"4 x R{rod.shank_fillet_mm:g}"
         if rod.bolt is not None:
             head = (rod.bolt_distance_mm + rod.bolt.head_mm) / 2, -rod.boss_below_mm - 2 * mm
-            yield head, f"2 x {rod.bolt.thread}"
+            x, y = turned(rod, [head])[0]
+            yield (float(x), float(y)), f"2 x {rod.bolt.thread}"
 
     def _bore_text(self, size: float) -> str:
         return hole_limits_text(size, self._scene.drawing.rod_bore_fit)
@@ -267,8 +264,9 @@ class RodViews:
         ):
             low, high, z = at - bore / 2, at + bore / 2, width / 2
             chains += [np.array([(side * z, low), (side * z, high)]) for side in (-1, 1)]
-        chains.append(np.array([(-rod.big_end_width_mm / 2, 0.0), (rod.big_end_width_mm / 2, 0.0)]))
-        low, high = self._shank_ends
+        split = -rod.big_end_bore_mm / 2 * sin(radians(rod.split_angle_deg))
+        chains.append(np.array([(-rod.big_end_width_mm / 2, split), (rod.big_end_width_mm / 2, split)]))
+        low, high = self._shank_ends(0.0)
         z = rod.shank_width_mm / 2
         if rod.shank == "I":
             chains += [np.array([(side * z, low), (side * z, high)]) for side in (-1, 1)]

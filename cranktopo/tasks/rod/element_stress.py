@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array, Index
-from cranktopo.design.rod_body import RodMass, bush_kg, fillet
+from cranktopo.design.rod_body import RodMass, fillet
+from cranktopo.design.rod_fitted import bush_kg
 from cranktopo.engine.rod_forces import RodMotion
 from cranktopo.numerics.tetrahedra.sharp_edges import from_sharp_edges_mm
 from cranktopo.numerics.tetrahedra.stress import (

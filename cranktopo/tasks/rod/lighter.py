@@ -13,7 +13,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import at_work
-from cranktopo.design.checks.rod import least_dimensions, rod_of
+from cranktopo.design.checks.rod import least_dimensions, rod_of, split_shortfalls
 from cranktopo.design.named import DesignLike, as_scene, with_values
 from cranktopo.design.rod import Eye, Rod
 from cranktopo.design.schema import Scene
@@ -231,7 +231,8 @@ def _excess(scene: Scene, found: RodStrength, before: RodStrength) -> Array:
     rod = scene.rod
     assert rod is not None
     short = [(smallest - getattr(rod, key)) / smallest for key, smallest in least_dimensions(rod)]
-    return np.array([*lost, *short])
+    oblique = [missing for _, missing, _ in split_shortfalls(rod, rod_of(scene)[1])]
+    return np.array([*lost, *short, *oblique])
 
 
 def _too_oval(found: RodStrength) -> Array:

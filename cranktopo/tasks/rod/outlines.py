@@ -5,6 +5,7 @@ Polygons are (n, 2), mm, counter-clockwise outside and clockwise inside. Along t
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from cranktopo.base.arrays import Array
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import shank_edge_mm
+from cranktopo.design.rod_split import turns
 
 if TYPE_CHECKING:
     from manifold3d import CrossSection
@@ -26,6 +28,7 @@ def front_outline(rod: Rod, length_mm: float) -> list[Array]:
     half = shank_edge_mm(rod, length_mm, y)
     shank = _polygon(np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]]))
     boss = _rectangle(rod.boss_width_mm / 2, -rod.boss_below_mm, rod.boss_above_mm)
+    boss = boss.rotate(-rod.split_angle_deg) if rod.split_angle_deg else boss
     eyes = _disc(rod.small_end_diameter_mm, length_mm) + _disc(rod.big_end_diameter_mm, 0.0)
     bores = _disc(rod.small_end_bore_mm, length_mm) + _disc(rod.big_end_bore_mm, 0.0)
     return _polygons(shank + boss + eyes - bores)
@@ -36,14 +39,29 @@ def lengthwise_cut(rod: Rod, length_mm: float) -> list[Array]:
     small, big = rod.small_end_diameter_mm / 2, rod.big_end_diameter_mm / 2
     web = rod.web_mm if rod.shank == "I" else rod.shank_width_mm
     ends = _rectangle(rod.small_end_width_mm / 2, length_mm - small, length_mm + small)
-    above = max(big, rod.boss_above_mm)
-    ends += _rectangle(rod.big_end_width_mm / 2, -max(big, rod.boss_below_mm), above)
+    below, above = _boss_range(rod)
+    ends += _rectangle(rod.big_end_width_mm / 2, -max(big, below), max(big, above))
     whole = ends + _rectangle(web / 2, 0.0, length_mm)
     for at, bore in ((length_mm, rod.small_end_bore_mm), (0.0, rod.big_end_bore_mm)):
         whole -= _rectangle(length_mm, at - bore / 2, at + bore / 2)
     if rod.oil_hole_mm:
         whole -= _rectangle(rod.oil_hole_mm / 2, 0.0, length_mm)
-    return _polygons(whole)
+    return _polygons(whole - _upper_hole(rod) if rod.split_angle_deg and rod.bolt_hole_mm else whole)
+
+
+def _boss_range(rod: Rod) -> tuple[float, float]:
+    """How far the bosses reach in the section, below and above the axis of the big end."""
+    cosine, sine = turns(rod)
+    side = rod.boss_width_mm / 2 / sine if sine else math.inf
+    return min(rod.boss_below_mm / cosine, side), min(rod.boss_above_mm / cosine, side)
+
+
+def _upper_hole(rod: Rod) -> CrossSection:
+    """The ellipse in which an oblique bolt's hole meets the section, as far as the hole is long."""
+    cosine, sine = turns(rod)
+    ellipse = _disc(rod.bolt_hole_mm, 0.0).scale((1.0, 1 / sine))
+    ellipse = ellipse.translate((0.0, rod.bolt_distance_mm / 2 / sine))
+    return ellipse ^ _rectangle(rod.bolt_hole_mm, 0.0, rod.boss_above_mm / cosine)
 
 
 def bush_cut(rod: Rod, length_mm: float) -> list[Array]:

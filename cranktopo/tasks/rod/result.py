@@ -21,6 +21,8 @@ class RodMasses(Result):
     reciprocating_kg: float
     rotating_kg: float
     centre_from_big_end_mm: float
+    centre_across_mm: float | None = UNLESS_NONE
+    """Of an oblique split: distance from the rod's axis toward the side on which the split falls."""
     inertia_kg_mm2: float
     """About the centre of mass, for swinging."""
 
@@ -180,6 +182,50 @@ class RodElements(Result):
     """Null where no inner edge is sharp."""
 
 
+class Passage(Result):
+    """The big end without its cap on its way through the cylinder."""
+
+    width_mm: float
+    """Square to the rod's axis."""
+    over_corners_mm: float
+    """Diameter of the circle around that width and the width along the crankpin."""
+    bore_mm: float
+    """Bore of the cylinder."""
+    passes: bool
+    """Whether the circle is smaller than the bore."""
+
+
+class SplitForce(Result):
+    """Force between cap and rod in one state of the cycle."""
+
+    parting_N: float
+    """Along the bolts, positive parts the joint."""
+    shear_N: float
+    """Along the joint face."""
+    speed_rpm: float
+    crank_angle_deg: float
+    """From firing top dead centre."""
+
+
+class ObliqueSplit(Result):
+    """The joint of an oblique split over the cycle, with the rod mounted the worse way round."""
+
+    angle_deg: float
+    """From the plane square to the rod's axis."""
+    parting: SplitForce
+    """Where the force along the bolts is largest."""
+    shear: SplitForce
+    """Where the force along the joint face is largest."""
+    friction: float
+    """Coefficient in the joint."""
+    sliding: SplitForce | None
+    """Where friction of the clamped joint misses most, or else has least to spare; null without bolts."""
+    sliding_safety: float | None
+    """Least of friction over shear; null without bolts."""
+    left_for_shape_N: float | None
+    """Largest shear beyond friction, for serrations, a shoulder or dowels; null without bolts."""
+
+
 class RodStrength(Result):
     """The rod of a design over the cycle at speed and overspeed."""
 
@@ -205,6 +251,9 @@ class RodStrength(Result):
     """Change of both bores in closed form, pressed by the cosine."""
     pin: PinCheck | None
     bolt: JointCheck | None
+    passage: Passage
+    oblique_split: ObliqueSplit | None = UNLESS_NONE
+    """Of a split that is not square."""
     lighter: LighterRod | None = UNLESS_NONE
     """Dimensions that `--lighter` changed; the strength is then that of the lighter rod."""
     elements: RodElements | None = UNLESS_NONE

@@ -72,14 +72,19 @@ class Ring:
 
     def _carried(self, across_N: Array, along_N: Array) -> Forces:
         """Forces with the moment and force at the crown that leave both ends where they are."""
-        loaded, none = self._sections(across_N, along_N), np.zeros_like(self.angle_rad)
-        thrust = self._sections(none - 1.0, none).plus(-self.middle_mm[0], self._turned)
-        redundant = thrust, self._turned
+        loaded, redundant = self._sections(across_N, along_N), self._redundant
         matrix = [[self._energy(a, b) for b in redundant] for a in redundant]
         values = np.linalg.solve(matrix, [-self._energy(one, loaded) for one in redundant])
         for value, one in zip(values, redundant, strict=True):
             loaded = loaded.plus(float(value), one)
         return loaded
+
+    @property
+    def _redundant(self) -> tuple[Forces, ...]:
+        """Forces of a thrust and of a moment at the crown."""
+        none = np.zeros_like(self.angle_rad)
+        thrust = self._sections(none - 1.0, none).plus(-self.middle_mm[0], self._turned)
+        return thrust, self._turned
 
     @cached_property
     def _turned(self) -> Forces:
@@ -101,3 +106,37 @@ class Ring:
         stretched = one.normal_N * other.normal_N + sheared
         each = (bent - coupled + stretched * self.middle_mm) / (self.E_MPa * self.area_mm2)
         return float(np.trapezoid(each, self.angle_rad))
+
+
+@dataclass(frozen=True)
+class ClosedRing(Ring):
+    """A whole ring whose sides differ: arrays over the angle from where it is held, around to there again.
+
+    Angles are those from the crown; of a ring that its shank holds they go from -pi to pi.
+    """
+
+    def changes_mm(self, across_N: Array, along_N: Array, towards_rad: Array) -> Array:
+        """Return the changes of diameters in directions from the crown, under radial loads.
+
+        Args:
+            across_N, along_N: what the loads between where the ring is held and each angle add up to, outward
+                on the side of positive angles and toward the crown.
+        """
+        found = self._carried(across_N, along_N)
+        return np.array([self._energy(found, self._pair(float(angle))) for angle in towards_rad])
+
+    def _pair(self, towards_rad: float) -> Forces:
+        """Forces that 1 N outward at both ends of a diameter adds up to."""
+        start, step = self.angle_rad[0], self.angle_rad[1] - self.angle_rad[0]
+        ends = [start + (towards_rad + turn - start) % (2 * np.pi) for turn in (0.0, np.pi)]
+        passed = [np.clip((self.angle_rad - end) / step + 0.5, 0.0, 1.0) for end in ends]
+        across, along = (
+            sum(step * part(end) for step, end in zip(passed, ends, strict=True)) for part in (np.sin, np.cos)
+        )
+        return self._sections(np.asarray(across), np.asarray(along))
+
+    @property
+    def _redundant(self) -> tuple[Forces, ...]:
+        """Forces across and along and a moment where the ring is held."""
+        none = np.zeros_like(self.angle_rad)
+        return self._sections(none + 1.0, none), self._sections(none, none + 1.0), self._turned

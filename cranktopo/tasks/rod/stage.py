@@ -16,6 +16,7 @@ from cranktopo.design.material import Material
 from cranktopo.design.named import DesignLike, as_scene
 from cranktopo.design.rod import Rod
 from cranktopo.design.rod_body import RodMass, drilled, fillet, rod_mass, section
+from cranktopo.design.rod_split import turns
 from cranktopo.design.schema import Scene
 from cranktopo.engine.rod_forces import RodMotion, rod_bolt_force_N, rod_motions
 from cranktopo.tasks.bolts.stage import check_rod_bolt
@@ -35,6 +36,7 @@ from cranktopo.tasks.rod.eye import (
 from cranktopo.tasks.rod.ovalisation import eye_shapes_of
 from cranktopo.tasks.rod.pin import check_pin
 from cranktopo.tasks.rod.result import Buckling, RodMasses, RodSectionCheck, RodStrength
+from cranktopo.tasks.rod.split import cap_force_N, oblique_split, passage, split_stress_N
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ def strength_of(scene: Scene, loaded: LoadedRod) -> RodStrength:
     """Return the strength of a scene's rod by its cycles."""
     rod, length, mass = loaded.rod, loaded.length_mm, loaded.mass
     push, push_deg, pull, pull_deg = _pin_extremes(loaded)
+    bolt = check_rod_bolt(scene)
     return RodStrength(
         design=scene.name,
         shank=rod.shank,
@@ -93,7 +96,9 @@ def strength_of(scene: Scene, loaded: LoadedRod) -> RodStrength:
         buckling=_buckling(loaded),
         eyes=eye_shapes_of(loaded.scene, mass, loaded.motions),
         pin=check_pin(rod, rod.pin, push) if rod.pin else None,
-        bolt=check_rod_bolt(scene),
+        bolt=bolt,
+        passage=passage(scene),
+        oblique_split=oblique_split(scene, bolt),
     )
 
 
@@ -115,6 +120,7 @@ def _masses(mass: RodMass) -> RodMasses:
         reciprocating_kg=mass.reciprocating_kg,
         rotating_kg=mass.rotating_kg,
         centre_from_big_end_mm=mass.centre_mm,
+        centre_across_mm=mass.across_mm or None,
         inertia_kg_mm2=mass.inertia_kg_mm2,
     )
 
@@ -190,8 +196,13 @@ def _eye(loaded: LoadedRod, push: float, pull: float) -> Iterator[RodSectionChec
 
 
 def _shank(loaded: LoadedRod) -> Iterator[RodSectionCheck]:
-    """Yield the shank below the small end, in its middle and above the big end."""
+    """Yield the shank below the small end, in its middle and above the big end.
+
+    Bosses of an oblique split are left out: they strengthen one side only.
+    """
     rod, length = loaded.rod, loaded.length_mm
+    if rod.split_angle_deg:
+        rod = rod.model_copy(update={"boss_above_mm": 0.0, "boss_below_mm": 0.0, "split_angle_deg": 0.0})
     arcs = [fillet(rod, length, small) for small in (True, False)]
     ends = length - rod.small_end_diameter_mm / 2, rod.big_end_diameter_mm / 2
     top, bottom = (arc.edge_y_mm if arc else end for arc, end in zip(arcs, ends, strict=True))
@@ -212,21 +223,31 @@ def _shank(loaded: LoadedRod) -> Iterator[RodSectionCheck]:
 
 
 def _cap(loaded: LoadedRod) -> RodSectionCheck:
-    rod, pull = loaded.rod, 2 * rod_bolt_force_N(loaded.scene)[0]
+    """The cap in its middle; of an oblique split as if its largest force of the cycle were square to it."""
+    rod = loaded.rod
+    pull = cap_force_N(loaded.scene) if rod.split_angle_deg else 2 * rod_bolt_force_N(loaded.scene)[0]
     height = (rod.big_end_diameter_mm - rod.big_end_bore_mm) / 2
     stress = np.array([cap_stress_MPa(rod, pull)])
     area = rod.big_end_width_mm * height
-    return _checked(loaded, "cap", -rod.big_end_bore_mm / 2, area, (0.0, pull), stress, 0 * stress)
+    place = -rod.big_end_bore_mm / 2 * turns(rod)[0]
+    return _checked(loaded, "cap", place, area, (0.0, pull), stress, 0 * stress)
 
 
 def _big_end(loaded: LoadedRod) -> RodSectionCheck:
-    """Both sides of the big end at the split, less the holes of the bolts."""
+    """Both sides of the big end at the split, less the holes of the bolts.
+
+    Forces of an oblique split are counted as those of tension with the same stress by von Mises.
+    """
     rod = loaded.rod
     side = rod.big_end_width_mm * (rod.boss_width_mm - rod.big_end_bore_mm) / 2
     area = 2 * (side - math.pi / 4 * rod.bolt_hole_mm**2)
     forces = np.concatenate(loaded.force_N(0.0))
     push, pull = float(forces.max()), float(max(-forces.min(), 0.0))
     stress = np.array([pull / area]), np.array([-push / area])
+    if rod.split_angle_deg:
+        cosine, sine = turns(rod)
+        pressed = push * math.sqrt(cosine**2 + 3 * sine**2)
+        stress = np.array([split_stress_N(loaded.scene) / area]), np.array([-pressed / area])
     return _checked(loaded, "big end", 0.0, area, (push, pull), *stress)
 
 

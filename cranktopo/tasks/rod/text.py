@@ -14,10 +14,12 @@ from cranktopo.tasks.rod.result import (
     EyeShape,
     FreeDimension,
     LighterRod,
+    ObliqueSplit,
     RodElements,
     RodPlace,
     RodSectionCheck,
     RodStrength,
+    SplitForce,
 )
 
 _SECTIONS: tuple[Column[RodSectionCheck], ...] = (
@@ -73,8 +75,16 @@ def rod_text(rod: RodStrength) -> str:
     )
     parts = [
         *([_lighter(rod.lighter)] if rod.lighter else []),
-        "\n".join([f"{rod.design}: {rod.shank} shank at {speeds} rpm", least_safety(rod), *_too_oval(rod)]),
+        "\n".join(
+            [
+                f"{rod.design}: {rod.shank} shank at {speeds} rpm",
+                least_safety(rod),
+                *_too_oval(rod),
+                *_way_through(rod),
+            ]
+        ),
         labelled(rows),
+        *([_split(rod.oblique_split)] if rod.oblique_split else []),
         f"Stresses over the cycle, tension positive; fatigue by method {rod.method}",
         terminal(tabulate(_SECTIONS, rod.sections)),
         "Shank under the largest push, by Navier and Rankine",
@@ -113,6 +123,46 @@ def _too_oval(rod: RodStrength) -> Iterator[str]:
             if eye.permitted_um and eye.ovalisation_um > eye.permitted_um:
                 changed = f"the bore of the {eye.eye} changes by {eye.ovalisation_um:.1f} um"
                 yield f"TOO OVAL: {changed} under the {eye.load}{by}; permitted are {eye.permitted_um:g} um"
+
+
+def _way_through(rod: RodStrength) -> Iterator[str]:
+    """Yield how the big end goes through the cylinder, where it does not or the split is oblique."""
+    way = rod.passage
+    size = f"{way.width_mm:.1f} mm across the rod, {way.over_corners_mm:.1f} mm over its corners"
+    end, bore = f"the big end without its cap, {size}", f"the bore of {way.bore_mm:g} mm"
+    if not way.passes:
+        yield f"NOT THROUGH THE CYLINDER: {end}, does not pass {bore} from above"
+    elif rod.oblique_split:
+        yield f"{end}, passes {bore}"
+
+
+def _split(split: ObliqueSplit) -> str:
+    """Table of the oblique joint at its worst angles, and what friction alone holds."""
+    states = (("parting", split.parting), ("shear", split.shear), ("sliding", split.sliding))
+    columns: tuple[Column[tuple[str, SplitForce]], ...] = (
+        Column("largest", 0, lambda s: s[0]),
+        Column("parting_N", 0, lambda s: s[1].parting_N),
+        Column("shear_N", 0, lambda s: s[1].shear_N),
+        Column("speed_rpm", 0, lambda s: s[1].speed_rpm),
+        Column("at_deg", 1, lambda s: s[1].crank_angle_deg),
+    )
+    table = terminal(tabulate(columns, [(name, one) for name, one in states if one]))
+    lines = [
+        f"Split oblique by {split.angle_deg:g} deg: force of the cap along the bolts and along the joint"
+    ]
+    lines.append(table)
+    if split.sliding_safety is None:
+        lines.append(
+            f"serrations, a shoulder or dowels must carry {split.shear.shear_N:,.0f} N: no bolts are given"
+        )
+    elif split.left_for_shape_N:
+        needed = f"serrations, a shoulder or dowels must carry {split.left_for_shape_N:,.0f} N beside it"
+        lines.append(
+            f"NOT HELD BY FRICTION: {split.sliding_safety:.2f} of the shear at {split.friction:g}; {needed}"
+        )
+    else:
+        lines.append(f"friction of {split.friction:g} alone holds {split.sliding_safety:.2f} times the shear")
+    return "\n\n".join(lines)
 
 
 def _elements(found: RodElements, rod: RodStrength) -> str:

@@ -21,7 +21,7 @@ from cranktopo.bodies.mesh.rod_mesh import mesh_rod
 from cranktopo.design.checks.rod import rod_of
 from cranktopo.design.material import Material
 from cranktopo.design.rod import EYES, Eye, Rod
-from cranktopo.design.rod_body import bolts_kg
+from cranktopo.design.rod_fitted import bolts_kg
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.tetrahedra.elasticity import Elasticity, assemble, mass_matrix
 from cranktopo.numerics.tetrahedra.solver import get_ready
