@@ -222,11 +222,9 @@ def _refused(
         at = f"the peak pressure of {peak:g} MPa"
         near = found.most_MPa if mean > found.most_MPa else found.least_MPa
         needed = peak * mean / near if near else math.inf
-        hint = "--power-kW is indicated power, before friction: power at the shaft over 0.8 to 0.9. "
-        hint += "Look at that and at bore, stroke, speed and number of cylinders first"
+        hint = f"It is indicated, before friction: that at the shaft over 0.8 to 0.9. {hint}"
         if _PEAK_MPA[0] <= needed <= _PEAK_MPA[1]:
-            hint += f"; a peak pressure of about {needed:.2g} MPa would do, or leave it out"
-        hint += "."
+            hint += f" A peak pressure of about {needed:.2g} MPa would do; or leave it out."
     return invalid(
         "power_kW",
         wanted_kW,
