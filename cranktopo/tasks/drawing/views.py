@@ -5,7 +5,7 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -43,6 +43,8 @@ _PLACE_MM = 15.0
 """Paper for running dimensions of places."""
 _TEXT_MM = 46.0
 """Paper beside the front view for the stations of the outline."""
+_Named = tuple[tuple[float, float], str]
+"""A point of a view and the text about it."""
 
 
 @dataclass(frozen=True)
@@ -163,32 +165,36 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     for number, (start, end) in enumerate(((low, 0.0), (low, high))):
         dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
     dimension(axes, (0, 0), (0, radius), (-beside - gap, 0), f"{radius:g}")
-    if isinstance(web, ProfileWeb):
-        _stations(axes, web, beside, 1 / scale)
-    _named(axes, sheet, gap)
+    named = [one for feature in sheet.features for one in feature.named]
+    if isinstance(web, ProfileWeb):  # its stations fill the paper right of the body
+        _column(axes, [*_stations(axes, web), *named], beside, 1 / scale)
+    else:
+        _named(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
     _placed(axes, sheet.places, across, sheet.y_range_mm[1], 1 / scale)
     finish(axes, "Front, from the crankpin side")
 
 
-def _stations(axes: Any, web: ProfileWeb, beside: float, paper_mm: float) -> None:
-    """Number the stations of the outline, in a column right of everything that is `beside` the axis."""
-    bend, levels = beside + 2.5 * paper_mm, _spread(web.stations_mm, 3.4 * paper_mm)
-    for number, ((station, level), width) in enumerate(zip(levels, web.half_widths_mm, strict=True), 1):
-        axes.plot(
-            [width, beside, bend, beside + 4 * paper_mm],
-            [station, station, level, level],
-            color=THIN,
-            lw=0.4,
-        )
-        axes.plot(width, station, "o", ms=3.0, color=INK)
-        text = f"{number}:  y {station:.2f}, x {width:.2f}"
+def _stations(axes: Any, web: ProfileWeb) -> Iterator[_Named]:
+    """Mark the stations of the outline; yield each with its number and place."""
+    for number, (y, x) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
+        axes.plot(x, y, "o", ms=3.0, color=INK)
+        yield (x, y), f"{number}:  y {y:.2f}, x {x:.2f}"
+
+
+def _column(axes: Any, named: Sequence[_Named], beside: float, paper_mm: float) -> None:
+    """Write texts of points in a column right of all that is `beside` the axis, clear of each other."""
+    ordered = sorted(named, key=lambda one: one[0][1])
+    levels = _spread([y for (_, y), _ in ordered], 3.4 * paper_mm)
+    for ((x, y), text), (_, level) in zip(ordered, levels, strict=True):
+        bend = beside + 2.5 * paper_mm
+        axes.plot([x, beside, bend, beside + 4 * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
         axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center")
 
 
-def _named(axes: Any, sheet: Sheet, gap: float) -> None:
+def _named(axes: Any, named: Sequence[_Named], gap: float) -> None:
     """Write the texts of points of the outline outward of them."""
-    for tip, text in (named for feature in sheet.features for named in feature.named):
+    for tip, text in named:
         away = 1 + 0.6 * gap / np.hypot(*tip)
         leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left" if tip[0] > 0 else "right")
 
@@ -200,7 +206,7 @@ def _placed(
     if not places:
         return
     line, over = right + 5 * paper_mm, top + 4 * paper_mm
-    for y, level in _spread([round(y, 2) + 0.0 for _, y in places], 3.4 * paper_mm):
+    for y, level in _spread({round(y, 2) + 0.0 for _, y in places}, 3.4 * paper_mm):
         start = max(x for x, at in places if round(at, 2) + 0.0 == y)
         corner = line + 2.5 * paper_mm
         axes.plot(
@@ -209,7 +215,7 @@ def _placed(
         axes.text(corner, level + 0.3 * paper_mm, f"{y:.2f}", fontsize=TEXT_SIZE, va="bottom")
     axes.plot([0.0, line, line + 2.5 * paper_mm], [0.0, 0.0, 0.0], color=THIN, lw=0.4)
     circle(axes, 0.8 * paper_mm, 0.0, "-", 0.6, "white", x=line)
-    beside = [round(x, 2) for x, _ in places if round(x, 2)]
+    beside = {round(x, 2) for x, _ in places if round(x, 2)}
     for x, level in _spread(beside, 3.4 * paper_mm):
         start = max(at for across, at in places if round(across, 2) == x)
         axes.plot([x, x, level], [start, over, over + 2.5 * paper_mm], color=THIN, lw=0.4)
@@ -220,10 +226,10 @@ def _placed(
         circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")
 
 
-def _spread(values: Sequence[float], least: float) -> list[tuple[float, float]]:
-    """Return each distinct value with the place of its text, apart from the others, in order."""
+def _spread(values: Iterable[float], least: float) -> list[tuple[float, float]]:
+    """Return each value with the place of its text, apart from the others, in order."""
     found: list[tuple[float, float]] = []
-    for value in sorted(set(values)):
+    for value in sorted(values):
         level = max(value, found[-1][1] + least) if found else value
         found.append((value, level))
     return found
