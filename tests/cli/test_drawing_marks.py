@@ -6,17 +6,19 @@ from itertools import combinations
 from typing import Any
 
 import pytest
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.design.loading import load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import drawing_figures
 from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.profile import ProfileWeb
+from cranktopo.throw.raw_part.table import Forging
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +48,38 @@ def test_labels_of_the_front_view_are_apart(scene: Scene) -> None:
     for one, other in combinations(labels, 2):
         a, b = (text.get_window_extent(renderer) for text in (one, other))
         assert not a.overlaps(b), (one.get_text(), other.get_text())
+
+
+@pytest.fixture(scope="module")
+def slit() -> Manifold:
+    """A raw half with a slit through it as narrow as rounding leaves one, seen in a forging."""
+    edge = CrossSection([[(-70.0, -30.0), (-50.0, -76.0), (50.0, -76.0), (70.0, -30.0), (0.0, 64.0)]])
+    gap = CrossSection([[(5.43, -1.9764), (8.4763, -3.0851), (8.4766, -3.0852)]])
+    return (edge - gap).extrude(30.0)
+
+
+def raw_front(scene: Scene, raw: Manifold, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The axes of the raw part's front view."""
+    forging = Forging(allowance_mm=2.0, draft_deg=5.0, flash_mm=2.0)
+    module = "cranktopo.tasks.drawing.raw_sheet"
+    for name, value in {
+        "surface_of": None,
+        "solid_of": None,
+        "cut_in_halves": [raw],
+        "raw_mass_kg": 1.0,
+    }.items():
+        monkeypatch.setattr(f"{module}.{name}", lambda *_, value=value, **__: value)
+    forged = scene.model_copy(update={"forging": forging})
+    (page,) = raw_pages(forged, [Sheet(forged, Manifold.cube())])
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    page.views[0](axes, 0.5)
+    return axes
+
+
+def test_a_slit_of_rounding_is_no_stroke(
+    scene: Scene, slit: Manifold, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Flanks of a raw counterweight that meet left a row of thick strokes, on one side of the web."""
+    assert len(slit.project().to_polygons()) == 2
+    outline = raw_front(scene, slit, monkeypatch).patches[0].get_path()
+    assert len(outline.to_polygons()) == 1

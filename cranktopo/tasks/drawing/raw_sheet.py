@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import web_region
@@ -28,7 +27,7 @@ from cranktopo.report.drafting import (
     leader,
 )
 from cranktopo.tasks.drawing.sheet import SheetPage
-from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y
+from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y, silhouette
 from cranktopo.throw.raw_part.half import raw_half
 
 if TYPE_CHECKING:
@@ -70,8 +69,8 @@ class _RawView:
 
     def front(self, axes: Any, scale: float) -> None:
         """Draw the view along the crank axis, and the plane that the die parts in."""
-        hatched(axes, _polygons(self.raw.project()), "")
-        ghost(axes, _polygons(self.sheet.solid.project()))
+        hatched(axes, silhouette(self.raw), "")
+        ghost(axes, silhouette(self.sheet.solid))
         (x0, y0, _, x1, y1, _), gap = self.raw.bounding_box(), _GAP_MM / scale
         centre_line(axes, (0.0, y0 - 0.7 * gap), (0.0, y1 + 0.7 * gap))
         for (journal, y), style in zip(self.scene.throw.journals, ("--", "-"), strict=True):
@@ -190,7 +189,3 @@ def flash_notes(scene: Scene) -> list[str]:
         f"Land of the flash {land:g} mm high." if land else "Flash trimmed flush.",
         "Edges and corners without radius are rounded as the die needs.",
     ]
-
-
-def _polygons(section: Any) -> list[Array]:
-    return [np.asarray(polygon) for polygon in section.to_polygons()]

@@ -39,6 +39,8 @@ _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
 _OUTLET_MM = 3.0
 """Paper from a journal to the dimension of an outlet along it."""
+_SLIT_MM = 1e-3
+"""Width of a slit, and height of a corner, that no drawing shows."""
 _PLACE_MM = 15.0
 """Paper for running dimensions of places."""
 _TEXT_MM = 46.0
@@ -147,7 +149,7 @@ def front_body(axes: Any, sheet: Sheet) -> None:
     y, half = outline_points(sheet.scene)
     hatched(axes, _with_added(sheet, np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])), "")
     if sheet.body is not None:
-        ghost(axes, sheet.body.project().to_polygons())
+        ghost(axes, silhouette(sheet.body))
     _journals(axes, sheet.scene)
     for stroke in (stroke for feature in (*sheet.features, *sheet.drilled) for stroke in feature.front):
         _edges(axes, stroke)
@@ -318,6 +320,13 @@ def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
 
     sections = [CrossSection([polygon], FillRule.NonZero) for polygon in (outline, *added)]
     return [np.asarray(polygon) for polygon in sum(sections[1:], sections[0]).to_polygons()]
+
+
+def silhouette(solid: Manifold) -> list[Array]:
+    """Return polygons (x, y) around a solid that is seen along the crank axis."""
+    # faces along the crank that lie in one plane leave slits between them, of the rounding of numbers
+    seen = solid.project().simplify(_SLIT_MM)
+    return [np.asarray(polygon) for polygon in seen.to_polygons()]
 
 
 def section_x(solid: Manifold) -> list[Array]:
