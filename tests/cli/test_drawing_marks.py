@@ -16,6 +16,7 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.tasks.drawing.raw_sheet import raw_pages
 from cranktopo.tasks.drawing.sheet import drawing_figures
 from cranktopo.tasks.drawing.views import Sheet
+from cranktopo.throw.bevel import EndBevel
 from cranktopo.throw.counterweight.table import Counterweight
 from cranktopo.throw.profile import ProfileWeb
 from cranktopo.throw.raw_part.table import Forging
@@ -83,3 +84,19 @@ def test_a_slit_of_rounding_is_no_stroke(
     assert len(slit.project().to_polygons()) == 2
     outline = raw_front(scene, slit, monkeypatch).patches[0].get_path()
     assert len(outline.to_polygons()) == 1
+
+
+def test_the_number_of_a_short_dimension_leaves_its_line(scene: Scene) -> None:
+    """The box around the depth of a bevel covered line and arrows of its dimension."""
+    bevel = EndBevel(face="journal", y_mm=48.2, depth_mm=16.79, crown_mm=1.66, draft_deg=5.0)
+    web = scene.web.model_copy(update={"bevel": (bevel,)})
+    figure, renderer = drawn(scene.model_copy(update={"web": web}))
+    axes = figure.axes[1]
+    (number,) = (text for text in axes.texts if text.get_text() == "16.79")
+    (line,) = (
+        text for text in axes.texts if getattr(text, "measured", None) and text.measured.text == "16.79"
+    )
+    ends = axes.transData.transform([line.xy, line.xyann])
+    box = number.get_window_extent(renderer)
+    assert box.y0 > ends[:, 1].max()
+    assert box.x0 < ends[:, 0].mean() < box.x1

@@ -6,7 +6,7 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -273,7 +273,7 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             at = across + side * 0.4 * journal.length_mm / 2, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
     for feature in sheet.features:
-        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
+        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line, 1 / scale)
     for drilled in sheet.drilled:
         _outlets(axes, drilled.lengthwise, 1 / scale)
     finish(axes, "Section x = 0")
@@ -306,7 +306,7 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")
     if shown is not None:
         for one in shown.across:
-            dimension(axes, one.start, one.end, one.shift, one.text)
+            _sized(axes, one, 1 / scale)
     axes.invert_yaxis()
     finish(axes, f"Section y = {y:.2f}")
 
@@ -362,7 +362,9 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=1.0, ls=style)
 
 
-def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
+def _dimensions(
+    axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float, mm: float
+) -> None:
     """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
         shift = one.shift
@@ -370,12 +372,19 @@ def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, 
             shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
         elif shift[0] > 0:
             shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
-        dimension(axes, one.start, one.end, shift, one.text)
+        _sized(axes, replace(one, shift=shift), mm)
 
 
 def _outlets(axes: Any, found: tuple[DimensionLine, ...], mm: float) -> None:
     """Dimension the outlets of a drilling along its journals; numbers of short lines stand away from them."""
     for one in found:
         out = float(np.sign(one.shift[1])) * mm
-        drop = 0.0 if fits(abs(one.end[0] - one.start[0]), one.text, mm) else DROP_MM * out
-        dimension(axes, one.start, one.end, (0.0, _OUTLET_MM * out), one.text, (0.0, drop), mm)
+        _sized(axes, replace(one, shift=(0.0, _OUTLET_MM * out)), mm)
+
+
+def _sized(axes: Any, one: DimensionLine, mm: float) -> None:
+    """Draw a dimension; a number that does not fit on its line stands beyond it."""
+    length = float(np.hypot(*np.subtract(one.end, one.start)))
+    off = 0.0 if fits(length, one.text, mm) else DROP_MM * mm
+    x, y = off * np.sign(one.shift)
+    dimension(axes, one.start, one.end, one.shift, one.text, (float(x), float(y)), mm)
