@@ -100,3 +100,13 @@ def test_the_number_of_a_short_dimension_leaves_its_line(scene: Scene) -> None:
     box = number.get_window_extent(renderer)
     assert box.y0 > ends[:, 1].max()
     assert box.x0 < ends[:, 0].mean() < box.x1
+
+
+def test_extension_lines_begin_at_the_corners_that_they_measure(
+    scene: Scene, slit: Manifold, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of a raw width began half-way up the web; of two corners of a lower edge the left one counts."""
+    axes = raw_front(scene, slit, monkeypatch)
+    found = [text.measured for text in axes.texts if hasattr(text, "measured")]
+    ends = [(one.start, one.end) for one in found]
+    assert ends == [((-70.0, -30.0), (70.0, -30.0)), ((-50.0, -76.0), (0.0, 64.0))]

@@ -21,6 +21,7 @@ from cranktopo.report.drafting import (
     centre_line,
     circle,
     dimension,
+    extent,
     finish,
     ghost,
     hatched,
@@ -69,7 +70,8 @@ class _RawView:
 
     def front(self, axes: Any, scale: float) -> None:
         """Draw the view along the crank axis, and the plane that the die parts in."""
-        hatched(axes, silhouette(self.raw), "")
+        outline = silhouette(self.raw)
+        hatched(axes, outline, "")
         ghost(axes, silhouette(self.sheet.solid))
         (x0, y0, _, x1, y1, _), gap = self.raw.bounding_box(), _GAP_MM / scale
         centre_line(axes, (0.0, y0 - 0.7 * gap), (0.0, y1 + 0.7 * gap))
@@ -77,10 +79,9 @@ class _RawView:
             circle(axes, journal.radius_mm + forging_of(self.scene).allowance_mm, y, style, 1.0)
         middle = (self.scene.throw.radius_mm + y1) / 2
         leader(axes, (0.0, middle), (x1 + 0.5 * gap, y1), "die parts here: flash line", "left")
-        dimension(
-            axes, (x0, (y0 + y1) / 2), (x1, (y0 + y1) / 2), (0, y0 - gap - (y0 + y1) / 2), f"{x1 - x0:.1f}"
-        )
-        dimension(axes, (0.0, y0), (0.0, y1), (x0 - gap, 0), f"{y1 - y0:.1f}")
+        points = np.concatenate(outline)
+        extent(axes, points, 0, y0 - gap, f"{x1 - x0:.1f}")
+        extent(axes, points, 1, x0 - gap, f"{y1 - y0:.1f}")
         finish(axes, "Front, from the crankpin side")
 
     def lengthwise(self, axes: Any, scale: float) -> None:
