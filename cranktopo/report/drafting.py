@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.units import MM_PER_INCH
 
 INK, THIN, GHOST, STEEL = "#1a1a1a", "#5a6472", "#d0482b", "#dfe4ea"
@@ -18,6 +19,8 @@ _HEADS_MM = 4.0
 """Least paper between two arrowheads; a shorter line ends in dots."""
 _LETTER_MM = 1.9
 """Mean width of a letter of a dimension on paper."""
+_SAME_MM = 1e-3
+"""Difference of places that is none."""
 _Flat = tuple[float, float]
 
 
@@ -46,8 +49,8 @@ def dimension(
     on the line is lifted off it. All in mm; `mm` is one of paper where the line may be short.
     """
     a, b = (np.array(point) + np.array(shift) for point in (start, end))
-    if shift[0]:  # vertical dimension: both extension lines reach the same x
-        a[0] = b[0] = max(a[0], b[0]) if shift[0] > 0 else min(a[0], b[0])
+    for across in np.flatnonzero(shift):  # both extension lines reach the dimension line
+        a[across] = b[across] = (max if shift[across] > 0 else min)(a[across], b[across])
     parts = [
         axes.plot([point[0], at[0]], [point[1], at[1]], color=THIN, lw=0.5)[0]
         for point, at in ((start, a), (end, b))
@@ -72,6 +75,22 @@ def dimension(
     line.measured = Measured(start, end, (float(a[0]), float(a[1])), text)  # a DXF file dimensions by itself
     for part in (*parts, number):
         part.of_dimension = True
+
+
+def extent(axes: Any, points: Array, axis: int, level: float, text: str) -> None:
+    """Dimension how far points (n, 2) reach along an axis, its line at a level across that outside of them.
+
+    Extension lines begin at the points that reach farthest, of several at the nearest to the line.
+    """
+    along, across = points[:, axis], points[:, 1 - axis]
+    out = np.sign(level - across.mean())
+    ends = []
+    for end in (along.min(), along.max()):
+        here = points[np.abs(along - end) < _SAME_MM]
+        x, y = here[np.argmax(out * here[:, 1 - axis])]
+        ends.append((float(x), float(y)))
+    off = level - float(out * max(out * point[1 - axis] for point in ends))
+    dimension(axes, *ends, (off, 0.0) if axis else (0.0, off), text)
 
 
 def number_mm(text: str) -> float:

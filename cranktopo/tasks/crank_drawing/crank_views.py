@@ -29,6 +29,7 @@ from cranktopo.report.drafting import (
     datum,
     dimension,
     edges,
+    extent,
     finish,
     fits,
     hatched,
@@ -262,8 +263,9 @@ def draw_end(axes: Any, shape: CrankShape, chains: Sequence[Array], scale: float
     edges(axes, chains)
     centre_line(axes, (-right - 4 * mm, 0.0), (-left + 4 * mm, 0.0))
     centre_line(axes, (0.0, low - 4 * mm), (0.0, high + 4 * mm))
-    dimension(axes, (-right, low), (-left, low), (0.0, -_GAP_MM * mm), f"{right - left:.1f}")
-    dimension(axes, (-left, low), (-left, high), (_GAP_MM * mm, 0.0), f"{high - low:.1f}")
+    points = np.concatenate(chains)
+    extent(axes, points, 0, low - _GAP_MM * mm, f"{right - left:.1f}")
+    extent(axes, points, 1, -left + _GAP_MM * mm, f"{high - low:.1f}")
     finish(axes, "From the free end")
 
 

@@ -9,6 +9,8 @@ from functools import lru_cache
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cranktopo.base.arrays import Array
 from cranktopo.base.frames import about_z_deg
 from cranktopo.bodies.crank_ends import SIDES
@@ -22,7 +24,7 @@ from cranktopo.bodies.raw_crankshaft import (
 from cranktopo.bodies.solid.files import kernel_surface_of, raw_end_surface_of
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import solid_of
-from cranktopo.report.drafting import centre_line, dimension, edges, finish, ghost, hatched, leader
+from cranktopo.report.drafting import centre_line, edges, extent, finish, ghost, hatched, leader
 from cranktopo.tasks.crank_drawing.crank_shape import CrankShape, Piece, PlacedThrow
 from cranktopo.tasks.crank_drawing.crank_views import Lengthwise, end_edges, lengthwise
 from cranktopo.tasks.crank_drawing.layout import SheetLayout, View, ViewBlock
@@ -132,8 +134,9 @@ def _lengthwise(
     edges(axes, shown.chains)
     ghost(axes, list(finished))
     centre_line(axes, (start - 4 * mm, 0.0), (end + 4 * mm, 0.0))
-    dimension(axes, (start, low), (end, low), (0.0, -_GAP_MM * mm), f"{end - start:.1f}")
-    dimension(axes, (start, low), (start, high), (-_GAP_MM * mm, 0.0), f"{high - low:.1f}")
+    points = np.concatenate([*shown.chains, *shown.cut])
+    extent(axes, points, 0, low - _GAP_MM * mm, f"{end - start:.1f}")
+    extent(axes, points, 1, start - _GAP_MM * mm, f"{high - low:.1f}")
     finish(axes, "Raw crank, upper half in section")
 
 
@@ -141,7 +144,7 @@ def _end(axes: Any, raw: CrankShape, chains: Sequence[Array], scale: float) -> N
     """Draw the raw crank from its free end, the planes that dies part in, and its sizes."""
     mm, (left, right, low, _) = 1 / scale, raw.reach_mm
     edges(axes, chains)
-    dimension(axes, (-right, low), (-left, low), (0.0, -_GAP_MM * mm), f"{right - left:.1f}")
+    extent(axes, np.concatenate(chains), 0, low - _GAP_MM * mm, f"{right - left:.1f}")
     reach = max(map(abs, raw.reach_mm)) + 3 * mm
     for angle in parting_planes_deg(throw.angle_deg for throw in raw.throws):
         way = -sin(radians(angle)), cos(radians(angle))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
 from cranktopo.bodies.prisms import web_region
@@ -22,13 +21,14 @@ from cranktopo.report.drafting import (
     centre_line,
     circle,
     dimension,
+    extent,
     finish,
     ghost,
     hatched,
     leader,
 )
 from cranktopo.tasks.drawing.sheet import SheetPage
-from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y
+from cranktopo.tasks.drawing.views import Room, Sheet, section_x, section_y, silhouette
 from cranktopo.throw.raw_part.half import raw_half
 
 if TYPE_CHECKING:
@@ -70,18 +70,18 @@ class _RawView:
 
     def front(self, axes: Any, scale: float) -> None:
         """Draw the view along the crank axis, and the plane that the die parts in."""
-        hatched(axes, _polygons(self.raw.project()), "")
-        ghost(axes, _polygons(self.sheet.solid.project()))
+        outline = silhouette(self.raw)
+        hatched(axes, outline, "")
+        ghost(axes, silhouette(self.sheet.solid))
         (x0, y0, _, x1, y1, _), gap = self.raw.bounding_box(), _GAP_MM / scale
         centre_line(axes, (0.0, y0 - 0.7 * gap), (0.0, y1 + 0.7 * gap))
         for (journal, y), style in zip(self.scene.throw.journals, ("--", "-"), strict=True):
             circle(axes, journal.radius_mm + forging_of(self.scene).allowance_mm, y, style, 1.0)
         middle = (self.scene.throw.radius_mm + y1) / 2
         leader(axes, (0.0, middle), (x1 + 0.5 * gap, y1), "die parts here: flash line", "left")
-        dimension(
-            axes, (x0, (y0 + y1) / 2), (x1, (y0 + y1) / 2), (0, y0 - gap - (y0 + y1) / 2), f"{x1 - x0:.1f}"
-        )
-        dimension(axes, (0.0, y0), (0.0, y1), (x0 - gap, 0), f"{y1 - y0:.1f}")
+        points = np.concatenate(outline)
+        extent(axes, points, 0, y0 - gap, f"{x1 - x0:.1f}")
+        extent(axes, points, 1, x0 - gap, f"{y1 - y0:.1f}")
         finish(axes, "Front, from the crankpin side")
 
     def lengthwise(self, axes: Any, scale: float) -> None:
@@ -190,7 +190,3 @@ def flash_notes(scene: Scene) -> list[str]:
         f"Land of the flash {land:g} mm high." if land else "Flash trimmed flush.",
         "Edges and corners without radius are rounded as the die needs.",
     ]
-
-
-def _polygons(section: Any) -> list[Array]:
-    return [np.asarray(polygon) for polygon in section.to_polygons()]

@@ -5,8 +5,8 @@ Distances from the body to its dimension lines are millimetres of paper, so that
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -39,10 +39,14 @@ _GAP_MM, _LINE_MM = 8.0, 8.0
 """Paper from the body to the first dimension line, and from one line to the next."""
 _OUTLET_MM = 3.0
 """Paper from a journal to the dimension of an outlet along it."""
+_SLIT_MM = 1e-3
+"""Width of a slit, and height of a corner, that no drawing shows."""
 _PLACE_MM = 15.0
 """Paper for running dimensions of places."""
 _TEXT_MM = 46.0
 """Paper beside the front view for the stations of the outline."""
+_Named = tuple[tuple[float, float], str]
+"""A point of a view and the text about it."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,7 @@ def front_body(axes: Any, sheet: Sheet) -> None:
     y, half = outline_points(sheet.scene)
     hatched(axes, _with_added(sheet, np.column_stack([np.r_[half, -half[::-1]], np.r_[y, y[::-1]]])), "")
     if sheet.body is not None:
-        ghost(axes, sheet.body.project().to_polygons())
+        ghost(axes, silhouette(sheet.body))
     _journals(axes, sheet.scene)
     for stroke in (stroke for feature in (*sheet.features, *sheet.drilled) for stroke in feature.front):
         _edges(axes, stroke)
@@ -163,32 +167,36 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
     for number, (start, end) in enumerate(((low, 0.0), (low, high))):
         dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
     dimension(axes, (0, 0), (0, radius), (-beside - gap, 0), f"{radius:g}")
-    if isinstance(web, ProfileWeb):
-        _stations(axes, web, beside, 1 / scale)
-    _named(axes, sheet, gap)
+    named = [one for feature in sheet.features for one in feature.named]
+    if isinstance(web, ProfileWeb):  # its stations fill the paper right of the body
+        _column(axes, [*_stations(axes, web), *named], beside, 1 / scale)
+    else:
+        _named(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
     _placed(axes, sheet.places, across, sheet.y_range_mm[1], 1 / scale)
     finish(axes, "Front, from the crankpin side")
 
 
-def _stations(axes: Any, web: ProfileWeb, beside: float, paper_mm: float) -> None:
-    """Number the stations of the outline, in a column right of everything that is `beside` the axis."""
-    bend, levels = beside + 2.5 * paper_mm, _spread(web.stations_mm, 3.4 * paper_mm)
-    for number, ((station, level), width) in enumerate(zip(levels, web.half_widths_mm, strict=True), 1):
-        axes.plot(
-            [width, beside, bend, beside + 4 * paper_mm],
-            [station, station, level, level],
-            color=THIN,
-            lw=0.4,
-        )
-        axes.plot(width, station, "o", ms=3.0, color=INK)
-        text = f"{number}:  y {station:.2f}, x {width:.2f}"
+def _stations(axes: Any, web: ProfileWeb) -> Iterator[_Named]:
+    """Mark the stations of the outline; yield each with its number and place."""
+    for number, (y, x) in enumerate(zip(web.stations_mm, web.half_widths_mm, strict=True), 1):
+        axes.plot(x, y, "o", ms=3.0, color=INK)
+        yield (x, y), f"{number}:  y {y:.2f}, x {x:.2f}"
+
+
+def _column(axes: Any, named: Sequence[_Named], beside: float, paper_mm: float) -> None:
+    """Write texts of points in a column right of all that is `beside` the axis, clear of each other."""
+    ordered = sorted(named, key=lambda one: one[0][1])
+    levels = _spread([y for (_, y), _ in ordered], 3.4 * paper_mm)
+    for ((x, y), text), (_, level) in zip(ordered, levels, strict=True):
+        bend = beside + 2.5 * paper_mm
+        axes.plot([x, beside, bend, beside + 4 * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
         axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center")
 
 
-def _named(axes: Any, sheet: Sheet, gap: float) -> None:
+def _named(axes: Any, named: Sequence[_Named], gap: float) -> None:
     """Write the texts of points of the outline outward of them."""
-    for tip, text in (named for feature in sheet.features for named in feature.named):
+    for tip, text in named:
         away = 1 + 0.6 * gap / np.hypot(*tip)
         leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left" if tip[0] > 0 else "right")
 
@@ -200,7 +208,7 @@ def _placed(
     if not places:
         return
     line, over = right + 5 * paper_mm, top + 4 * paper_mm
-    for y, level in _spread([round(y, 2) + 0.0 for _, y in places], 3.4 * paper_mm):
+    for y, level in _spread({round(y, 2) + 0.0 for _, y in places}, 3.4 * paper_mm):
         start = max(x for x, at in places if round(at, 2) + 0.0 == y)
         corner = line + 2.5 * paper_mm
         axes.plot(
@@ -209,7 +217,7 @@ def _placed(
         axes.text(corner, level + 0.3 * paper_mm, f"{y:.2f}", fontsize=TEXT_SIZE, va="bottom")
     axes.plot([0.0, line, line + 2.5 * paper_mm], [0.0, 0.0, 0.0], color=THIN, lw=0.4)
     circle(axes, 0.8 * paper_mm, 0.0, "-", 0.6, "white", x=line)
-    beside = [round(x, 2) for x, _ in places if round(x, 2)]
+    beside = {round(x, 2) for x, _ in places if round(x, 2)}
     for x, level in _spread(beside, 3.4 * paper_mm):
         start = max(at for across, at in places if round(across, 2) == x)
         axes.plot([x, x, level], [start, over, over + 2.5 * paper_mm], color=THIN, lw=0.4)
@@ -220,10 +228,10 @@ def _placed(
         circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")
 
 
-def _spread(values: Sequence[float], least: float) -> list[tuple[float, float]]:
-    """Return each distinct value with the place of its text, apart from the others, in order."""
+def _spread(values: Iterable[float], least: float) -> list[tuple[float, float]]:
+    """Return each value with the place of its text, apart from the others, in order."""
     found: list[tuple[float, float]] = []
-    for value in sorted(set(values)):
+    for value in sorted(values):
         level = max(value, found[-1][1] + least) if found else value
         found.append((value, level))
     return found
@@ -265,7 +273,7 @@ def lengthwise_section(axes: Any, sheet: Sheet, scale: float) -> None:
             at = across + side * 0.4 * journal.length_mm / 2, up + way * away
             leader(axes, (across, up), at, str(journal.fillet))
     for feature in sheet.features:
-        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line)
+        _dimensions(axes, feature.lengthwise, (0.0, end), gap + 2 * line, 1 / scale)
     for drilled in sheet.drilled:
         _outlets(axes, drilled.lengthwise, 1 / scale)
     finish(axes, "Section x = 0")
@@ -298,7 +306,7 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
     dimension(axes, (-half, start), (-half, end), (-gap, 0), f"{web.thickness_mm:g}")
     if shown is not None:
         for one in shown.across:
-            dimension(axes, one.start, one.end, one.shift, one.text)
+            _sized(axes, one, 1 / scale)
     axes.invert_yaxis()
     finish(axes, f"Section y = {y:.2f}")
 
@@ -312,6 +320,13 @@ def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
 
     sections = [CrossSection([polygon], FillRule.NonZero) for polygon in (outline, *added)]
     return [np.asarray(polygon) for polygon in sum(sections[1:], sections[0]).to_polygons()]
+
+
+def silhouette(solid: Manifold) -> list[Array]:
+    """Return polygons (x, y) around a solid that is seen along the crank axis."""
+    # faces along the crank that lie in one plane leave slits between them, of the rounding of numbers
+    seen = solid.project().simplify(_SLIT_MM)
+    return [np.asarray(polygon) for polygon in seen.to_polygons()]
 
 
 def section_x(solid: Manifold) -> list[Array]:
@@ -347,7 +362,9 @@ def _edges(axes: Any, stroke: Circle | Polyline) -> None:
         axes.plot(*zip(*stroke.points, strict=True), color=INK, lw=1.0, ls=style)
 
 
-def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float) -> None:
+def _dimensions(
+    axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, float], away: float, mm: float
+) -> None:
     """Draw dimensions of a feature; upright ones are moved beyond the ends of the body."""
     for one in found:
         shift = one.shift
@@ -355,12 +372,19 @@ def _dimensions(axes: Any, found: tuple[DimensionLine, ...], span: tuple[float, 
             shift = (span[0] - away - min(one.start[0], one.end[0]), 0.0)
         elif shift[0] > 0:
             shift = (span[1] + away - max(one.start[0], one.end[0]), 0.0)
-        dimension(axes, one.start, one.end, shift, one.text)
+        _sized(axes, replace(one, shift=shift), mm)
 
 
 def _outlets(axes: Any, found: tuple[DimensionLine, ...], mm: float) -> None:
     """Dimension the outlets of a drilling along its journals; numbers of short lines stand away from them."""
     for one in found:
         out = float(np.sign(one.shift[1])) * mm
-        drop = 0.0 if fits(abs(one.end[0] - one.start[0]), one.text, mm) else DROP_MM * out
-        dimension(axes, one.start, one.end, (0.0, _OUTLET_MM * out), one.text, (0.0, drop), mm)
+        _sized(axes, replace(one, shift=(0.0, _OUTLET_MM * out)), mm)
+
+
+def _sized(axes: Any, one: DimensionLine, mm: float) -> None:
+    """Draw a dimension; a number that does not fit on its line stands beyond it."""
+    length = float(np.hypot(*np.subtract(one.end, one.start)))
+    off = 0.0 if fits(length, one.text, mm) else DROP_MM * mm
+    x, y = off * np.sign(one.shift)
+    dimension(axes, one.start, one.end, one.shift, one.text, (float(x), float(y)), mm)

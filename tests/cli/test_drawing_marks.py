@@ -1,0 +1,112 @@
+"""Marks of workshop drawings can be read: labels apart, numbers off short lines, no strokes of nothing."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import pytest
+from manifold3d import CrossSection, Manifold
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from cranktopo.design.loading import load_scene
+from cranktopo.design.schema import Scene
+from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.tasks.drawing.raw_sheet import raw_pages
+from cranktopo.tasks.drawing.sheet import drawing_figures
+from cranktopo.tasks.drawing.views import Sheet
+from cranktopo.throw.bevel import EndBevel
+from cranktopo.throw.counterweight.table import Counterweight
+from cranktopo.throw.profile import ProfileWeb
+from cranktopo.throw.raw_part.table import Forging
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """A web with a profile outline whose lowest stations are as high as the corners of its counterweight."""
+    web = ProfileWeb(
+        outline="profile",
+        thickness_mm=20.0,
+        stations_mm=(-31.65, -25.23, -7.68, 16.29, 40.26, 57.81, 64.23),
+        half_widths_mm=(0.0, 14.59, 29.57, 36.5, 32.64, 17.97, 0.0),
+        counterweight=Counterweight(outer_radius_mm=76.65, half_angle_deg=70.0),
+    )
+    return load_scene("mikron-iiic-plain").model_copy(update={"web": web})
+
+
+def drawn(scene: Scene) -> tuple[Figure, Any]:
+    """The sheet of a scene, and what measures its texts."""
+    (figure,) = drawing_figures([Sheet(scene, Manifold.cube())], throw_balance(scene))
+    return figure, FigureCanvasAgg(figure).get_renderer()
+
+
+def test_labels_of_the_front_view_are_apart(scene: Scene) -> None:
+    """The angle of the counterweight stood over the label of a station."""
+    figure, renderer = drawn(scene)
+    labels = [text for text in figure.axes[0].texts if text.get_text()]
+    assert {"2 × 70°", "R76.65", "1:  y -31.65, x 0.00"} <= {text.get_text() for text in labels}
+    for one, other in combinations(labels, 2):
+        a, b = (text.get_window_extent(renderer) for text in (one, other))
+        assert not a.overlaps(b), (one.get_text(), other.get_text())
+
+
+@pytest.fixture(scope="module")
+def slit() -> Manifold:
+    """A raw half with a slit through it as narrow as rounding leaves one, seen in a forging."""
+    edge = CrossSection([[(-70.0, -30.0), (-50.0, -76.0), (50.0, -76.0), (70.0, -30.0), (0.0, 64.0)]])
+    gap = CrossSection([[(5.43, -1.9764), (8.4763, -3.0851), (8.4766, -3.0852)]])
+    return (edge - gap).extrude(30.0)
+
+
+def raw_front(scene: Scene, raw: Manifold, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The axes of the raw part's front view."""
+    forging = Forging(allowance_mm=2.0, draft_deg=5.0, flash_mm=2.0)
+    module = "cranktopo.tasks.drawing.raw_sheet"
+    for name, value in {
+        "surface_of": None,
+        "solid_of": None,
+        "cut_in_halves": [raw],
+        "raw_mass_kg": 1.0,
+    }.items():
+        monkeypatch.setattr(f"{module}.{name}", lambda *_, value=value, **__: value)
+    forged = scene.model_copy(update={"forging": forging})
+    (page,) = raw_pages(forged, [Sheet(forged, Manifold.cube())])
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    page.views[0](axes, 0.5)
+    return axes
+
+
+def test_a_slit_of_rounding_is_no_stroke(
+    scene: Scene, slit: Manifold, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Flanks of a raw counterweight that meet left a row of thick strokes, on one side of the web."""
+    assert len(slit.project().to_polygons()) == 2
+    outline = raw_front(scene, slit, monkeypatch).patches[0].get_path()
+    assert len(outline.to_polygons()) == 1
+
+
+def test_the_number_of_a_short_dimension_leaves_its_line(scene: Scene) -> None:
+    """The box around the depth of a bevel covered line and arrows of its dimension."""
+    bevel = EndBevel(face="journal", y_mm=48.2, depth_mm=16.79, crown_mm=1.66, draft_deg=5.0)
+    web = scene.web.model_copy(update={"bevel": (bevel,)})
+    figure, renderer = drawn(scene.model_copy(update={"web": web}))
+    axes = figure.axes[1]
+    (number,) = (text for text in axes.texts if text.get_text() == "16.79")
+    (line,) = (
+        text for text in axes.texts if getattr(text, "measured", None) and text.measured.text == "16.79"
+    )
+    ends = axes.transData.transform([line.xy, line.xyann])
+    box = number.get_window_extent(renderer)
+    assert box.y0 > ends[:, 1].max()
+    assert box.x0 < ends[:, 0].mean() < box.x1
+
+
+def test_extension_lines_begin_at_the_corners_that_they_measure(
+    scene: Scene, slit: Manifold, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of a raw width began half-way up the web; of two corners of a lower edge the left one counts."""
+    axes = raw_front(scene, slit, monkeypatch)
+    found = [text.measured for text in axes.texts if hasattr(text, "measured")]
+    ends = [(one.start, one.end) for one in found]
+    assert ends == [((-70.0, -30.0), (70.0, -30.0)), ((-50.0, -76.0), (0.0, 64.0))]
