@@ -84,13 +84,15 @@ def extent(axes: Any, points: Array, axis: int, level: float, text: str) -> None
     """
     along, across = points[:, axis], points[:, 1 - axis]
     out = np.sign(level - across.mean())
-    ends = []
-    for end in (along.min(), along.max()):
+
+    def nearest(end: float) -> _Flat:
         here = points[np.abs(along - end) < _SAME_MM]
         x, y = here[np.argmax(out * here[:, 1 - axis])]
-        ends.append((float(x), float(y)))
-    off = level - float(out * max(out * point[1 - axis] for point in ends))
-    dimension(axes, *ends, (off, 0.0) if axis else (0.0, off), text)
+        return float(x), float(y)
+
+    first, last = nearest(along.min()), nearest(along.max())
+    off = level - float(out * max(out * first[1 - axis], out * last[1 - axis]))
+    dimension(axes, first, last, (off, 0.0) if axis else (0.0, off), text)
 
 
 def number_mm(text: str) -> float:
