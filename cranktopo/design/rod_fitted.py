@@ -1,4 +1,4 @@
-"""What is fitted to the rod, bush, shells and bolts, and the holes of oblique bolts, as masses at points."""
+"""Bush, shells and bolts of the rod, and the holes of oblique bolts, as masses at points."""
 
 from __future__ import annotations
 

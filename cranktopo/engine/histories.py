@@ -90,9 +90,9 @@ def load_history(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> Lo
     "extremes" joins the largest and the smallest radial force with the largest and the smallest torque of the
     shaft: four states that bound the cycle and never occur themselves. A smallest value that the scene does
     not tell, or a computed one above zero, counts as zero, and so does a largest one below it. "cycle" joins
-    `cycle_histories`. With `torsional_vibration` the torques are those
-    of the vibrating shaft, at its worst speed too. A load whose effect is not enabled stays zero. All
-    cylinders fire, also where `engine.misfire` names some that do not.
+    `cycle_histories`. With `torsional_vibration` the torques are those of the vibrating shaft, at its worst
+    speed too. A load whose effect is not enabled stays zero. All cylinders fire, also where `engine.misfire`
+    names some that do not.
     """
     if kind == "cycle":
         return _joined(cycle_histories(scene, enabled))
@@ -205,7 +205,7 @@ def _radial_extremes_N(analysis: LoadAnalysis, given_N: float) -> tuple[float, f
 def throw_histories(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
     """Return the cycle of every throw at the engine's speed, all cylinders firing."""
     scene = all_firing(scene)
-    return [_without(one, enabled) for one in _throw_cycles(scene, engine_of(scene), enabled)]
+    return [_without(one, enabled) for one in _throw_cycles(scene, enabled)]
 
 
 def _joined(parts: Sequence[LoadHistory]) -> LoadHistory:
@@ -214,8 +214,8 @@ def _joined(parts: Sequence[LoadHistory]) -> LoadHistory:
     return LoadHistory(**joined, labels=tuple(label for part in parts for label in part.labels))
 
 
-def _throw_cycles(scene: Scene, engine: Engine, enabled: frozenset[str]) -> list[LoadHistory]:
-    cycle = analyse(scene, enabled).cycle
+def _throw_cycles(scene: Scene, enabled: frozenset[str]) -> list[LoadHistory]:
+    engine, cycle = engine_of(scene), analyse(scene, enabled).cycle
     if cycle is None:
         raise CranktopoError(
             "engine.gas: is missing, so there is no cycle to follow.",

@@ -32,7 +32,7 @@ _LINE_MM = _TABLE_POINTS * MM_PER_INCH / 72 * 1.25 * 1.17
 
 @dataclass(frozen=True)
 class Paper:
-    """What a sheet says beside its views.
+    """Content of a sheet beside its views.
 
     Attributes:
         shape: the crank whose star of throws it shows.

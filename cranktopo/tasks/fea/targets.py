@@ -202,10 +202,9 @@ def unlike_fillet_line(targets: Sequence[Target]) -> str:
     """Return the line that surfaces without fillets stand beside designs with them, or will; else nothing."""
     bare = [target.name for target in targets if target.run]
     rounded = [target.name for target in targets if target.file is None and target.scene.throw.has_fillets]
-    own = [target.name for target in targets if target.run and target.scene.throw.has_fillets]
-    if own and len(own) == len(targets):
+    if bare and all(target.run and target.scene.throw.has_fillets for target in targets):
         return (
-            f"{', '.join(own)}: the surface of a run has no fillets, which make its design stiffer; "
+            f"{', '.join(bare)}: the surface of a run has no fillets, which make its design stiffer; "
             "cranktopo compare leaves them out of both."
         )
     if not bare or not rounded:

@@ -151,7 +151,7 @@ class RodViews:
                 self._hidden(axes, side * rod.oil_hole_mm / 2, bottom, top)
 
     def _shank_ends(self, x: float) -> tuple[float, float]:
-        """Where the shank leaves the rims of both eyes in its middle, and the bosses beside it."""
+        """Return places where the shank leaves both rims in its middle, and the bosses beside it."""
         rod = self.rod
         low = max(rod.big_end_diameter_mm / 2, boss_top_mm(rod, x))
         return low, self.length - rod.small_end_diameter_mm / 2

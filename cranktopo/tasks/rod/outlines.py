@@ -50,7 +50,7 @@ def lengthwise_cut(rod: Rod, length_mm: float) -> list[Array]:
 
 
 def _boss_range(rod: Rod) -> tuple[float, float]:
-    """How far the bosses reach in the section, below and above the axis of the big end."""
+    """Return the reach of the bosses in the section, below and above the axis of the big end."""
     cosine, sine = turns(rod)
     side = rod.boss_width_mm / 2 / sine if sine else math.inf
     return min(rod.boss_below_mm / cosine, side), min(rod.boss_above_mm / cosine, side)

@@ -146,7 +146,7 @@ class EyeShape(Result):
     ovalisation_um: float
     """The larger of both, without its sign."""
     judged: bool
-    """Whether a limit is for this load: not for a push by the cosine, which opens a bore by more than any
+    """True where a limit is for this load: not for a push by the cosine, which opens a bore by more than any
     clearance, so that the pin leaves the flanks that the cosine presses."""
     permitted_um: float | None
     """Largest permitted ovalisation; null without a limit, and where it is not judged."""
@@ -192,7 +192,7 @@ class Passage(Result):
     bore_mm: float
     """Bore of the cylinder."""
     passes: bool
-    """Whether the circle is smaller than the bore."""
+    """True where the circle is smaller than the bore."""
 
 
 class SplitForce(Result):
@@ -213,13 +213,13 @@ class ObliqueSplit(Result):
     angle_deg: float
     """From the plane square to the rod's axis."""
     parting: SplitForce
-    """Where the force along the bolts is largest."""
+    """Point of the cycle with the largest force along the bolts."""
     shear: SplitForce
-    """Where the force along the joint face is largest."""
+    """Point of the cycle with the largest force along the joint face."""
     friction: float
     """Coefficient in the joint."""
     sliding: SplitForce | None
-    """Where friction of the clamped joint misses most, or else has least to spare; null without bolts."""
+    """Point at which friction of the clamped joint misses most, or has least to spare; null without bolts."""
     sliding_safety: float | None
     """Least of friction over shear; null without bolts."""
     left_for_shape_N: float | None

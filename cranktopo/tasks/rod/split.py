@@ -68,7 +68,7 @@ def split_stress_N(scene: Scene) -> float:
 
 
 def _friction_N(forces: SplitForces, bolt: JointCheck, friction: float) -> Array:
-    """What friction holds at each angle with the smallest preload of both bolts."""
+    """Return the force that friction holds at each angle with the smallest preload of both bolts."""
     joint = bolt.vdi_2230
     least = joint.least_preload_N
     clamped = _BOLTS * least - (1 - joint.load_factor) * np.maximum(forces.parting_N, 0.0)
