@@ -152,7 +152,9 @@ class _Finder:
 
     def __init__(self, faces: Faces, origin: Array, axis: Array) -> None:
         self.origin, self.axis = origin, axis
-        self.bores = [face for face in faces.cylinders if not face.outward and parallel(face.axis, axis)]
+        inward = [face for face in faces.cylinders if not face.outward and face.full]
+        bores = [face for face in inward if parallel(face.axis, axis)]
+        self.bores = [face for line in lines_of(bores) for face in self.welded(line)]
         self.steps = sorted(
             float((plane.point_mm - origin) @ axis) for plane in faces.planes if parallel(plane.normal, axis)
         )
@@ -166,7 +168,7 @@ class _Finder:
         found: list[tuple[float, FoundJournal]] = []
         for line in lines:
             off = from_line_mm(line[0].point_mm, self.origin, self.axis)
-            own = [face for face in line if self._long(face)]
+            own = [face for face in self.welded(line) if self._long(face)]
             if off < _OFF_AXIS * min(face.radius_mm for face in main) or not own:
                 self.spare.append(f"cylinder of {2 * line[0].radius_mm:.4g} mm, {off:.4g} mm off the axis")
                 continue
@@ -209,7 +211,7 @@ class _Finder:
         return tuple(journals), unread
 
     def welded(self, line: Sequence[CylinderFace]) -> list[CylinderFace]:
-        """Return the cylinders of the crank axis, those of one radius that follow each other as one."""
+        """Return the cylinders of one line, those of one radius that follow each other as one."""
         whole: list[CylinderFace] = []
         for face in sorted(line, key=self._span):
             near = _NEAR * face.radius_mm
@@ -243,7 +245,6 @@ class _Finder:
             2 * bore.radius_mm
             for bore in self.bores
             if same_axis(bore, face)
-            and bore.full
             and bore.radius_mm < face.radius_mm
             and self._span(bore)[0] < (low + high) / 2 < self._span(bore)[1]
         ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,17 @@ from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.solid.step import step_solid
+from cranktopo.design.halves import halves
 from cranktopo.design.loading import builtin_designs, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.gmsh_session import cad_session, quiet_stdout
+from cranktopo.tasks.crank_import.crank_finder import find_crank
+from cranktopo.tasks.crank_import.faces import PlaneFace, exact_faces
 from cranktopo.tasks.crank_import.result import CrankImport
 from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.crank_import.text import import_text
-from cranktopo.tasks.importing.cad_body import moved_rigidly
+from cranktopo.tasks.importing.cad_body import between_planes, moved_rigidly
+from tests.hostile.featured_engines import featured_engine
 from tests.random_engines import random_engine
 
 
@@ -283,6 +288,54 @@ def test_an_oil_drilling_and_its_outlets(tmp_path: Path) -> None:
     radius = load_scene(result.halves[0].design).throw.drilling[0].outlet_radius_mm
     assert radius == pytest.approx(2.0, rel=0.05)
     assert any("follows from the volume" in line for line in result.halves[0].unread)
+
+
+def unlike_webs() -> Scene:
+    """A throw whose pin is bored and whose webs differ in thickness: its pin is two faces to the kernel."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data["throw"]["crankpin"]["bore_diameter_mm"] = 20.0
+    data["second_web"] = data["web"] | {"thickness_mm": data["web"]["thickness_mm"] + 3.0}
+    return scene_from_dict(data, whole=True)
+
+
+def test_a_pin_of_two_faces_is_one_pin(tmp_path: Path) -> None:
+    """Also where the kernel leaves a plane between them, and the last digits of their ends differ."""
+    scene = unlike_webs()
+    export_solid(scene, "throw", tmp_path / "throw.step")
+    with cad_session("throw") as gmsh:
+        step_solid(gmsh, tmp_path / "throw.step", "throw")
+        faces = exact_faces(gmsh)
+    noise = np.random.default_rng(1).uniform(-1e-11, 1e-11, size=(len(faces.cylinders), 2))
+    cylinders = [
+        replace(face, span_mm=(face.span_mm[0] + low, face.span_mm[1] + high))
+        for face, (low, high) in zip(faces.cylinders, noise, strict=True)
+    ]
+    off = scene.throw.radius_mm
+    pins = [face for face in cylinders if face.outward and face.full and face.point_mm[1] > off / 2]
+    assert len(pins) == 2
+    end = PlaneFace(pins[0].axis, pins[0].point_mm, 0.1)
+    crank = find_crank(replace(faces, cylinders=tuple(cylinders), planes=(*faces.planes, end)), "throw")
+    (pin,) = crank.pins
+    assert pin.length_mm == pytest.approx(scene.throw.crankpin.length_mm, rel=1e-9)
+    assert pin.bore_mm == pytest.approx(20.0)
+    assert len(crank.halves) == 2
+
+
+@pytest.mark.slow
+def test_halves_are_cut_where_faces_meet_in_the_plane(tmp_path: Path) -> None:
+    """The kernel's intersection in the middle of this pin is empty."""
+    scene = scene_from_dict(featured_engine(40), whole=True)
+    export_solid(scene, "throw", tmp_path / "throw.step")
+    with cad_session("throw") as gmsh:
+        occ = gmsh.model.occ
+        body = [step_solid(gmsh, tmp_path / "throw.step", "throw")]
+        whole, high = occ.getMass(*body[0]), 2 * scene.pitch_mm
+        near, far = (half.pitch_mm / 2 for half in halves(scene))
+        (first,) = between_planes(occ, occ.copy(body), 0.0, near, high)
+        moved_rigidly(occ, body, np.diag([-1.0, 1.0, -1.0]), np.array([0.0, 0.0, near + far]))
+        (second,) = between_planes(occ, body, 0.0, far, high)
+        assert occ.getMass(*first) + occ.getMass(*second) == pytest.approx(whole, rel=1e-7)
+        assert occ.getMass(*first) < occ.getMass(*second)
 
 
 def block(folder: Path, *boxes: tuple[float, ...], bars: int = 0) -> Path:
