@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 from cranktopo.app.main import main
 from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.solid.files import surface_of
-from cranktopo.design.loading import load_scene
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh, solid_of
@@ -209,3 +210,29 @@ def test_halves_that_differ_have_a_sheet_each() -> None:
     kg = f"first web {balance.web_kg:.3f} kg", f"second web {balance.second_web_kg:.3f} kg"
     for wanted in ("sheet 1 of 2", "sheet 2 of 2", "this half 57 long", "this half 70 long", *kg):
         assert wanted in found
+
+
+def test_numbers_of_places_stand_clear_of_an_angle() -> None:
+    """The foot of a drilling lies at the height of the corner of a counterweight."""
+    data = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    data.pop("envelope")
+    data["web"]["counterweight"] = {"outer_radius_mm": 75.0, "half_angle_deg": 75.0}
+    data["throw"]["drilling"] = [
+        {
+            "diameter_mm": 5.0,
+            "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 2.0},
+            "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 8.0},
+        }
+    ]
+    sheet = Sheet(scene_from_dict(data), Manifold.cube((1.0, 1.0, 1.0)), placed=True)
+    scale, room = 0.5, sheet.rooms[0]
+    width, height = (size / 25.4 for size in room.size_mm(scale))
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    front_view(axes, sheet, scale)
+    room.set_limits(axes, scale)
+    figure.canvas.draw()
+    assert {"2 × 75°", "-21.00"} <= set(texts(figure))
+    boxes = [(text.get_text(), text.get_window_extent().padded(-1)) for text in axes.texts if text.get_text()]
+    assert not [(a, b) for (a, one), (b, other) in combinations(boxes, 2) if one.overlaps(other)]

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import note
-from cranktopo.bodies.prisms import web_region
 from cranktopo.bodies.raw_part import forging_of, machined_of_half, raw_mass_kg
 from cranktopo.bodies.solid.files import cut_in_halves, surface_of
 from cranktopo.design.schema import Scene
@@ -54,12 +54,22 @@ class _RawView:
     def rooms(self) -> tuple[Room, Room, Room]:
         """The rooms of the finished part, for the raw one."""
         (x0, y0, _, x1, y1, _), front, long, across = self.raw.bounding_box(), *self.sheet.rooms
-        web = self._web.bounding_box()
+        low, high = self._cut.min(axis=0), self._cut.max(axis=0)
         return (
             replace(front, x_mm=(x0, x1), y_mm=(y0, y1)),
             replace(long, y_mm=(y0, y1)),
-            replace(across, x_mm=(web[0], web[3]), y_mm=(web[2], web[5])),
+            replace(across, x_mm=(low[0], high[0]), y_mm=(low[1], high[1])),
         )
+
+    @property
+    def _across_mm(self) -> float:
+        """Place of the section across the throw: half-way between the axes."""
+        return self.scene.throw.radius_mm / 2
+
+    @property
+    def _cut(self) -> Array:
+        """Points (x, z) of the raw half throw's section across the throw."""
+        return np.concatenate(section_y(self.raw, self._across_mm))
 
     @property
     def _web(self) -> Manifold:
@@ -99,13 +109,12 @@ class _RawView:
         finish(axes, "Section x = 0, where the die parts")
 
     def across(self, axes: Any, scale: float) -> None:
-        """Draw the section across the throw half-way between the axes."""
-        y, gap, forging = self.scene.throw.radius_mm / 2, _GAP_MM / scale, forging_of(self.scene)
-        raw = section_y(self._web, y)
-        hatched(axes, raw)
-        ghost(axes, section_y(web_region(self.sheet.solid, self.scene), y))
-        points, (start, end) = np.concatenate(raw), self.scene.web_z_mm
-        wide, more = float(points[:, 0].max()), forging.allowance_mm
+        """Draw the section across the throw, journals with it where it cuts them."""
+        y, gap, forging = self._across_mm, _GAP_MM / scale, forging_of(self.scene)
+        hatched(axes, section_y(self.raw, y))
+        ghost(axes, section_y(self.sheet.solid, y))
+        start, end = self.scene.web_z_mm
+        wide, more = float(self._cut[:, 0].max()), forging.allowance_mm
         faces = start - more, end + more
         dimension(axes, (-wide, faces[0]), (-wide, faces[1]), (-gap, 0), f"{faces[1] - faces[0]:g}")
         tip = (0.85 * wide, faces[1] + 0.15 * wide * forging.fall)

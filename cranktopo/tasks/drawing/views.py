@@ -168,12 +168,13 @@ def front_view(axes: Any, sheet: Sheet, scale: float) -> None:
         dimension(axes, (0, start), (0, end), (-beside - gap - number * line, 0), f"{end - start:.2f}")
     dimension(axes, (0, 0), (0, radius), (-beside - gap, 0), f"{radius:g}")
     named = [one for feature in sheet.features for one in feature.named]
+    taken: list[float] = []
     if isinstance(web, ProfileWeb):  # its stations fill the paper right of the body
         _column(axes, [*_stations(axes, web), *named], beside, 1 / scale)
     else:
-        _named(axes, named, gap)
+        taken = _named(axes, named, gap)
     across = beside + _TEXT_MM / scale if isinstance(web, ProfileWeb) else beside
-    _placed(axes, sheet.places, across, sheet.y_range_mm[1], 1 / scale)
+    _placed(axes, sheet.places, (across, sheet.y_range_mm[1]), 1 / scale, taken)
     finish(axes, "Front, from the crankpin side")
 
 
@@ -191,24 +192,37 @@ def _column(axes: Any, named: Sequence[_Named], beside: float, paper_mm: float) 
     for ((x, y), text), (_, level) in zip(ordered, levels, strict=True):
         bend = beside + 2.5 * paper_mm
         axes.plot([x, beside, bend, beside + 4 * paper_mm], [y, y, level, level], color=THIN, lw=0.4)
-        axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center")
+        white = {"fc": "white", "ec": "none", "pad": 0.4}  # lines of places pass under the column
+        axes.text(beside + 5 * paper_mm, level, text, fontsize=TEXT_SIZE, va="center", bbox=white)
 
 
-def _named(axes: Any, named: Sequence[_Named], gap: float) -> None:
-    """Write the texts of points of the outline outward of them."""
+def _named(axes: Any, named: Sequence[_Named], gap: float) -> list[float]:
+    """Write the texts of points of the outline outward of them; return the heights of those on the right."""
+    right = []
     for tip, text in named:
         away = 1 + 0.6 * gap / np.hypot(*tip)
         leader(axes, tip, (tip[0] * away, tip[1] * away), text, "left" if tip[0] > 0 else "right")
+        if tip[0] > 0:
+            right.append(tip[1] * away)
+    return right
 
 
 def _placed(
-    axes: Any, places: Sequence[tuple[float, float]], right: float, top: float, paper_mm: float
+    axes: Any,
+    places: Sequence[tuple[float, float]],
+    corner_mm: tuple[float, float],
+    paper_mm: float,
+    taken: Sequence[float],
 ) -> None:
-    """Dimension points from both axes by running dimensions (ISO 129-1), beside and above the body."""
+    """Dimension points from both axes by running dimensions (ISO 129-1), beside and above the body.
+
+    They stand right of and above a corner, clear of texts at the `taken` heights.
+    """
     if not places:
         return
+    right, top = corner_mm
     line, over = right + 5 * paper_mm, top + 4 * paper_mm
-    for y, level in _spread({round(y, 2) + 0.0 for _, y in places}, 3.4 * paper_mm):
+    for y, level in _spread({round(y, 2) + 0.0 for _, y in places}, 3.4 * paper_mm, taken):
         start = max(x for x, at in places if round(at, 2) + 0.0 == y)
         corner = line + 2.5 * paper_mm
         axes.plot(
@@ -228,11 +242,18 @@ def _placed(
         circle(axes, 0.8 * paper_mm, over, "-", 0.6, "white")
 
 
-def _spread(values: Iterable[float], least: float) -> list[tuple[float, float]]:
-    """Return each value with the place of its text, apart from the others, in order."""
+def _spread(values: Iterable[float], least: float, taken: Sequence[float] = ()) -> list[tuple[float, float]]:
+    """Return each value with the place of its text, apart from the others, in order.
+
+    It stands clear of texts whose middles are at `taken` places.
+    """
     found: list[tuple[float, float]] = []
     for value in sorted(values):
         level = max(value, found[-1][1] + least) if found else value
+        for place in sorted(taken):
+            low, high = place - 1.6 * least, place + 0.6 * least  # a text stands on its line
+            if low < level < high:
+                level = low if level < place and not (found and low < found[-1][1] + least) else high
         found.append((value, level))
     return found
 
@@ -308,7 +329,8 @@ def cross_section(axes: Any, sheet: Sheet, scale: float) -> None:
         for one in shown.across:
             _sized(axes, one, 1 / scale)
     axes.invert_yaxis()
-    finish(axes, f"Section y = {y:.2f}")
+    alone = ", web alone" * any(abs(y - at) < journal.radius_mm for journal, at in scene.throw.journals)
+    finish(axes, f"Section y = {y:.2f}{alone}")
 
 
 def _with_added(sheet: Sheet, outline: Array) -> list[Array]:
