@@ -17,7 +17,7 @@ _ALONG_HOLE = 64
 
 
 @dataclass(frozen=True)
-class PointMass:
+class FittedMass:
     """A mass at a point of the plane of motion, or at two with the same place along the rod.
 
     Attributes:
@@ -42,18 +42,18 @@ def bolts_kg(rod: Rod) -> float:
     return sum(mass for _, mass in _bolts(rod))
 
 
-def fitted(rod: Rod, length_mm: float) -> list[PointMass]:
+def fitted(rod: Rod, length_mm: float) -> list[FittedMass]:
     """Return bush, shells, then heads and shanks of both bolts."""
-    found = [PointMass(0.0, length_mm, bush_kg(rod), 0.0), PointMass(0.0, 0.0, rod.shells_kg, 0.0)]
+    found = [FittedMass(0.0, length_mm, bush_kg(rod), 0.0), FittedMass(0.0, 0.0, rod.shells_kg, 0.0)]
     for v, mass in _bolts(rod):
         if rod.split_angle_deg:
             found += [_turned(rod, side, v, mass / 2, 0.0) for side in (-1, 1)]
         else:
-            found.append(PointMass(0.0, v, mass, rod.bolt_distance_mm**2 / 4))
+            found.append(FittedMass(0.0, v, mass, rod.bolt_distance_mm**2 / 4))
     return found
 
 
-def turned_holes(rod: Rod, kg_per_mm3: float) -> list[PointMass]:
+def turned_holes(rod: Rod, kg_per_mm3: float) -> list[FittedMass]:
     """Return what the holes of both bolts of an oblique split take from its bosses, as negative masses."""
     if not rod.bolt_hole_mm:
         return []
@@ -68,10 +68,10 @@ def turned_holes(rod: Rod, kg_per_mm3: float) -> list[PointMass]:
     ]
 
 
-def _turned(rod: Rod, side: int, v: float, kg: float, spread_mm2: float) -> PointMass:
+def _turned(rod: Rod, side: int, v: float, kg: float, spread_mm2: float) -> FittedMass:
     """A mass on the axis of a bolt; how far it spreads across its bolt counts as across the rod."""
     x, y = in_rod(rod, np.array(side * rod.bolt_distance_mm / 2), np.array(v))
-    return PointMass(float(x), float(y), float(kg), float(x) ** 2 + spread_mm2)
+    return FittedMass(float(x), float(y), float(kg), float(x) ** 2 + spread_mm2)
 
 
 def _bolts(rod: Rod) -> list[tuple[float, float]]:

@@ -26,7 +26,7 @@ class Culprit:
 
 
 @dataclass(frozen=True)
-class _Step:
+class _BuildStep:
     """A half throw with a feature and all before it."""
 
     told: str
@@ -58,7 +58,7 @@ def _smaller_rounding(scene: Scene, number: int, misfit: Misfit) -> str:
     return "Reduce it, or enlarge diameter_mm."
 
 
-def _steps(scene: Scene) -> Iterator[_Step]:
+def _steps(scene: Scene) -> Iterator[_BuildStep]:
     """Yield the half throw from the bare outline on, each time with one feature more, the whole one last."""
     web, throw = scene.web, scene.throw
     bare = dict.fromkeys(web.feature_keys, ()) | dict.fromkeys(web.single_keys)
@@ -66,30 +66,32 @@ def _steps(scene: Scene) -> Iterator[_Step]:
     at = _with_web(scene, bare).model_copy(
         update={"throw": throw.model_copy(update={**sharp, "drilling": ()})}
     )
-    yield _Step(f"web.outline = '{web.outline}'", at)
+    yield _BuildStep(f"web.outline = '{web.outline}'", at)
     for name in sharp:
         at = at.model_copy(update={"throw": at.throw.model_copy(update={name: getattr(throw, name)})})
-        yield _Step(f"throw.{name}.fillet_mm = {getattr(throw, name).fillet_mm:g}", at)
+        yield _BuildStep(f"throw.{name}.fillet_mm = {getattr(throw, name).fillet_mm:g}", at)
     for key in web.single_keys:
         if getattr(web, key) is not None:
             at = _with_web(at, {key: getattr(web, key)})
-            yield _Step(f"web.{key}", at)
+            yield _BuildStep(f"web.{key}", at)
     for key in web.feature_keys:
         for index in range(len(getattr(web, key))):
             at = _with_web(at, {key: getattr(web, key)[: index + 1]})
-            yield _Step(f"web.{key}[{index}]", at)
+            yield _BuildStep(f"web.{key}[{index}]", at)
     for number, drilling in enumerate(throw.drilling):
         yield from _drilled(at, number, throw.drilling[:number], drilling)
         at = _with_drillings(at, throw.drilling[: number + 1])
 
 
-def _drilled(at: Scene, number: int, before: tuple[Drilling, ...], drilling: Drilling) -> Iterator[_Step]:
+def _drilled(
+    at: Scene, number: int, before: tuple[Drilling, ...], drilling: Drilling
+) -> Iterator[_BuildStep]:
     """Yield a drilling without and with the roundings of its outlets."""
     key, sharp = f"throw.drilling[{number}]", drilling.model_copy(update={"outlet_radius_mm": 0.0})
-    yield _Step(f"{key}.diameter_mm = {drilling.diameter_mm:g}", _with_drillings(at, (*before, sharp)))
+    yield _BuildStep(f"{key}.diameter_mm = {drilling.diameter_mm:g}", _with_drillings(at, (*before, sharp)))
     if drilling.outlet_radius_mm:
         told = f"{key}.outlet_radius_mm = {drilling.outlet_radius_mm:g}"
-        yield _Step(told, _with_drillings(at, (*before, drilling)), number)
+        yield _BuildStep(told, _with_drillings(at, (*before, drilling)), number)
 
 
 def _sharp(throw: Any, name: str) -> Any:

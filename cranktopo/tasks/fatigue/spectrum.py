@@ -34,7 +34,7 @@ UnitLoads = Callable[[LoadHistory], Array]
 
 
 @dataclass(frozen=True)
-class _Step:
+class _SpectrumSpeed:
     """A speed of the spectrum.
 
     Attributes:
@@ -89,13 +89,15 @@ def part_lives(
     return {name: _life(model, safety, judge, steps, nodes) for name, nodes in model.parts.items()}
 
 
-def _steps(scene: Scene, unit_loads: UnitLoads, histories: Sequence[Sequence[LoadHistory]]) -> list[_Step]:
+def _steps(
+    scene: Scene, unit_loads: UnitLoads, histories: Sequence[Sequence[LoadHistory]]
+) -> list[_SpectrumSpeed]:
     """Return the speeds of a spectrum with the loads of every throw."""
     spectrum, turns = scene.fatigue.spectrum, engine_of(scene).cycle_deg / 360
     assert spectrum is not None
     total = sum(step.share for step in spectrum.step)
     return [
-        _Step(
+        _SpectrumSpeed(
             60 * step.rpm / turns * step.share / total,
             tuple(one.labels[0].rpartition(", ")[0] for one in throws),
             tuple(unit_loads(one) for one in throws),
@@ -105,7 +107,11 @@ def _steps(scene: Scene, unit_loads: UnitLoads, histories: Sequence[Sequence[Loa
 
 
 def _life(
-    model: StressModel, safety: Array, judge: PointJudge, steps: Sequence[_Step], nodes: NDArray[np.bool_]
+    model: StressModel,
+    safety: Array,
+    judge: PointJudge,
+    steps: Sequence[_SpectrumSpeed],
+    nodes: NDArray[np.bool_],
 ) -> PartLife:
     """Return the shortest life of a part: of its points, and of the throws at each of them."""
     spectrum = model.scene.fatigue.spectrum
@@ -128,7 +134,12 @@ def _life(
 
 
 def _damage_per_hour(
-    model: StressModel, image: int, node: int, judge: PointJudge, steps: Sequence[_Step], spectrum: Spectrum
+    model: StressModel,
+    image: int,
+    node: int,
+    judge: PointJudge,
+    steps: Sequence[_SpectrumSpeed],
+    spectrum: Spectrum,
 ) -> Array:
     """Return the damage of a surface node in an hour by each throw and step, (throws, steps).
 

@@ -44,7 +44,7 @@ _NEAR = (0.4, 0.9)
 
 
 @dataclass(frozen=True)
-class Ring:
+class CutRing:
     """A cross-section of one journal: centre, diameter of its largest contour and of the hole in that, mm.
 
     The polar moment is over that of a circle of the same area.
@@ -183,7 +183,7 @@ def _zones(body: Manifold, scene: Scene) -> Iterator[str]:
             yield f"{name}, {where} mm: {100 * share:+z.0f} % of its material; the web lies elsewhere"
 
 
-def ring_at(body: Manifold, z_mm: float) -> Ring | None:
+def ring_at(body: Manifold, z_mm: float) -> CutRing | None:
     """Return the largest contour of a cross-section and the largest hole in it; None without material."""
     contours = [np.asarray(contour) for contour in body.slice(z_mm).to_polygons()]
     measured = sorted((_moments(contour) for contour in contours), key=lambda m: -m[0])
@@ -192,7 +192,7 @@ def ring_at(body: Manifold, z_mm: float) -> Ring | None:
     area, centre, polar = measured[0]
     near = (-a for a, c, _ in measured if a < 0 and np.hypot(*(c - centre)) < math.sqrt(area))
     outer, bore = (2 * math.sqrt(size / math.pi) for size in (area, max(near, default=0.0)))
-    return Ring(centre, outer, bore, polar / (area**2 / (2 * math.pi)))
+    return CutRing(centre, outer, bore, polar / (area**2 / (2 * math.pi)))
 
 
 def _moments(contour: Array) -> tuple[float, Array, float]:

@@ -92,7 +92,7 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
     Raises:
         CranktopoError: as the judge does of the own rod or of every other, or no lighter rod was found.
     """
-    own = _Judged(search.scene, np.ones(len(search.names)), judge(search.scene).strength)
+    own = _JudgedRod(search.scene, np.ones(len(search.names)), judge(search.scene).strength)
     tried, best, found, reach, refused = [own], own, None, np.inf, None
     for number in range(1, _ROUNDS + 1):
         near = search.within(best.values, reach)
@@ -105,7 +105,7 @@ def corrected_search(search: RodSearch, judge: Judge) -> tuple[Scene, RodOnEleme
             note(f"{own.scene.name}: rod {number} is left out: {refused.message}")
             reach = _SHORTER * best.distance(values)
             continue
-        last = _Judged(lighter, values, answer.strength)
+        last = _JudgedRod(lighter, values, answer.strength)
         tried.append(last)
         note(f"{own.scene.name}: rod {number} by elements, {_line(own, last)}")
         lost, least = _lost(search, own, last), np.inf if best is own else _lost(search, own, best)
@@ -132,14 +132,14 @@ def _of_the_mesh(error: CranktopoError) -> CranktopoError:
     return error
 
 
-def _lost(search: RodSearch, own: _Judged, one: _Judged) -> float:
+def _lost(search: RodSearch, own: _JudgedRod, one: _JudgedRod) -> float:
     """Share of what is wanted by elements that a rod lacks; 0 of one that is lighter and lacks nothing."""
     lost = max(1 - one.least(kind) / wanted for kind, wanted in _wanted(own).items())
     return max(lost, 0.0) + (not search.is_better(one.scene, one.strength))
 
 
 @dataclass(frozen=True, eq=False)
-class _Judged:
+class _JudgedRod:
     """A rod that elements have judged, with its dimensions over those of the own one."""
 
     scene: Scene
@@ -199,12 +199,12 @@ def _margins(eyes: Sequence[EyeShape]) -> dict[_Quantity, float]:
     return found
 
 
-def _wanted(own: _Judged) -> dict[str, float]:
+def _wanted(own: _JudgedRod) -> dict[str, float]:
     """Least value of each kind: safeties of the own rod, and the limits of the design."""
     return {**{kind: own.least(kind) for kind in _SAFETIES}, _MARGIN: 1.0}
 
 
-def _limits(names: Sequence[str], tried: Sequence[_Judged], at: _Judged) -> Limits:
+def _limits(names: Sequence[str], tried: Sequence[_JudgedRod], at: _JudgedRod) -> Limits:
     """Return the limits by corrected safeties, exact at one rod: values that must stay below 0.
 
     The first rod that was tried is the own one.
@@ -239,7 +239,7 @@ def _known_slopes(names: Sequence[str], keys: Sequence[_Quantity]) -> Array:
     return slopes
 
 
-def _line(own: _Judged, one: _Judged) -> str:
+def _line(own: _JudgedRod, one: _JudgedRod) -> str:
     (stress, fatigue), (own_stress, own_fatigue) = one.safeties, own.safeties
     return (
         f"{one.kg:.4f} kg: least safety {stress:.3f} against yield ({own_stress:.3f} before), "
@@ -247,7 +247,7 @@ def _line(own: _Judged, one: _Judged) -> str:
     )
 
 
-def _with_elements(found: LighterRod, own: _Judged, best: _Judged, rods: int) -> LighterRod:
+def _with_elements(found: LighterRod, own: _JudgedRod, best: _JudgedRod, rods: int) -> LighterRod:
     against_yield, for_fatigue = zip(own.safeties, best.safeties, strict=True)
     return found.model_copy(
         update={
@@ -260,5 +260,5 @@ def _with_elements(found: LighterRod, own: _Judged, best: _Judged, rods: int) ->
     )
 
 
-def _ovalisations(own: _Judged, best: _Judged, eye: Eye) -> tuple[float, float]:
+def _ovalisations(own: _JudgedRod, best: _JudgedRod, eye: Eye) -> tuple[float, float]:
     return ovalisation_um(own.elements.eyes, eye), ovalisation_um(best.elements.eyes, eye)

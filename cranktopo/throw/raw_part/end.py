@@ -25,7 +25,7 @@ _EQUAL = 1e-9
 
 
 @dataclass(frozen=True)
-class _Step:
+class _RawStep:
     """A step with its allowance on the radius; heights and radii are those of its inner and outer face."""
 
     key: str
@@ -99,7 +99,7 @@ def machined_in_end(steps: dict[str, EndStep]) -> tuple[str, ...]:
 
 def _raw_steps(
     journal_radius_mm: float, half_mm: float, steps: dict[str, EndStep], forging: Forging
-) -> list[_Step]:
+) -> list[_RawStep]:
     """Return the half journal and the steps with their allowance; a flat cone is a cylinder."""
     found = [("journal", half_mm, (journal_radius_mm, journal_radius_mm))]
     for key, step in steps.items():
@@ -110,18 +110,18 @@ def _raw_steps(
     planes = accumulate((length for _, length, _ in found), initial=0.0)
     more = forging.allowance_mm
     raw = [
-        _Step(key, z_mm, (inner + more, outer + more))
+        _RawStep(key, z_mm, (inner + more, outer + more))
         for (key, _, (inner, outer)), z_mm in zip(found, pairwise(planes), strict=True)
     ]
     return [_cylinder(step) if step.draft(forging) > _MOST_DRAFT else step for step in raw]
 
 
-def _cylinder(step: _Step) -> _Step:
+def _cylinder(step: _RawStep) -> _RawStep:
     widest = max(step.radii_mm)
-    return _Step(step.key, step.z_mm, (widest, widest))
+    return _RawStep(step.key, step.z_mm, (widest, widest))
 
 
-def _bodies(steps: Sequence[_Step], index: int, forging: Forging) -> Iterator[RawBody]:
+def _bodies(steps: Sequence[_RawStep], index: int, forging: Forging) -> Iterator[RawBody]:
     """Yield the bodies of a step, the ends of which depend on the steps beside it."""
     step, more = steps[index], forging.allowance_mm
     faces = (
@@ -135,7 +135,7 @@ def _bodies(steps: Sequence[_Step], index: int, forging: Forging) -> Iterator[Ra
         yield from _cone(step, faces, forging)
 
 
-def _face(step: _Step, end: int, beside: _Step | None, allowance_mm: float) -> _Face:
+def _face(step: _RawStep, end: int, beside: _RawStep | None, allowance_mm: float) -> _Face:
     """Return the inner or outer end of a step beside another one, or beside none at the end of the shaft.
 
     A step that is the wider one goes on by the allowance, and its face has draft. A cone and a cylinder of
@@ -153,7 +153,7 @@ def _face(step: _Step, end: int, beside: _Step | None, allowance_mm: float) -> _
     return _Face(z + out * (1 if grows else -1) * step.overlap_mm(allowance_mm) / 2, False)
 
 
-def _cone(step: _Step, faces: tuple[_Face, _Face], forging: Forging) -> Iterator[RawBody]:
+def _cone(step: _RawStep, faces: tuple[_Face, _Face], forging: Forging) -> Iterator[RawBody]:
     """Yield a cone, and on each open end a disc that is as thick as the allowance and has its outline."""
     draft = step.draft(forging)
     as_steep = forging.model_copy(update={"draft_deg": math.degrees(draft)})
