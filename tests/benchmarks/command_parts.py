@@ -24,7 +24,7 @@ import psutil
 COMMANDS = ("evaluate mikron-iiic", "fatigue mikron-iiic", "shape mikron-iiic")
 _TETRAHEDRA, _FEA, _SHAPE = "cranktopo.numerics.tetrahedra", "cranktopo.tasks.fea", "cranktopo.tasks.shape"
 PARTS: dict[str, tuple[tuple[str, Sequence[str]], ...]] = {
-    "mesh": (("cranktopo.bodies.mesh.solid_mesh", ("add_half_throw", "positive_x", "_generate")),),
+    "mesh": (("cranktopo.bodies.mesh.solid_mesh", ("add_half_throw", "positive_x", "generate")),),
     "assembly": (
         (f"{_TETRAHEDRA}.elasticity", ("_add_elements",)),
         (f"{_TETRAHEDRA}.symmetric_blocks:Pattern", ("__init__", "matrix")),
