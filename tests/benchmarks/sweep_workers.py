@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from cranktopo.base.files import write_json
-from cranktopo.base.progress import Json
 from cranktopo.tasks.sweep.executor import WorkerPool, compute
 from cranktopo.tasks.sweep.job import Job
 from cranktopo.tasks.sweep.plan import SweepPlan, sweep_plan
 from cranktopo.tasks.sweep.points import points_of
+from cranktopo.tasks.sweep.result import PointResult
 from cranktopo.tasks.sweep.variation import Variation, read_option
 
 OPTIMISED = ["optimise.resolution_mm=3", "optimise.max_iterations=20", "effects.bound=off"]
@@ -51,8 +51,8 @@ def seconds(plan: SweepPlan, warming: int, points: int, engine: WorkerPool) -> f
     """From the end of the warming points, or else from the start, to the end of all others."""
     ends: list[float] = [time.perf_counter()]
 
-    def done(job: Job, result: Json) -> None:
-        assert result["status"] == "done", result["reason"]
+    def done(job: Job, result: PointResult) -> None:
+        assert result.status == "done", result.reason
         ends.append(time.perf_counter())
 
     with tempfile.TemporaryDirectory() as folder:
