@@ -124,14 +124,12 @@ class _Motion:
 
     Attributes:
         load, turning: by step and journal.
-        per_load: of each journal, change of the eccentricity over a step by a unit load and mobility.
         step_rad: of the angle of the shaft.
     """
 
-    map: Mobility
+    films: Films
     load: Complex
     turning: Array
-    per_load: Array
     step_rad: float
 
     @classmethod
@@ -139,9 +137,8 @@ class _Motion:
         load = np.stack([journal.load_N for journal in journals], axis=1)
         means = [(j.surfaces_rad_s[0] + j.surfaces_rad_s[1]) / 2 / j.speed_rad_s for j in journals]
         turning = np.stack([np.broadcast_to(mean, len(load)) for mean in means], axis=1)
-        widths = [j.bearing.width_mm / j.bearing.diameter_mm for j in journals]
-        per_load = np.array([_per_load(j.bearing, j.speed_rad_s) for j in journals])
-        return cls(mobility(widths), load, turning, per_load, step_rad)
+        films = Films.of([j.bearing for j in journals], np.array([j.speed_rad_s for j in journals]))
+        return cls(films, load, turning, step_rad)
 
     def slope(self, left: Index, place: Array, eccentricity: Complex, which: Index) -> Complex:
         """Return the change over a step of some of the journals that are left."""
@@ -150,7 +147,25 @@ class _Motion:
         j = (i + 1) % len(self.load)
         load = self.load[i, one] + part * (self.load[j, one] - self.load[i, one])
         turning = self.turning[i, one] + part * (self.turning[j, one] - self.turning[i, one])
-        return self.step_rad * (self.squeeze(eccentricity, load, one) + 1j * turning * eccentricity)
+        return self.step_rad * (self.films.squeeze(eccentricity, load, one) + 1j * turning * eccentricity)
+
+
+@dataclass(frozen=True)
+class Films:
+    """What the oil of bearings lets loads do.
+
+    Attributes:
+        per_load: of each bearing, change of the eccentricity over a radian by a unit load and mobility.
+    """
+
+    map: Mobility
+    per_load: Array
+
+    @classmethod
+    def of(cls, bearings: Sequence[JournalBearing], speed_rad_s: Array) -> Films:
+        """Return the films of bearings at the speeds of their shafts."""
+        per_load = [_per_load(one, float(speed)) for one, speed in zip(bearings, speed_rad_s, strict=True)]
+        return cls(mobility([one.width_mm / one.diameter_mm for one in bearings]), np.array(per_load))
 
     def squeeze(self, eccentricity: Complex, load: Complex, one: Index | int) -> Complex:
         """Change of the eccentricity by the load alone, per radian of the shaft; none outward at last."""
@@ -179,8 +194,8 @@ def _result(
         angle_deg=angle_deg,
         eccentricity=path,
         film_mm=bearing.clearance_mm * np.maximum(1 - size, LEAST_SHARE),
-        pressure_MPa=motion.map.peak_pressure(path, load, one) * np.abs(load) / bearing.projected_mm2,
-        friction_W=_friction_W(journal, motion.squeeze(path, load, one), path),
+        pressure_MPa=motion.films.map.peak_pressure(path, load, one) * np.abs(load) / bearing.projected_mm2,
+        friction_W=_friction_W(journal, motion.films.squeeze(path, load, one), path),
         cycles=cycles,
     )
 

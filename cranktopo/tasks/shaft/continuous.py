@@ -7,10 +7,11 @@ along its axis.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.errors import invalid
@@ -126,6 +127,7 @@ def shaft_cycle(
     forces: CycleForces,
     spring_N_per_mm: float | None,
     borne_by: Sequence[int] | None = None,
+    offset_mm: Array | None = None,
 ) -> ShaftCycle:
     """Solve the shaft for all states of a cycle.
 
@@ -133,6 +135,7 @@ def shaft_cycle(
         angles_deg: of the throws, in the sense of rotation.
         spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
         borne_by: sections that sit in a bearing; all by default.
+        offset_mm: x and y of each of them in rigid bearings, shape (2 bearings, states); none by default.
     """
     about_z = [about_z_deg(angle) for angle in angles_deg]
     sections, states = len(about_z) + 1, forces.angle_deg.size
@@ -143,10 +146,8 @@ def shaft_cycle(
     if forces.added_Nm is not None:
         load[RZ::6] += about_z_deg(1.0) * forces.added_Nm * NMM_PER_NM
     stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
-    radial = np.array([6 * s + m for s in range(sections) for m in (UX, UY)])
-    borne = np.array(
-        [6 * s + m for s in (range(sections) if borne_by is None else borne_by) for m in (UX, UY)]
-    )
+    radial = _radial(range(sections))
+    borne = _radial(range(sections) if borne_by is None else borne_by)
     held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ}
     sprung = stiffness.copy()
     if spring_N_per_mm is None:
@@ -155,13 +156,35 @@ def shaft_cycle(
         sprung[borne, borne] += spring_N_per_mm
     free = np.array([i for i in range(6 * sections) if i not in held])
     motion = np.zeros_like(load)
-    motion[free] = np.linalg.solve(sprung[np.ix_(free, free)], load[free])
+    pushed = load[free]
+    if offset_mm is not None:
+        motion[borne] = offset_mm
+        pushed = pushed - stiffness[np.ix_(free, borne)] @ offset_mm
+    motion[free] = np.linalg.solve(sprung[np.ix_(free, free)], pushed)
     bearing = (stiffness @ motion - load)[radial].reshape(sections, 2, states)
     ends = [
         throw.stiffness @ turned(angle).T @ motion[6 * index : 6 * index + 12] - own[index]
         for index, (throw, angle) in enumerate(zip(throws, about_z, strict=True))
     ]
     return ShaftCycle(forces.angle_deg, motion, bearing, np.stack(ends))
+
+
+def _radial(sections: Iterable[int]) -> NDArray[np.int_]:
+    """Numbers of the motions along x and y of some sections."""
+    return np.array([6 * section + motion for section in sections for motion in (UX, UY)])
+
+
+def bent_into_bearings_N_per_mm(
+    throws: Sequence[LoadedThrow], angles_deg: Sequence[float], borne_by: Sequence[int]
+) -> Array:
+    """Return what bearings must push where journals lie off their axes, x and y of each, (2 n, 2 n)."""
+    about_z = [about_z_deg(angle) for angle in angles_deg]
+    stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
+    borne, last = _radial(borne_by), 6 * len(about_z)
+    free = np.setdiff1d(np.arange(len(stiffness)), [*borne, last + RZ, last + UZ])
+    across = stiffness[np.ix_(free, borne)]
+    led = np.linalg.solve(stiffness[np.ix_(free, free)], across)
+    return np.asarray(stiffness[np.ix_(borne, borne)] - across.T @ led)
 
 
 def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:

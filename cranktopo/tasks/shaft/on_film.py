@@ -1,0 +1,60 @@
+"""Where the journals of a shaft lie in the oil films that carry it, over the cycle.
+
+The bearings' forces follow from where the journals lie: those of rigid bearings, and what the shaft's own
+stiffness adds when it is bent into its bearings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import angular_speed_rad_s
+from cranktopo.design.crank_throws import carried
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
+from cranktopo.numerics.bearing_film.coupled import coupled_orbits
+from cranktopo.tasks.film.stage import main_bearing
+from cranktopo.tasks.shaft.continuous import ShaftCycle, bent_into_bearings_N_per_mm, loads_on_bearings_N
+from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
+
+
+def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCycle) -> Array:
+    """Return x and y of every carried journal in its bearing, in axes that turn with the shaft.
+
+    Shape (2 bearings, states), mm.
+
+    Args:
+        rigid: the cycle of the same shaft in rigid bearings.
+
+    Raises:
+        CranktopoError: no `[bearings]`, or journals that do not become steady.
+    """
+    numbers = carried(scene)
+    bearings = [main_bearing(scene, number) for number in numbers]
+    clearance = np.array([bearing.clearance_mm for bearing in bearings])
+    bent = bent_into_bearings_N_per_mm(throws, scene.shaft_angles_deg, numbers)
+    loads = loads_on_bearings_N(rigid)[list(numbers)]
+    held = loads[:, 1] + 1j * loads[:, 0]  # the shaft turns from y to x
+    states, cycle_rad = held.shape[1], np.radians(engine_of(scene).cycle_deg)
+
+    def load_N(angle_rad: float, eccentricity: Complex) -> Complex:
+        place = angle_rad / cycle_rad * states
+        low = int(place)
+        one, next_one = held[:, low % states], held[:, (low + 1) % states]
+        turn = np.exp(1j * np.radians(about_z_deg(np.degrees(angle_rad))))
+        force = bent @ _x_and_y(clearance * eccentricity * turn)
+        return np.asarray(one + (place - low) * (next_one - one) - (force[1::2] + 1j * force[::2]) / turn)
+
+    speed = angular_speed_rad_s(engine_of(scene).speed_rpm)
+    path = coupled_orbits(bearings, speed, load_N, rigid.angle_deg)
+    turn = np.exp(1j * np.radians([about_z_deg(angle) for angle in rigid.angle_deg]))[:, None]
+    return _x_and_y((clearance * path * turn).T)
+
+
+def _x_and_y(place: Complex) -> Array:
+    """Return imaginary and real part of each row, one below the other."""
+    return np.stack([place.imag, place.real], axis=1).reshape(2 * len(place), *place.shape[1:])
