@@ -168,13 +168,16 @@ def with_goal_options(
 DEFAULT_DESIGN = "mikron-iiic"
 
 
-bearings_option = click.option(
-    "--bearings",
-    type=Choice(["rigid", "spring", "free"]),
-    default="rigid",
-    show_default=True,
-    help="Radial support of every mid-journal section; all of them let it tilt.",
-)
+def bearings_option(*more: str) -> Callable[[Any], Any]:
+    """Return the option of what holds the journals, with kinds that one command alone has."""
+    return click.option(
+        "--bearings",
+        type=Choice(["rigid", "spring", "free", *more]),
+        default="rigid",
+        show_default=True,
+        help="Radial support of every mid-journal section; all of them let it tilt.",
+    )
+
 
 web_option = click.option(
     "--web",

@@ -32,6 +32,7 @@ from cranktopo.tasks.shaft_safety.result import (
     WorstPlace,
 )
 from cranktopo.tasks.shaft_safety.text import safety_text
+from tests.hostile.scenes import dumped
 from tests.page_text import typed_page
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -116,6 +117,34 @@ def test_speeds_without_forces_on_bearings_are_wrong_use(capsys: pytest.CaptureF
     assert "bearings that are not free" in capsys.readouterr().err
     assert main(["shaft", "mikron-iiic-plain", "--speeds", "900:2100"]) == 2
     assert "must be FROM:TO:NUMBER" in capsys.readouterr().err
+
+
+def test_a_shaft_in_its_oil_films(capsys: pytest.CaptureFixture[str]) -> None:
+    """The stiffness is that in rigid bearings; the second bearing carries less; every journal gives way."""
+    words = ["shaft", "car-diesel", "--element-size-mm", "14", "--json", "--quiet"]
+    rigid, film = (_said([*words, "--bearings", kind], capsys) for kind in ("rigid", "film"))
+    assert film["torsion"] == rigid["torsion"]
+    (still,), (lying,) = rigid["on_bearings"], film["on_bearings"]
+    forces = [[one["largest_N"] for one in at["main_bearings"]] for at in (still, lying)]
+    assert forces[1][1] < 0.97 * forces[0][1]
+    radial_um = 1e3 * load_scene("car-diesel").bearings.clearance_mm / 2
+    for one in lying["main_bearings"]:
+        assert 0.8 * radial_um < one["offset_um"] < radial_um
+        assert one["film_um"] == pytest.approx(radial_um - one["offset_um"], abs=0.3)
+
+
+def test_films_need_bearings_and_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["shaft", "mikron-iiic", "--bearings", "film"]) == 3
+    assert "[bearings] is missing" in capsys.readouterr().err
+    data = load_scene("car-diesel").model_dump(mode="json", exclude_none=True, exclude={"engine": {"gas"}})
+    (tmp_path / "cold.toml").write_text(dumped(data), encoding="utf-8")
+    assert main(["shaft", str(tmp_path / "cold.toml"), "--bearings", "film"]) == 2
+    assert "--bearings film needs pressures [engine.gas]" in capsys.readouterr().err
+
+
+def _said(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    assert main(words) == 0
+    return dict(json.loads(capsys.readouterr().out))
 
 
 def test_estimate_covers_a_finer_mesh(bored: dict[str, Any]) -> None:

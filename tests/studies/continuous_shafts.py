@@ -1,7 +1,8 @@
 """Throws alone and on all bearings: `python -m tests.studies.continuous_shafts [ENGINE...]`.
 
 Ratio of the bending range in the middle of the webs, the largest main-bearing force, and the least safety
-(local stress analysis, every angle of the cycle) on rigid bearings and on springs.
+(local stress analysis, every angle of the cycle) on rigid bearings, on springs, and in oil films where the
+design has `[bearings]`.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from cranktopo.tasks.fatigue.target_safety import fatigue_field
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.continuous import continuous_shaft
 from cranktopo.tasks.shaft.loaded_throw import loaded_throw
+from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft_safety.least import least_safeties
 
 ENGINES = ("mikron-iiic", "car-diesel", "industrial-gas")
@@ -38,15 +40,16 @@ def main(*engines: str) -> None:
         stress = solve_shaft_stress(target, FILLET_FRACTION)
         throw, count = loaded_throw(stress.body.blocks, scene), len(scene.shaft_angles_deg)
         of_throws = fatigue_field(target, "lsa", "cycle", FILLET_FRACTION).critical.safety
-        for spring in (None, *SPRINGS_N_PER_MM):
-            found = continuous_shaft([(throw, scene)] * count, scene, spring)
+        films: tuple[Support, ...] = ("film",) if scene.bearings else ()
+        for support in (None, *SPRINGS_N_PER_MM, *films):
+            found = continuous_shaft([(throw, scene)] * count, scene, support)
             web, bearing = found.worst_web, found.worst_bearing
             shares = [one.share for one in found.webs]
-            loads = shaft_loads([stress] * count, scene, scene, spring)[1]
+            loads = shaft_loads([stress] * count, scene, scene, support)[1]
             least = least_safeties(stress.model, list(loads[:, None]), "lsa")
             safety = min(float(np.min(of_part)) for own in least for of_part in own.values())
             alone = max(one.halves_N for one in found.main_bearings)
-            held = "rigid" if spring is None else f"{spring:,.0f}"
+            held = f"{support:,.0f}" if isinstance(support, float) else support or "rigid"
             print(
                 f"| {engine} | {held} | {web.web} | {web.share:.2f} "
                 f"| {min(shares):.2f} to {max(shares):.2f} "

@@ -10,7 +10,6 @@ import numpy as np
 
 from cranktopo.base.arrays import Array
 from cranktopo.base.notes import note
-from cranktopo.design.crank_throws import carried
 from cranktopo.design.misfire import all_firing
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import at_worst_speed, engine_of
@@ -19,8 +18,9 @@ from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, StressModel, mesh_for_stress, stress_model
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import UnitField
-from cranktopo.tasks.shaft.continuous import CycleForces, ShaftCycle, cycle_forces, shaft_cycle, throw_states
+from cranktopo.tasks.shaft.cycle import CycleForces, ShaftCycle, cycle_forces, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LoadedBlock, LoadedThrow, ThrowBody, loaded_throw, throw_body
+from cranktopo.tasks.shaft.on_film import Support, carried_cycle
 from cranktopo.tasks.shaft.stage import shaft_effects
 
 
@@ -65,24 +65,23 @@ def solve_shaft_stress(target: Target, fillet_fraction: float = RULE_FRACTION) -
 
 
 def shaft_loads(
-    throws: Sequence[ShaftStress], scene: Scene, at: Scene, spring_N_per_mm: float | None
+    throws: Sequence[ShaftStress], scene: Scene, at: Scene, support: Support
 ) -> tuple[Array, Array]:
     """Return the angles of the cycle, and the factors of the fields of every throw, (throws, states, fields).
 
     Args:
         at: the scene at the speed of the cycle.
-        spring_N_per_mm: of each main bearing; None: rigid.
 
     Raises:
         CranktopoError: no engine, or no pressures.
     """
-    loaded, forces, cycle = solved_cycle(throws, scene, at, spring_N_per_mm)
+    loaded, forces, cycle = solved_cycle(throws, scene, at, support)
     states = throw_states(loaded, scene.shaft_angles_deg, forces, cycle)
     return forces.angle_deg, np.stack([one.loads(own) for one, own in zip(throws, states, strict=True)])
 
 
 def solved_cycle(
-    throws: Sequence[ShaftStress], scene: Scene, at: Scene, spring_N_per_mm: float | None
+    throws: Sequence[ShaftStress], scene: Scene, at: Scene, support: Support
 ) -> tuple[list[LoadedThrow], CycleForces, ShaftCycle]:
     """Return the throws with their loads, the forces on their pins, and the shaft under these.
 
@@ -90,11 +89,7 @@ def solved_cycle(
     """
     loaded = [loaded_throw(one.body.blocks, one.model.scene) for one in throws]
     forces = cycle_forces(at, shaft_effects(scene))
-    return (
-        loaded,
-        forces,
-        shaft_cycle(loaded, scene.shaft_angles_deg, forces, spring_N_per_mm, carried(scene)),
-    )
+    return loaded, forces, carried_cycle(loaded, at, forces, support)
 
 
 def worst_throw(target: Target, methods: Sequence[str], fillet_fraction: float) -> tuple[FatigueField, ...]:

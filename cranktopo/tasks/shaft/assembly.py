@@ -17,6 +17,8 @@ from cranktopo.numerics.tetrahedra.elasticity import Elasticity
 from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, Lateral, Superelement, condense
 
 Bearings = Literal["free", "rigid", "spring"]
+ShaftBearings = Literal["free", "rigid", "spring", "film"]
+"""Those of a shaft over the cycle: in oil films its stiffness end to end is that in rigid ones."""
 
 MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 """Motion of the far section in the mirror z -> pitch - z of a motion of the near one."""

@@ -1,25 +1,63 @@
-"""Where the journals of a shaft lie in the oil films that carry it, over the cycle.
+"""The shaft in bearings of any kind over the cycle, also in the oil films that carry it.
 
-The bearings' forces follow from where the journals lie: those of rigid bearings, and what the shaft's own
-stiffness adds when it is bent into its bearings.
+In films the forces of the bearings follow from where the journals lie: those of rigid bearings, and what the
+stiffness of the shaft adds when it is bent into its bearings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
 from cranktopo.base.arrays import Array, Complex
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.frames import about_z_deg
 from cranktopo.base.units import angular_speed_rad_s
 from cranktopo.design.crank_throws import carried
 from cranktopo.design.schema import Scene
 from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.gas import pressure_curve
 from cranktopo.numerics.bearing_film.coupled import coupled_orbits
-from cranktopo.tasks.film.stage import main_bearing
-from cranktopo.tasks.shaft.continuous import ShaftCycle, bent_into_bearings_N_per_mm, loads_on_bearings_N
+from cranktopo.tasks.film.stage import main_bearing, plain_bearings
+from cranktopo.tasks.shaft.cycle import (
+    CycleForces,
+    ShaftCycle,
+    bent_into_bearings_N_per_mm,
+    loads_on_bearings_N,
+    shaft_cycle,
+)
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow
+
+Support = float | Literal["film"] | None
+"""Radial stiffness of every main bearing, N/mm; None: rigid; "film": the oil of the scene's `[bearings]`."""
+
+
+def carried_cycle(
+    throws: Sequence[LoadedThrow], scene: Scene, forces: CycleForces, support: Support
+) -> ShaftCycle:
+    """Solve the shaft of a scene at its speed, in those bearings that it has.
+
+    Raises:
+        CranktopoError: films without `[bearings]`, or journals that do not become steady.
+    """
+    angles, borne_by = scene.shaft_angles_deg, carried(scene)
+    if support != "film":
+        return shaft_cycle(throws, angles, forces, support, borne_by)
+    rigid = shaft_cycle(throws, angles, forces, None, borne_by)
+    return shaft_cycle(throws, angles, forces, None, borne_by, film_offsets_mm(throws, scene, rigid))
+
+
+def check_film(scene: Scene) -> None:
+    """Refuse films that nothing loads or that do not carry; raises CranktopoError."""
+    plain_bearings(scene)
+    if pressure_curve(scene) is None or not engine_of(scene).speed_rpm:
+        raise CranktopoError(
+            f"{scene.name}: --bearings film needs pressures [engine.gas] and an engine that turns.",
+            hint="Add them, or choose --bearings rigid.",
+            code=ExitCode.USAGE,
+        )
 
 
 def film_offsets_mm(throws: Sequence[LoadedThrow], scene: Scene, rigid: ShaftCycle) -> Array:

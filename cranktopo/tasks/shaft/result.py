@@ -7,7 +7,7 @@ from pydantic import Field
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
-from cranktopo.tasks.shaft.assembly import Bearings, ShaftStiffness
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
 
 
 class WebMoment(Result):
@@ -105,7 +105,7 @@ class ShaftEvaluation(Result):
     schema_version: int = SCHEMA_VERSION
     design: str
     throw_angles_deg: tuple[float, ...]
-    bearings: Bearings
+    bearings: ShaftBearings
     mass_kg: float
     stiffness: ShaftStiffness = Field(validation_alias="torsion", serialization_alias="torsion")
     error_estimate_percent: TorsionError
@@ -128,6 +128,11 @@ class ShaftEvaluation(Result):
     """Sentence on the cylinders that do not fire."""
     pressure: str = Field(default="", exclude=True)
     """Sentence on the pressure at speeds other than the engine's own."""
+
+    @property
+    def stiffness_bearings(self) -> Bearings:
+        """Bearings in which the torsional stiffness is told: rigid ones for oil films."""
+        return "rigid" if self.bearings == "film" else self.bearings
 
     @property
     def error_percent(self) -> float:

@@ -32,7 +32,7 @@ from cranktopo.tasks.fea.evaluation import (
     throw_inertia_kg_mm2,
 )
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
-from cranktopo.tasks.shaft.assembly import Bearings, ShaftStiffness
+from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
 from cranktopo.tasks.shaft.condensed_throw import (
     CondensedThrow,
     condensed_throws,
@@ -43,6 +43,7 @@ from cranktopo.tasks.shaft.condensed_throw import (
 )
 from cranktopo.tasks.shaft.continuous import continuous_shafts
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, loaded_throw
+from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft.result import ContinuousShaft, OpenTorsion, ShaftEvaluation, TorsionError
 
 _WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
@@ -50,7 +51,7 @@ _WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
 
 def evaluate_shaft(
     target: TargetLike,
-    bearings: Bearings,
+    bearings: ShaftBearings,
     element_size_mm: float | None = None,
     *,
     speeds_rpm: Sequence[float] | None = None,
@@ -71,11 +72,12 @@ def evaluate_shaft(
     resolved = resolve_target(target, whole=True, crank=True)
     scene = resolved.scene
     spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else 0.0
+    held: Bearings = "rigid" if bearings == "film" else bearings  # a torque bends no shaft into its films
     size = element_size_mm or default_element_size_mm(scene)
     check_element_size(scene, size)
     loaded = speeds_rpm is not None and stands_on_bearings(scene, bearings)
     shaft = _condensed_shaft(resolved, size, bodies, loaded=loaded)
-    stiffness, error = _stiffness_and_error(shaft, resolved, bearings, spring, size)
+    stiffness, error = _stiffness_and_error(shaft, resolved, held, spring, size)
     disks = bare_chain(scene, shaft.inertias_kg_mm2, stiffness.throws_Nm_per_rad)
     stiff_scene = of_stiffness(scene, stiffness.throws_Nm_per_rad)
     return ShaftEvaluation(
@@ -94,7 +96,7 @@ def evaluate_shaft(
         pressure=pressure_words(scene, _speeds(scene, speeds_rpm or ())) if loaded else "",
         assumed=filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded)),
         throw_inertias_kg_mm2=shaft.inertias_kg_mm2,
-        throw_by_bearings_Nm_per_rad=_throw_by_bearings(shaft, scene, bearings, stiffness),
+        throw_by_bearings_Nm_per_rad=_throw_by_bearings(shaft, scene, held, stiffness),
     )
 
 
@@ -202,7 +204,7 @@ def with_throw_stiffness(target: Target) -> Target:
 
 def stiffness_source(shaft: ShaftEvaluation) -> str:
     """Return where the stiffness of the throws comes from, in words."""
-    return f"finite elements, {shaft.bearings} bearings, +-{shaft.error_percent:.2g} %"
+    return f"finite elements, {shaft.stiffness_bearings} bearings, +-{shaft.error_percent:.2g} %"
 
 
 def of_stiffness(scene: Scene, throws_Nm_per_rad: Sequence[float]) -> Scene:
@@ -213,27 +215,34 @@ def of_stiffness(scene: Scene, throws_Nm_per_rad: Sequence[float]) -> Scene:
     return scene.model_copy(update={"shaft": shaft})
 
 
-def shaft_tables(scene: Scene, bearings: Bearings, *, loaded: bool = False) -> tuple[str, ...]:
+def shaft_tables(scene: Scene, bearings: ShaftBearings, *, loaded: bool = False) -> tuple[str, ...]:
     """Paths of what a shaft uses of a scene; loads count if asked for, or for a plain bearing's spring."""
     if loaded or (bearings == "spring" and scene.supports.bearing_clearance_mm is not None):
         return (*SHAFT, LOADS)
     return SHAFT
 
 
-def stands_on_bearings(scene: Scene, bearings: Bearings) -> bool:
+def stands_on_bearings(scene: Scene, bearings: ShaftBearings) -> bool:
     """Tell whether a scene and its bearings say what the shaft carries over the cycle."""
     return bearings != "free" and pressure_curve(scene) is not None
 
 
 def _at_speeds(
-    shaft: _Shaft, scene: Scene, bearings: Bearings, speeds_rpm: Sequence[float]
+    shaft: _Shaft, scene: Scene, bearings: ShaftBearings, speeds_rpm: Sequence[float]
 ) -> tuple[ContinuousShaft, ...]:
-    spring = required_bearing_spring_N_per_mm(scene) if bearings == "spring" else None
     parts = [
         (loaded_throw(throw.loaded, target.scene), target.scene)
         for throw, target in zip(shaft.condensed, shaft.throws, strict=True)
     ]
-    return continuous_shafts(parts, speed_scenes(scene, speeds_rpm), spring, shaft_effects(scene))
+    support = support_of(scene, bearings)
+    return continuous_shafts(parts, speed_scenes(scene, speeds_rpm), support, shaft_effects(scene))
+
+
+def support_of(scene: Scene, bearings: ShaftBearings) -> Support:
+    """Return what holds the journals of a shaft over the cycle."""
+    if bearings == "film":
+        return "film"
+    return required_bearing_spring_N_per_mm(scene) if bearings == "spring" else None
 
 
 def speed_scenes(scene: Scene, speeds_rpm: Sequence[float]) -> list[Scene]:

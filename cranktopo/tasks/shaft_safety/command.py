@@ -28,13 +28,13 @@ from cranktopo.cli.verbosity import verbosity_options
 from cranktopo.tasks.fatigue.criteria import LOCAL_METHODS
 
 if TYPE_CHECKING:
-    from cranktopo.tasks.shaft.assembly import Bearings
+    from cranktopo.tasks.shaft.assembly import ShaftBearings
 
 
 @click.command()
 @click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
 @body_options
-@bearings_option
+@bearings_option("film")
 @click.option("--element-size-mm", type=CELL_MM, help="General element size.")
 @click.option(
     "--speeds",
@@ -82,7 +82,8 @@ def command(
     """The whole shaft of TARGET: torsional stiffness, frequencies, and what webs and main bearings carry.
 
     Its throws are assembled by firing order. With pressures, and bearings that are not free, the shaft
-    stands on all its main bearings over the working cycle. With --method its mesh follows the fillets, and
+    stands on all its main bearings over the working cycle, with --bearings film in the oil of [bearings].
+    With --method its mesh follows the fillets, and
     the safety of each part of each web is that of the worst point, crank angle and speed.
 
     TARGET is a design, a run directory, or an STL or STEP file of the half throw (with --design).
@@ -95,14 +96,14 @@ def command(
     from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION
     from cranktopo.tasks.fea.stage import print_assumed
     from cranktopo.tasks.fea.targets import resolve_target
-    from cranktopo.tasks.shaft.assembly import Bearings
+    from cranktopo.tasks.shaft.assembly import ShaftBearings
     from cranktopo.tasks.shaft.stage import shaft_tables, stands_on_bearings
     from cranktopo.tasks.shaft_safety.stage import assess_shaft
     from cranktopo.tasks.shaft_safety.text import shaft_text
 
     method = method or ("lsa" if report is not None else None)
     resolved = resolve_target(target, design, fillets=method is not None, align=align, whole=True, crank=True)
-    support: Bearings = next(name for name in get_args(Bearings) if name == bearings)
+    support: ShaftBearings = next(name for name in get_args(ShaftBearings) if name == bearings)
     loaded = stands_on_bearings(resolved.scene, support)
     _check_options(loaded, speeds_rpm, method, misfires, element_size_mm, fillet_fraction)
     tables = shaft_tables(resolved.scene, support, loaded=loaded)
@@ -135,7 +136,7 @@ def _check_options(
     if needing and not loaded:
         raise CranktopoError(
             f"{needing}: the forces on all bearings need [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid or spring.",
+            hint="Leave it out, or choose --bearings rigid, spring or film.",
             code=ExitCode.USAGE,
         )
     if method and element_size_mm is not None:

@@ -18,7 +18,6 @@ from cranktopo.design.crank_throws import carried
 from cranktopo.design.misfire import with_misfire
 from cranktopo.design.strength import note_strength
 from cranktopo.engine.analysis import at_speed, engine_of
-from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.histories import WebHistory
 from cranktopo.engine.performance import note_pressure
 from cranktopo.report.report_file import check_report_path, write_report
@@ -31,14 +30,16 @@ from cranktopo.tasks.fatigue.safety_field import FatigueField, field_of_states
 from cranktopo.tasks.fatigue.shaft_stress import ShaftStress, shaft_loads, solve_shaft_stress, solved_cycle
 from cranktopo.tasks.fatigue.stress_model import RULE_FRACTION, check_fillets
 from cranktopo.tasks.fea.targets import USED, Target, TargetLike, resolve_target
-from cranktopo.tasks.shaft.assembly import Bearings
-from cranktopo.tasks.shaft.continuous import loads_on_bearings_N
+from cranktopo.tasks.shaft.assembly import ShaftBearings
+from cranktopo.tasks.shaft.cycle import loads_on_bearings_N
+from cranktopo.tasks.shaft.on_film import Support, check_film
 from cranktopo.tasks.shaft.result import ShaftEvaluation
 from cranktopo.tasks.shaft.stage import (
     evaluate_shaft,
     of_stiffness,
     speed_scenes,
     stands_on_bearings,
+    support_of,
     throw_targets,
 )
 from cranktopo.tasks.shaft.web_loads import web_histories
@@ -57,7 +58,7 @@ from cranktopo.tasks.shaft_safety.result import (
 
 def assess_shaft(
     target: TargetLike,
-    bearings: Bearings = "rigid",
+    bearings: ShaftBearings = "rigid",
     element_size_mm: float | None = None,
     *,
     speeds_rpm: Sequence[float] = (),
@@ -83,6 +84,8 @@ def assess_shaft(
     report = as_path(report)
     resolved = resolve_target(target, fillets=method is not None, whole=True, crank=True)
     resolved = replace(resolved, scene=with_misfire(resolved.scene, misfire))
+    if bearings == "film":
+        check_film(resolved.scene)
     if method is None:
         if stands_on_bearings(resolved.scene, bearings):
             note_pressure(resolved.name, resolved.scene)
@@ -105,7 +108,7 @@ def assess_shaft(
 
 def judged_shaft(
     target: Target,
-    bearings: Bearings,
+    bearings: ShaftBearings,
     method: str,
     speeds_rpm: Sequence[float] = (),
     fillet_fraction: float = RULE_FRACTION,
@@ -125,13 +128,13 @@ def judged_shaft(
     return found, JudgedShaft(replace(target, scene=vibrating), bearings, own, speeds_rpm, method)
 
 
-def _check(target: Target, bearings: Bearings, method: str) -> None:
+def _check(target: Target, bearings: ShaftBearings, method: str) -> None:
     """Check everything that a user can get wrong, before the first solve."""
     criterion(method)
     if not stands_on_bearings(target.scene, bearings):
         raise CranktopoError(
             "--method: the safety over the cycle needs [engine.gas], and bearings that are not free.",
-            hint="Leave it out, or choose --bearings rigid or spring.",
+            hint="Leave it out, or choose --bearings rigid, spring or film.",
             code=ExitCode.USAGE,
         )
     for throw in dict.fromkeys(throw_targets(target)):
@@ -144,7 +147,7 @@ class JudgedShaft:
     """A shaft whose throws' stresses are known, to be judged at some speeds."""
 
     target: Target
-    bearings: Bearings
+    bearings: ShaftBearings
     throws: Sequence[ShaftStress]
     speeds_rpm: Sequence[float]
     method: str
@@ -182,26 +185,26 @@ class JudgedShaft:
         """Return at each speed what loads each web, as `web_histories` has it."""
         scene, found = self.target.scene, []
         for at in speed_scenes(scene, self.speeds_rpm):
-            throws, forces, cycle = solved_cycle(self.throws, scene, at, self._spring)
+            throws, forces, cycle = solved_cycle(self.throws, scene, at, self._support)
             found.append(web_histories(throws, [one.model.scene for one in self.throws], forces, cycle))
         return found
 
     def bearing_loads(self, speed_rpm: float) -> BearingPolar:
         """Return the forces on the main bearings at one speed."""
         scene, sections = self.target.scene, carried(self.target.scene)
-        _, _, cycle = solved_cycle(self.throws, scene, at_speed(scene, speed_rpm), self._spring)
+        _, _, cycle = solved_cycle(self.throws, scene, at_speed(scene, speed_rpm), self._support)
         on_bearings = loads_on_bearings_N(cycle)[list(sections)]
         return BearingPolar(speed_rpm, cycle.angle_deg, tuple(s + 1 for s in sections), on_bearings)
 
     @property
-    def _spring(self) -> float | None:
-        return required_bearing_spring_N_per_mm(self.target.scene) if self.bearings == "spring" else None
+    def _support(self) -> Support:
+        return support_of(self.target.scene, self.bearings)
 
     def _loads(self) -> tuple[Array, list[Array]]:
         """Angles, and of each throw the factors of its fields, (speeds, states, fields)."""
         scene = self.target.scene
         found = [
-            shaft_loads(self.throws, scene, at, self._spring) for at in speed_scenes(scene, self.speeds_rpm)
+            shaft_loads(self.throws, scene, at, self._support) for at in speed_scenes(scene, self.speeds_rpm)
         ]
         return found[0][0], list(np.stack([loads for _, loads in found], axis=1))
 

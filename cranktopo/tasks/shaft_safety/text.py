@@ -28,7 +28,7 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
     said = [line for line in (shaft.silent, fill(shaft.pressure, WIDTH)) if line]
-    parts = [*_torsion(shaft), *said, *_on_bearings(shaft.on_bearings)]
+    parts = [*_torsion(shaft), *said, *_on_bearings(shaft)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
     return "\n\n".join((*parts, errors))
@@ -102,7 +102,7 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
     end = shaft.stiffness.end_to_end_Nm_per_rad / 1000
     rows = (
         (shaft.weighed, f"{shaft.mass_kg:.3f} kg"),
-        (f"end to end, {shaft.bearings} bearings", f"{end:.2f} kN m/rad"),
+        (f"end to end, {shaft.stiffness_bearings} bearings", f"{end:.2f} kN m/rad"),
         *(
             (f"one throw, {name}", f"{value / 1000:.2f} kN m/rad")
             for name, value in shaft.throw_by_bearings_Nm_per_rad.items()
@@ -112,12 +112,14 @@ def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
     return _table({"throw": 0, "angle_deg": 0, "torsion_kNm_per_rad": 2}, throws), labelled(rows)
 
 
-def _on_bearings(speeds: tuple[ContinuousShaft, ...]) -> list[str]:
+def _on_bearings(shaft: ShaftEvaluation) -> list[str]:
     """Return tables at the speed where a web carries most, and one over the speeds if there are several."""
+    speeds = shaft.on_bearings
     if not speeds:
         return []
     worst = max(speeds, key=lambda at: at.worst_web.range_Nm)
-    held = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
+    stiff = "rigid" if worst.spring_N_per_mm is None else f"of {worst.spring_N_per_mm:,.0f} N/mm"
+    held = "in their oil films" if shaft.bearings == "film" else stiff
     told = [
         f"On all its main bearings, {held}, at {worst.speed_rpm:,.0f} rpm. Bending moment in the middle\n"
         "of each web, largest less smallest over the cycle, beside a throw alone:",

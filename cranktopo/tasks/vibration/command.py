@@ -27,7 +27,7 @@ from cranktopo.cli.verbosity import verbosity_options
 @click.command()
 @click.argument("target", default=DEFAULT_DESIGN, shell_complete=designs)
 @body_options
-@bearings_option
+@bearings_option()
 @click.option("--element-size-mm", type=CELL_MM, help="General element size.")
 @click.option(
     "--report",

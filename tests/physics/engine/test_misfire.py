@@ -30,7 +30,7 @@ from cranktopo.engine.vibration.study import _torques
 from cranktopo.engine.vibration.torque_harmonics import torque_harmonics
 from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
 from cranktopo.tasks.loads.stage import loads_at_speeds
-from cranktopo.tasks.shaft.continuous import cycle_forces, shaft_cycle
+from cranktopo.tasks.shaft.cycle import cycle_forces, shaft_cycle
 from tests.engine_arrangements import VEE, arranged
 from tests.physics.engine.dissipation import check_balance
 from tests.physics.shaft.test_continuous_shaft import CRANK_MM, beam_throw

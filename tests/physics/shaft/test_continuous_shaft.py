@@ -16,11 +16,9 @@ from cranktopo.engine.balance.throw import throw_balance
 from cranktopo.engine.balance.whole_engine import main_bearings
 from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
 from cranktopo.tasks.film.stage import oil_films
-from cranktopo.tasks.shaft.continuous import (
+from cranktopo.tasks.shaft.continuous import _of_throw, _with_films, continuous_shaft
+from cranktopo.tasks.shaft.cycle import (
     CycleForces,
-    _of_throw,
-    _with_films,
-    continuous_shaft,
     cycle_forces,
     loads_on_bearings_N,
     shaft_cycle,

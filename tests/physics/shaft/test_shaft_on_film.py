@@ -12,7 +12,7 @@ from cranktopo.base.frames import about_z_deg
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.bearing_film.orbit import Orbit
 from cranktopo.tasks.film.stage import LoadedBearing, main_bearing, orbits_of
-from cranktopo.tasks.shaft.continuous import (
+from cranktopo.tasks.shaft.cycle import (
     CycleForces,
     ShaftCycle,
     bent_into_bearings_N_per_mm,

@@ -22,7 +22,7 @@ from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.condense import RZ
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.assembly import SPLITS
-from cranktopo.tasks.shaft.continuous import CycleForces, cycle_forces, shaft_cycle, throw_states
+from cranktopo.tasks.shaft.cycle import CycleForces, cycle_forces, shaft_cycle, throw_states
 from cranktopo.tasks.shaft.loaded_throw import LOADS, loaded_throw
 from cranktopo.tasks.shaft.stage import shaft_effects
 from cranktopo.tasks.shaft.web_loads import web_histories

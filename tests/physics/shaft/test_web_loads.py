@@ -10,7 +10,7 @@ from cranktopo.design.loading import load_scene
 from cranktopo.design.named import with_values
 from cranktopo.engine.forces import INERTIA_EFFECTS
 from cranktopo.engine.histories import LoadHistory, WebHistory, load_history
-from cranktopo.tasks.shaft.continuous import cycle_forces, shaft_cycle
+from cranktopo.tasks.shaft.cycle import cycle_forces, shaft_cycle
 from cranktopo.tasks.shaft.loaded_throw import LoadedThrow, loaded_throw, throw_body
 from cranktopo.tasks.shaft.web_loads import web_histories
 

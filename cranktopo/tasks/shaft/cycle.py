@@ -1,0 +1,233 @@
+"""The shaft on all its main bearings over the cycle, quasi-static: motions and forces of its sections.
+
+In the frame that turns with the shaft the bearings, alike in every direction, are constant; loads of a cycle
+are right-hand sides of one matrix of six unknowns a section. The last section holds the shaft in rotation and
+along its axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cranktopo.base.arrays import Array
+from cranktopo.base.errors import invalid
+from cranktopo.base.frames import about_z_deg
+from cranktopo.base.units import NMM_PER_NM, angular_speed_rad_s
+from cranktopo.design.halves import halves
+from cranktopo.design.schema import Scene
+from cranktopo.engine.analysis import engine_of
+from cranktopo.engine.balance.layout import engine_layout
+from cranktopo.engine.cylinders import cylinders
+from cranktopo.engine.forces import INERTIA_EFFECTS, ShaftTorque, by_throw
+from cranktopo.engine.histories import every_degree
+from cranktopo.engine.vibration.vibrating_shaft import vibrating_torque
+from cranktopo.tasks.fea.condense import RX, RZ, UX, UY, UZ
+from cranktopo.tasks.shaft.assembly import shaft_matrix, turned
+from cranktopo.tasks.shaft.loaded_throw import LOADS, LoadedThrow
+
+
+@dataclass(frozen=True)
+class CycleForces:
+    """Forces of the rods on the pins over the cycle, in the axes of each throw.
+
+    Attributes:
+        radial_N, tangential_N: shape (throws, states).
+        radial_aside_N_mm, tangential_aside_N_mm: their moments about the middle of the pin, positive where
+            the rod nearer to the free end has more, shape (throws, states).
+        added_Nm: torque of the vibrating shaft's inertia on every section in the sense of rotation, shape
+            (sections, states); None where it does not vibrate.
+    """
+
+    angle_deg: Array
+    radial_N: Array
+    tangential_N: Array
+    radial_aside_N_mm: Array
+    tangential_aside_N_mm: Array
+    angular_speed_rad_s: float
+    added_Nm: Array | None = None
+
+
+@dataclass(frozen=True)
+class ShaftCycle:
+    """Motions and forces of the sections over the cycle, in axes that turn with the shaft.
+
+    Attributes:
+        motion: of every section, shape (6 sections, states), mm and rad.
+        bearing_N: x and y of the force of every bearing on the shaft, shape (sections, 2, states).
+        throw_N: forces on both sections of every throw in its own axes, shape (throws, 12, states).
+    """
+
+    angle_deg: Array
+    motion: Array
+    bearing_N: Array
+    throw_N: Array
+
+
+def cycle_forces(scene: Scene, enabled: frozenset[str] = INERTIA_EFFECTS) -> CycleForces:
+    """Return the forces on all pins at the engine's speed.
+
+    Args:
+        enabled: with `torsional_vibration` also what its swinging does to the sections.
+
+    Raises:
+        CranktopoError: no engine, or no pressures.
+    """
+    engine, rods = engine_of(scene), cylinders(scene)
+    if rods is None:
+        raise invalid(
+            "engine.gas", None, "must be given for forces over the cycle", "Add an [engine.gas] table."
+        )
+    stride, layout = every_degree(rods.angle_deg), engine_layout(scene)
+    radial = rods.each(lambda rod: rod.web_force_N)[:, ::stride]
+    tangential = rods.each(lambda rod: rod.tangential_force_N)[:, ::stride]
+    aside = (layout.throw_z_mm[list(layout.throw_of)] - layout.cylinder_z_mm)[:, None]
+    forces = CycleForces(
+        rods.angle_deg[::stride],
+        by_throw(radial, engine.throws),
+        by_throw(tangential, engine.throws),
+        by_throw(aside * radial, engine.throws),
+        by_throw(aside * tangential, engine.throws),
+        angular_speed_rad_s(engine.speed_rpm),
+    )
+    if "torsional_vibration" not in enabled:
+        return forces
+    return replace(forces, added_Nm=_of_inertia(vibrating_torque(scene, enabled), forces, scene))
+
+
+def _of_inertia(torque: ShaftTorque, forces: CycleForces, scene: Scene) -> Array:
+    """Return what the torque of a vibrating shaft has beside that of the pins, half on either section."""
+
+    def over_cycle(curves: Array) -> Array:
+        cycle_deg = engine_of(scene).cycle_deg
+        return np.array([np.interp(forces.angle_deg, torque.angle_deg, c, period=cycle_deg) for c in curves])
+
+    assert torque.ahead_Nm is not None
+    ahead, behind = over_cycle(torque.ahead_Nm), over_cycle(torque.passed_on_Nm)
+    own = forces.tangential_N * scene.throw.radius_mm / NMM_PER_NM
+    half = (behind - ahead - own) / 2
+    added = np.vstack([half, np.zeros_like(half[:1])]) + np.vstack([np.zeros_like(half[:1]), half])
+    added[0] += ahead[0]
+    return np.asarray(added)
+
+
+def shaft_cycle(
+    throws: Sequence[LoadedThrow],
+    angles_deg: Sequence[float],
+    forces: CycleForces,
+    spring_N_per_mm: float | None,
+    borne_by: Sequence[int] | None = None,
+    offset_mm: Array | None = None,
+) -> ShaftCycle:
+    """Solve the shaft for all states of a cycle.
+
+    Args:
+        angles_deg: of the throws, in the sense of rotation.
+        spring_N_per_mm: radial stiffness of every main bearing; None: rigid.
+        borne_by: sections that sit in a bearing; all by default.
+        offset_mm: x and y of each of them in rigid bearings, shape (2 bearings, states); none by default.
+    """
+    about_z = [about_z_deg(angle) for angle in angles_deg]
+    sections, states = len(about_z) + 1, forces.angle_deg.size
+    own = np.stack([_pin_loads(throw, forces, index) for index, throw in enumerate(throws)])
+    load = np.zeros((6 * sections, states))
+    for index, angle in enumerate(about_z):
+        load[6 * index : 6 * index + 12] += turned(angle) @ own[index]
+    if forces.added_Nm is not None:
+        load[RZ::6] += about_z_deg(1.0) * forces.added_Nm * NMM_PER_NM
+    stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
+    radial = _radial(range(sections))
+    borne = _radial(range(sections) if borne_by is None else borne_by)
+    held = {6 * (sections - 1) + RZ, 6 * (sections - 1) + UZ}
+    sprung = stiffness.copy()
+    if spring_N_per_mm is None:
+        held |= set(borne.tolist())
+    else:
+        sprung[borne, borne] += spring_N_per_mm
+    free = np.array([i for i in range(6 * sections) if i not in held])
+    motion = np.zeros_like(load)
+    pushed = load[free]
+    if offset_mm is not None:
+        motion[borne] = offset_mm
+        pushed = pushed - stiffness[np.ix_(free, borne)] @ offset_mm
+    motion[free] = np.linalg.solve(sprung[np.ix_(free, free)], pushed)
+    bearing = (stiffness @ motion - load)[radial].reshape(sections, 2, states)
+    ends = [
+        throw.stiffness @ turned(angle).T @ motion[6 * index : 6 * index + 12] - own[index]
+        for index, (throw, angle) in enumerate(zip(throws, about_z, strict=True))
+    ]
+    return ShaftCycle(forces.angle_deg, motion, bearing, np.stack(ends))
+
+
+def _radial(sections: Iterable[int]) -> NDArray[np.int_]:
+    """Numbers of the motions along x and y of some sections."""
+    return np.array([6 * section + motion for section in sections for motion in (UX, UY)])
+
+
+def bent_into_bearings_N_per_mm(
+    throws: Sequence[LoadedThrow], angles_deg: Sequence[float], borne_by: Sequence[int]
+) -> Array:
+    """Return what bearings must push where journals lie off their axes, x and y of each, (2 n, 2 n)."""
+    about_z = [about_z_deg(angle) for angle in angles_deg]
+    stiffness = shaft_matrix(np.stack([throw.stiffness for throw in throws]), about_z)
+    borne, last = _radial(borne_by), 6 * len(about_z)
+    free = np.setdiff1d(np.arange(len(stiffness)), [*borne, last + RZ, last + UZ])
+    across = stiffness[np.ix_(free, borne)]
+    led = np.linalg.solve(stiffness[np.ix_(free, free)], across)
+    return np.asarray(stiffness[np.ix_(borne, borne)] - across.T @ led)
+
+
+def _pin_loads(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
+    """Section forces that do the work of all loads of a throw, (12, states)."""
+    loads = np.stack([throw.loads[name] for name in LOADS], axis=1)
+    return np.asarray(loads @ _shares(throw, forces, index))
+
+
+def _shares(throw: LoadedThrow, forces: CycleForces, index: int) -> Array:
+    """Number of unit loads, in the order of `LOADS`, that act on a throw, (loads, states)."""
+    return np.stack(
+        [
+            forces.radial_N[index],
+            forces.tangential_N[index],
+            forces.radial_aside_N_mm[index] / throw.aside_moment_mm,
+            forces.tangential_aside_N_mm[index] / throw.aside_moment_mm,
+            np.full(forces.angle_deg.size, forces.angular_speed_rad_s**2),
+        ]
+    )
+
+
+def throw_states(
+    throws: Sequence[LoadedThrow], angles_deg: Sequence[float], forces: CycleForces, cycle: ShaftCycle
+) -> Array:
+    """Return what acts on every throw in its own axes, (throws, 12 motions of sections and loads, states)."""
+    found = []
+    for index, (throw, angle) in enumerate(zip(throws, angles_deg, strict=True)):
+        own = turned(about_z_deg(angle)).T @ cycle.motion[6 * index : 6 * index + 12]
+        found.append(np.vstack([own, _shares(throw, forces, index)]))
+    return np.stack(found)
+
+
+def loads_on_bearings_N(cycle: ShaftCycle) -> Array:
+    """Return the force of the shaft on every bearing in the axes of the engine, (sections, x and y, states).
+
+    The throws stand there as their angles say when the crank angle is 0.
+    """
+    turn = np.radians([about_z_deg(angle) for angle in cycle.angle_deg])
+    x, y = -cycle.bearing_N[:, 0], -cycle.bearing_N[:, 1]
+    return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], axis=1)
+
+
+def web_moments_Nmm(cycle: ShaftCycle, scenes: Sequence[Scene]) -> Array:
+    """Return the moment about x in the middle of both webs of every throw, (throws, 2, states).
+
+    Of the section forces alone: what is constant over the cycle between section and web, the web's own
+    centrifugal force, is left out.
+    """
+    near, far = (
+        np.array([sum(halves(scene)[side].web_z_mm) / 2 for scene in scenes])[:, None] for side in (0, 1)
+    )
+    first, last = cycle.throw_N[:, :6], cycle.throw_N[:, 6:]
+    return np.stack([first[:, RX] + near * first[:, UY], -(last[:, RX] - far * last[:, UY])], axis=1)
