@@ -8,6 +8,7 @@ any other there are those of elements (`outlet_elements`).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history, tangential_range_N
+from cranktopo.engine.histories import HistoryKind, LoadHistory, histories_of, tangential_range_N
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors, element_outlet_factors
 from cranktopo.tasks.fatigue.stress_model import StressModel
@@ -173,10 +174,10 @@ def check_outlets(
     outlets = pin_outlets(half)
     if not outlets:
         return ()
-    history = load_history(scene, kind, enabled | {"tangential"})
+    histories = histories_of(scene, kind, enabled | {"tangential"})
     tangential = tangential_range_N(scene, enabled) if kind == "extremes" else None
     found = (
-        _check(half, share, channel, mouth, (history, tangential), torque_Nmm) for channel, mouth in outlets
+        _check(half, share, channel, mouth, (histories, tangential), torque_Nmm) for channel, mouth in outlets
     )
     if model is None:
         return tuple(found)
@@ -201,7 +202,7 @@ def _check(
     share: float,
     channel: DrillBore,
     mouth: DrillOutlet,
-    loads: tuple[LoadHistory, float | None],
+    loads: tuple[Sequence[LoadHistory], float | None],
     torque_Nmm: float,
 ) -> OutletCheck:
     pin, bore = scene.throw.crankpin, 2 * channel.radius_mm
@@ -251,19 +252,24 @@ def unchecked_journal_outlets(scene: Scene) -> dict[str, str]:
 
 
 def _alternating_moment_Nmm(
-    scene: Scene, share: float, mouth: DrillOutlet, history: LoadHistory, tangential_N: float | None
+    scene: Scene,
+    share: float,
+    mouth: DrillOutlet,
+    histories: Sequence[LoadHistory],
+    tangential_N: float | None,
 ) -> float:
     """Alternating moment at the outlet: triangular diagrams of radial and tangential force.
 
-    Over the cycle where no range of the tangential force is given, else of the ranges of both joined.
+    Over each web's own cycle at one speed, the largest of them, where no range of the tangential force is
+    given; else of the ranges of both joined.
     """
     aside, along, _ = mouth.normal
     # Largest at the pin's middle: an outlet beyond it counts as there.
     lever = share * min(mouth.point_mm[2], scene.pitch_mm / 2)
     if tangential_N is None:
-        at = history.tangential_N * aside - history.radial_N * along
-        return lever * float(np.ptp(at)) / 2
-    radial = float(np.ptp(history.radial_N))
+        bending = (one.tangential_N * aside - one.radial_N * along for one in histories)
+        return lever * max(float(np.ptp(at)) for at in bending) / 2
+    radial = max(float(np.ptp(one.radial_N)) for one in histories)
     return float(lever * (radial * abs(along) + tangential_N * abs(aside)) / 2)
 
 

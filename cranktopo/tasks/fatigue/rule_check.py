@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-import numpy as np
-
 from cranktopo.base.errors import invalid
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
@@ -15,7 +13,7 @@ from cranktopo.design.halves import drilled_alike, halves
 from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import HistoryKind, load_history, torque_amplitude_Nm
+from cranktopo.engine.histories import HistoryKind, radial_amplitude_N, torque_amplitude_Nm
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.hardened_layer import layers
@@ -252,8 +250,7 @@ def _check(
     target = replace(target, name=name, scene=scene)
     check_method(scene, "m53")
     enabled = load_kinds(throw, kind)[0]
-    history = load_history(throw, kind, enabled)
-    force, torque = float(np.ptp(history.radial_N)) / 2, torque_amplitude_Nm(throw, history, kind, enabled)
+    force, torque = radial_amplitude_N(throw, kind, enabled), torque_amplitude_Nm(throw, kind, enabled)
     size = dimensions(scene)
     _check_validity(scene, size)
     moment = force * share * web_lever_mm(scene)
