@@ -42,7 +42,7 @@ class OutletCheck:
         bending_MPa, torsion_MPa: nominal alternating stresses.
         check: equivalent alternating stress and fatigue strength.
         outside: what lies outside the validity of the factors, in words.
-        elements: factors of finite elements; None where the model has no such bore.
+        elements: factors of finite elements; None before these are solved.
         sharp: the outlet has no rounding, so that its largest stress is that of an edge.
         wanted: set of factors that the scene lets govern.
         bore_mm: diameter of the bore.
@@ -77,10 +77,16 @@ class OutletCheck:
     def unproven(self) -> str:
         """Reason why the elements prove nothing here; empty where they do."""
         if self.elements is None:
-            return "the half throw that is modelled has no such bore"
+            return "no elements are solved"
         if self.sharp:
             return "the outlet is sharp (outlet_radius_mm = 0)"
         return "" if self.elements.checks.within_limits else self.elements.checks.shortfall
+
+    @property
+    def waits_for_mesh(self) -> bool:
+        """Tell whether elements of a finer mesh may judge it."""
+        missed = self.elements is not None and not self.elements.checks.within_limits
+        return self.judged is None and missed and not self.sharp and self.wanted != "polynomials"
 
     @property
     def governed_by(self) -> GoverningFactors | None:
@@ -163,9 +169,9 @@ def check_outlets(
         kind: the whole cycle, or its extremes joined, which bounds it.
         enabled: effects that are on; the tangential force always bends the pin here.
         torque_Nmm: alternating torque.
-        half: the throw of two webs as on this side, where they differ; its drillings are checked.
+        half: the throw of two webs as on this side, where they differ; drillings of its first half count.
         share: of the force on the pin that the bearing on this side takes.
-        model: unit stresses of the half throw, for the factors of elements.
+        model: unit stresses of that throw, for the factors of elements.
 
     Raises:
         CranktopoError: the scene does not tell the loads.
