@@ -60,6 +60,15 @@ def drilled_alike(half: Scene) -> Scene:
     return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": both})})
 
 
+def judged_half(half: Scene) -> Scene:
+    """The throw that has a half twice, drilled where the half alone is: in its first half."""
+    own = tuple(
+        drilling if drilling.web == "both" else drilling.model_copy(update={"web": "first"})
+        for drilling in half.throw.drilling
+    )
+    return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": own})})
+
+
 def require_equal_halves(scene: Scene) -> None:
     """Refuse a throw whose halves differ, for what models half of it."""
     key = difference(scene)

@@ -138,16 +138,24 @@ def tangential_range_N(scene: Scene, enabled: frozenset[str]) -> float:
     return max(high.value for high, _ in known) - min(low.value for _, low in known)
 
 
-def torque_amplitude_Nm(
-    scene: Scene, history: LoadHistory, kind: HistoryKind, enabled: frozenset[str]
-) -> float:
+def radial_amplitude_N(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> float:
+    """Return the largest amplitude of the radial force on any web, over the cycle at one speed.
+
+    Joined extremes have one amplitude, which no web exceeds.
+    """
+    return max(float(np.ptp(one.radial_N)) for one in histories_of(scene, kind, enabled)) / 2
+
+
+def torque_amplitude_Nm(scene: Scene, kind: HistoryKind, enabled: frozenset[str]) -> float:
     """Return the torque amplitude that no section ahead of or behind a throw exceeds.
 
     A cycle is a throw's own, with the mean torque of its ends, and each end swings by its own amplitude: the
     largest of these counts. Joined extremes hold both ends already.
     """
-    if kind == "extremes" or "torsion" not in enabled:
-        return float(np.ptp(history.torque_Nm)) / 2
+    if "torsion" not in enabled:
+        return 0.0
+    if kind == "extremes":
+        return float(np.ptp(load_history(scene, kind, enabled).torque_Nm)) / 2
     swings = [np.ptp(cycle.torque.sections_Nm, axis=1) for cycle in _cycles(all_firing(scene), enabled)]
     return float(np.max(swings)) / 2
 
@@ -161,11 +169,19 @@ def _cycles(scene: Scene, enabled: frozenset[str]) -> list[Cycle]:
 
 
 def _extremes(scene: Scene, enabled: frozenset[str]) -> LoadHistory:
-    return joined_extremes(analyse(scene, enabled), extreme_states(scene, enabled))
+    return joined_extremes(
+        analyse(scene, enabled), extreme_states(scene, enabled), _cycles(scene, enabled)[1:]
+    )
 
 
-def joined_extremes(analysis: LoadAnalysis, extremes: Sequence[ExtremeState]) -> LoadHistory:
-    """Return the extremes of `load_history` from the extreme states and the analysis of a scene."""
+def joined_extremes(
+    analysis: LoadAnalysis, extremes: Sequence[ExtremeState], others: Sequence[Cycle] = ()
+) -> LoadHistory:
+    """Return the extremes of `load_history` from the extreme states and the analysis of a scene.
+
+    Args:
+        others: cycles at further speeds, of which the one counts whose radial forces range more.
+    """
     states = {state.name: state for state in extremes}
     radial, torque = states["max_radial"], states["max_torque"]
     for state, key in ((radial, "max_gas_force_N"), (torque, "max_torque_Nm")):
@@ -174,7 +190,7 @@ def joined_extremes(analysis: LoadAnalysis, extremes: Sequence[ExtremeState]) ->
                 f"engine.{key}: is missing, so this load is a unit load without a stress level.",
                 hint=f"Give engine.{key}, or [engine.gas].",
             )
-    high_radial, low_radial = _radial_extremes_N(analysis, radial.case.radial_N)
+    high_radial, low_radial = _radial_extremes_N(analysis, others, radial.case.radial_N)
     low_torque = min(states["min_torque"].case.torque_Nm, 0.0) if "min_torque" in states else 0.0
     if analysis.engine.min_torque_Nm is not None:
         low_torque = analysis.engine.min_torque_Nm
@@ -191,14 +207,19 @@ def joined_extremes(analysis: LoadAnalysis, extremes: Sequence[ExtremeState]) ->
     )
 
 
-def _radial_extremes_N(analysis: LoadAnalysis, given_N: float) -> tuple[float, float]:
-    """Largest and smallest radial force on a web over the cycle; of a given gas force that and none.
+def _radial_extremes_N(
+    analysis: LoadAnalysis, others: Sequence[Cycle], given_N: float
+) -> tuple[float, float]:
+    """Largest and smallest radial force on a web over a cycle; of a given gas force that and none.
+
+    Of several cycles it is that with the largest range: of two speeds joined it would be one that no web has.
 
     Where inertia outweighs the gas, the load case of bending is the smallest force, and tells no other end.
     """
     if analysis.cycle is None or analysis.engine.max_gas_force_N is not None:
         return given_N, 0.0
-    high, low = analysis.cycle.extreme("web_force_N")
+    found = [cycle.extreme("web_force_N") for cycle in (analysis.cycle, *others)]
+    high, low = max(found, key=lambda ends: ends[0].value - ends[1].value)
     return high.value, low.value
 
 

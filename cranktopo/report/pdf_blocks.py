@@ -47,9 +47,11 @@ def gap(height: float) -> Block:
 
 
 def words(text: str, size: float, keep: float = 0.0, **style: Any) -> Iterator[Block]:
-    """Yield a text line by line over the whole width."""
-    for line in _broken(typeset(text), ROOM, size, style.get("weight", "normal")):
-        yield Block(LEADING * size, _Text(line, 0.0, size, tuple(style.items())), keep)
+    """Yield a text line by line over the whole width; one with room below it is not parted."""
+    lines = _broken(typeset(text), ROOM, size, style.get("weight", "normal"))
+    for after, line in zip(reversed(range(len(lines))), lines, strict=True):
+        below = keep and keep + after * LEADING * size
+        yield Block(LEADING * size, _Text(line, 0.0, size, tuple(style.items())), below)
 
 
 @dataclass(frozen=True)
@@ -95,12 +97,12 @@ def table(found: ResultTable) -> Iterator[Block]:
     headless = list(found.columns) == ["what", "value"]
     size, widths = _sizes(columns)
     head = None if headless else _head(columns, widths, size)
-    if head is not None:
-        yield head
     rows = [
         _row(columns, [column.cells[row] for column in columns], widths, size, head)
         for row in range(len(found.rows))
     ]
+    if head is not None:
+        yield replace(head, keep=sum(row.height for row in rows[:_TOGETHER]))
     for number, row in enumerate(rows):
         after = rows[number + 1 :]
         together = len(after) < _TOGETHER
@@ -137,8 +139,7 @@ def _head(columns: Sequence[_Column], widths: Sequence[float], size: float) -> B
     ]
     most = max(map(len, lines))
     lines = [[("", "normal", "black")] * (most - len(column)) + column for column in lines]
-    block = _cells(columns, lines, widths, size)
-    return Block(block.height, block.draw, keep=3 * LEADING * size)
+    return _cells(columns, lines, widths, size)
 
 
 def _row(

@@ -16,6 +16,10 @@ from cranktopo.report.result_table import ResultTable
 _BAD, _BETWEEN, _DPI = "#a52a1c", 12.0, 300.0
 _SHORT = 240.0
 """Height of a table, or of a text with one, that a page takes whole, as less than a third of it."""
+_LEAST, _MOST = 90.0, 650.0
+"""Room below a title: what it has in any case, and what it asks for at most, as pages have little more."""
+_GAP = 8.0
+"""Largest height of a block that is room between others."""
 
 
 def write_pdf(page: Page, path: Path, document: str) -> None:
@@ -53,25 +57,33 @@ def _fact(fact: Fact) -> Iterator[Block]:
 
 
 def _section(section: Section) -> Iterator[Block]:
-    """Yield a section; its title stays with a short text and the start of the first table below it."""
+    """Yield a section; its title stays with a short text and the start of what is below it."""
     text = [gap(3), *words(section.text.replace("`", ""), 9)] if section.text else []
-    below = list(_table(*section.tables[0])) if section.tables else []
-    start = sum(block.height for block in (*text, *below[:2])) + (below[1].keep if below else 0.0)
+    below = [block for caption, found in section.tables for block in _table(caption, found)]
+    below += _pictures(section.pictures)
     yield gap(14)
-    yield from words(section.title, 13, weight="bold", keep=max(90.0, start if start < _SHORT else 0.0))
+    yield from words(section.title, 13, weight="bold", keep=max(_LEAST, _start(text, below)))
     yield from text
     yield from below
-    for caption, found in section.tables[1:]:
-        yield from _table(caption, found)
-    yield from _pictures(section.pictures)
+
+
+def _start(text: Sequence[Block], below: Sequence[Block]) -> float:
+    """Return the height of a text and of the start of what is below it; 0 where a title does without that."""
+    told = sum(block.height for block in text)
+    gaps = next((number for number, block in enumerate(below) if block.height > _GAP), 0)
+    first = below[: gaps + 1]
+    start = told + sum(block.height for block in first) + (first[-1].keep if first else 0.0)
+    fits = start < _SHORT or (told < _LEAST and start < _MOST)
+    return start if fits else 0.0
 
 
 def _table(caption: str, found: ResultTable) -> Iterator[Block]:
     """Yield a table below its caption: a short one is not parted."""
     rows = list(table(found))
-    height = 2.0 + sum(row.height for row in rows)
+    height = sum(row.height for row in rows)
+    start = height if height < _SHORT else rows[0].height + rows[0].keep
     yield gap(8)
-    yield from words(caption, 9.5, weight="bold", keep=max(50.0, height if height < _SHORT else 0.0))
+    yield from words(caption, 9.5, weight="bold", keep=max(50.0, 2.0 + start))
     yield gap(2)
     yield from rows
 

@@ -11,8 +11,10 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.base.errors import ExitCode
 from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.tasks.fatigue.dossier_sections import engine_section
 from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.cli.test_rule_dossier import checked, row
+from tests.physics.fea.test_two_webs import ACROSS, scene_with
 
 SHAFT = """
 [shaft]
@@ -68,6 +70,18 @@ def test_engine_data_of_the_design_and_unknown_for_what_it_does_not_give(tmp_pat
     assert row(text, "charge-air pressure (intake, absolute)")[1] == "0.08793 MPa"
     for name in ("rated power", "sense of rotation"):
         assert row(text, name)[1] == "unknown"
+
+
+def test_masses_of_both_webs_where_they_differ() -> None:
+    """A drilling through the first alone: the second has the mass of an undrilled one."""
+    drilled = scene_with({"drilling": [ACROSS]})
+    (_, masses), (_, plain) = (engine_section(scene, None).tables[1] for scene in (drilled, scene_with()))
+    told, whole = ({str(row["what"]): str(row["value"]) for row in table.rows} for table in (masses, plain))
+    assert told["second web"] == whole["web"]
+    first, second = (float(told[f"{side} web"].split()[0]) for side in ("first", "second"))
+    rise_mm = 48.0 + 2 * 21.0 * math.cos(math.radians(10.0)), drilled.pitch_mm / 2 - 3.0
+    bore_kg = math.pi / 4 * 5.0**2 * 19.0 * math.hypot(*rise_mm) / rise_mm[1] * 7.85e-6
+    assert second - first == pytest.approx(bore_kg, abs=1e-3), "to the last digit that is told"
 
 
 def _misfire_told(text: str) -> list[float]:

@@ -26,10 +26,11 @@ from cranktopo.tasks.vibration.stage import shaft_vibration
 
 _SUFFIXES = (".html", ".md", ".pdf")
 _HISTORY: dict[HistoryKind, str] = {
-    "extremes": "largest and smallest radial force of any throw joined with largest and smallest torque "
-    "ahead of or behind any throw, which bounds the amplitude of every single section",
-    "cycle": "radial force of every throw followed over its cycle, torque of the section ahead of or behind "
-    "a throw whose range is largest",
+    "extremes": "largest and smallest radial force on any web joined with largest and smallest torque "
+    "ahead of or behind any throw, of a vibrating shaft at its worst speed too, which bounds the amplitude "
+    "of every single section",
+    "cycle": "radial force of the web, and torque of the section ahead of or behind a throw, whose range "
+    "over the cycle at one speed is largest",
 }
 
 

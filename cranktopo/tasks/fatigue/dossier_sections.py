@@ -7,10 +7,11 @@ from typing import Any
 
 from cranktopo.base.units import number_text
 from cranktopo.design.engine import Engine, Gas
+from cranktopo.design.halves import difference, halves
 from cranktopo.design.schema import Scene
 from cranktopo.design.shaft import ROTORS, ShaftTable
 from cranktopo.engine.analysis import Cycle
-from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.balance.throw import ThrowBalance, throw_balance
 from cranktopo.engine.gas import mapped_curves, pressure_curve
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW
 from cranktopo.engine.vibration.study import VibrationStudy
@@ -90,10 +91,9 @@ def _map_rows(scene: Scene) -> _Rows:
 
 def _mass_rows(scene: Scene, engine: Engine | None) -> _Rows:
     balance = throw_balance(scene)
-    web = "web" if scene.web.counterweight is None else "web, with its counterweight"
     own: _Rows = [
         ("throw between its mid-journal planes", f"{balance.mass_kg:.3f} kg"),
-        (web, f"{balance.web_kg:.3f} kg"),
+        *_web_rows(scene, balance),
         ("inertia of a throw about the crank axis", f"{number_text(balance.inertia_kg_mm2)} kg mm2"),
         ("unbalance of a throw", f"{number_text(balance.throw_unbalance_kg_mm)} kg mm"),
     ]
@@ -105,6 +105,16 @@ def _mass_rows(scene: Scene, engine: Engine | None) -> _Rows:
         ("connecting rod, rotating part", engine.rod_rotating_kg),
     )
     return [*((name, f"{mass:.3f} kg" if mass else _UNKNOWN) for name, mass in moving), *own]
+
+
+def _web_rows(scene: Scene, balance: ThrowBalance) -> _Rows:
+    """Return the mass of the web, or of each where the halves of the throw differ."""
+    sides = ("first ", "second ") if difference(scene) else ("",)
+    masses = balance.web_kg, balance.second_web_kg
+    return [
+        (f"{side}web{', with its counterweight' if half.web.counterweight else ''}", f"{mass:.3f} kg")
+        for side, half, mass in zip(sides, halves(scene), masses, strict=False)
+    ]
 
 
 def shaft_section(scene: Scene) -> Section:

@@ -8,6 +8,7 @@ any other there are those of elements (`outlet_elements`).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
-from cranktopo.engine.histories import HistoryKind, LoadHistory, load_history, tangential_range_N
+from cranktopo.engine.histories import HistoryKind, LoadHistory, histories_of, tangential_range_N
 from cranktopo.tasks.fatigue.m53 import FilletCheck, fatigue_strength_MPa
 from cranktopo.tasks.fatigue.outlet_elements import OutletFactors, element_outlet_factors
 from cranktopo.tasks.fatigue.stress_model import StressModel
@@ -41,7 +42,7 @@ class OutletCheck:
         bending_MPa, torsion_MPa: nominal alternating stresses.
         check: equivalent alternating stress and fatigue strength.
         outside: what lies outside the validity of the factors, in words.
-        elements: factors of finite elements; None where the model has no such bore.
+        elements: factors of finite elements; None before these are solved.
         sharp: the outlet has no rounding, so that its largest stress is that of an edge.
         wanted: set of factors that the scene lets govern.
         bore_mm: diameter of the bore.
@@ -76,10 +77,16 @@ class OutletCheck:
     def unproven(self) -> str:
         """Reason why the elements prove nothing here; empty where they do."""
         if self.elements is None:
-            return "the half throw that is modelled has no such bore"
+            return "no elements are solved"
         if self.sharp:
             return "the outlet is sharp (outlet_radius_mm = 0)"
         return "" if self.elements.checks.within_limits else self.elements.checks.shortfall
+
+    @property
+    def waits_for_mesh(self) -> bool:
+        """Tell whether elements of a finer mesh may judge it."""
+        missed = self.elements is not None and not self.elements.checks.within_limits
+        return self.judged is None and missed and not self.sharp and self.wanted != "polynomials"
 
     @property
     def governed_by(self) -> GoverningFactors | None:
@@ -162,9 +169,9 @@ def check_outlets(
         kind: the whole cycle, or its extremes joined, which bounds it.
         enabled: effects that are on; the tangential force always bends the pin here.
         torque_Nmm: alternating torque.
-        half: the throw of two webs as on this side, where they differ; its drillings are checked.
+        half: the throw of two webs as on this side, where they differ; drillings of its first half count.
         share: of the force on the pin that the bearing on this side takes.
-        model: unit stresses of the half throw, for the factors of elements.
+        model: unit stresses of that throw, for the factors of elements.
 
     Raises:
         CranktopoError: the scene does not tell the loads.
@@ -173,10 +180,10 @@ def check_outlets(
     outlets = pin_outlets(half)
     if not outlets:
         return ()
-    history = load_history(scene, kind, enabled | {"tangential"})
+    histories = histories_of(scene, kind, enabled | {"tangential"})
     tangential = tangential_range_N(scene, enabled) if kind == "extremes" else None
     found = (
-        _check(half, share, channel, mouth, (history, tangential), torque_Nmm) for channel, mouth in outlets
+        _check(half, share, channel, mouth, (histories, tangential), torque_Nmm) for channel, mouth in outlets
     )
     if model is None:
         return tuple(found)
@@ -201,7 +208,7 @@ def _check(
     share: float,
     channel: DrillBore,
     mouth: DrillOutlet,
-    loads: tuple[LoadHistory, float | None],
+    loads: tuple[Sequence[LoadHistory], float | None],
     torque_Nmm: float,
 ) -> OutletCheck:
     pin, bore = scene.throw.crankpin, 2 * channel.radius_mm
@@ -251,19 +258,24 @@ def unchecked_journal_outlets(scene: Scene) -> dict[str, str]:
 
 
 def _alternating_moment_Nmm(
-    scene: Scene, share: float, mouth: DrillOutlet, history: LoadHistory, tangential_N: float | None
+    scene: Scene,
+    share: float,
+    mouth: DrillOutlet,
+    histories: Sequence[LoadHistory],
+    tangential_N: float | None,
 ) -> float:
     """Alternating moment at the outlet: triangular diagrams of radial and tangential force.
 
-    Over the cycle where no range of the tangential force is given, else of the ranges of both joined.
+    Over each web's own cycle at one speed, the largest of them, where no range of the tangential force is
+    given; else of the ranges of both joined.
     """
     aside, along, _ = mouth.normal
     # Largest at the pin's middle: an outlet beyond it counts as there.
     lever = share * min(mouth.point_mm[2], scene.pitch_mm / 2)
     if tangential_N is None:
-        at = history.tangential_N * aside - history.radial_N * along
-        return lever * float(np.ptp(at)) / 2
-    radial = float(np.ptp(history.radial_N))
+        bending = (one.tangential_N * aside - one.radial_N * along for one in histories)
+        return lever * max(float(np.ptp(at)) for at in bending) / 2
+    radial = max(float(np.ptp(one.radial_N)) for one in histories)
     return float(lever * (radial * abs(along) + tangential_N * abs(aside)) / 2)
 
 

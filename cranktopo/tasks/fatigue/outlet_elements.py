@@ -41,15 +41,13 @@ def off_plane(outlet: DrillOutlet) -> bool:
     return abs(float(outlet.normal[0])) > _IN_PLANE
 
 
-def element_outlet_factors(model: StressModel, bore: DrillBore, outlet: DrillOutlet) -> OutletFactors | None:
-    """Return the factors of an outlet on the crankpin; None where the model has no such bore.
+def element_outlet_factors(model: StressModel, bore: DrillBore, outlet: DrillOutlet) -> OutletFactors:
+    """Return the factors of an outlet on the crankpin.
 
     Args:
-        model: on the rule's mesh, with the fields "moment" and "torsion", and "side_moment" for outlets off
-            the plane of the crank.
+        model: on the rule's mesh, with the bore in its first half, and with the fields "moment" and
+            "torsion", and "side_moment" for outlets off the plane of the crank.
     """
-    if bore.alone:
-        return None
     if any(image.flip_x for image in model.images) and outlet.point_mm[0] < 0:
         outlet = outlet.mirrored()  # which the model of one side has
     near = at_outlet(bore, outlet, model.surface.points_mm) & ~model.on_fillet

@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-import numpy as np
-
 from cranktopo.base.errors import invalid
 from cranktopo.base.notes import note
 from cranktopo.base.units import NMM_PER_NM
-from cranktopo.design.halves import drilled_alike, halves
+from cranktopo.design.halves import WebName, difference, halves, judged_half, named_in_throw
 from cranktopo.design.material import M53Factors
 from cranktopo.design.schema import Scene
 from cranktopo.engine.balance.throw import throw_balance
-from cranktopo.engine.histories import HistoryKind, load_history, torque_amplitude_Nm
+from cranktopo.engine.histories import HistoryKind, radial_amplitude_N, torque_amplitude_Nm
 from cranktopo.engine.throw_compliance import web_lever_mm
 from cranktopo.numerics.tetrahedra.stress import principal_stresses, von_mises
 from cranktopo.tasks.fatigue.hardened_layer import layers
@@ -216,26 +214,27 @@ def check_rule(
     """Check a throw against the rule: once, or each of two different webs.
 
     Such a web is judged in a throw that has it twice, as Appendix III models one web, under the share of the
-    radial force that its bearing takes.
+    radial force that its bearing takes. A drilling of its own is in one half of that throw, modelled whole: a
+    second one beside it would relieve its outlet in bending.
 
     Raises:
         CranktopoError: missing tensile strength or loads, sharp fillets, or a failed solve.
     """
     near, far = halves(target.scene)
     share = far.pitch_mm / (near.pitch_mm + far.pitch_mm)
-    sides = [("first web", near, share), ("second web", far, 1 - share)]
+    sides: list[tuple[WebName | None, Scene, float]] = [("first", near, share), ("second", far, 1 - share)]
     if near is far:
-        sides = [("", near, 0.5)]
+        sides = [(None, near, 0.5)]
     found = [_check(target, *side, kind, fillet_fraction) for side in sides]
     if target.file is not None:
         return tuple(found)
-    throw_kg = throw_balance(target.scene).mass_kg  # the checks are of throws of two such webs, undrilled
+    throw_kg = throw_balance(target.scene).mass_kg  # the checks are of throws of two such webs
     return tuple(replace(check, throw_kg=throw_kg) for check in found)
 
 
 def _check(
     target: Target,
-    web: str,
+    side: WebName | None,
     half: Scene,
     share: float,
     kind: HistoryKind,
@@ -244,26 +243,33 @@ def _check(
     """Check one web, under the loads of the target's throw.
 
     Args:
+        side: which web of a throw whose halves differ.
         half: the throw of two such webs, with every drilling of this half.
         share: of the radial force that the bearing beside this web takes.
     """
-    throw, scene = target.scene, drilled_alike(half)
+    throw, scene = target.scene, judged_half(half)
+    web = f"{side} web" if side else ""
     name = f"{target.name}, {web}" if web else target.name
     target = replace(target, name=name, scene=scene)
     check_method(scene, "m53")
     enabled = load_kinds(throw, kind)[0]
-    history = load_history(throw, kind, enabled)
-    force, torque = float(np.ptp(history.radial_N)) / 2, torque_amplitude_Nm(throw, history, kind, enabled)
+    force, torque = radial_amplitude_N(throw, kind, enabled), torque_amplitude_Nm(throw, kind, enabled)
     size = dimensions(scene)
     _check_validity(scene, size)
     moment = force * share * web_lever_mm(scene)
     nominal = nominal_stresses(size, moment, force * share, torque * NMM_PER_NM)
-    note(f"{target.name}: four-point bending, three-point bending and torsion")
+    drilled = " of a throw that has this web twice, drilled in one half" if difference(scene) else ""
+    note(f"{target.name}: four-point bending, three-point bending and torsion{drilled}")
     kinds: list[FieldKind] = ["moment", "bending", "torsion"]
     if any(off_plane(mouth) for _, mouth in pin_outlets(scene)):
         kinds.append("side_moment")
     model = solve_stresses(_held_by_rule(target), kinds, fillet_fraction, by_rule=True)
     scf_rule, scf_fem = concentration_factors(size), element_factors(model)
+    outlets = check_outlets(throw, kind, enabled, torque * NMM_PER_NM, scene, share, model)
+
+    def named(text: str) -> str:
+        return named_in_throw(text, throw, side) if side else text
+
     return RuleCheck(
         target.name,
         model.throw_kg,
@@ -276,10 +282,10 @@ def _check(
         fillet_checks(scene, size, scf_rule, nominal),
         fillet_checks(scene, size, scf_fem, nominal),
         model.quality,
-        check_outlets(throw, kind, enabled, torque * NMM_PER_NM, half, share, model),
+        tuple(replace(one, key=named(one.key)) for one in outlets),
         web,
         scene.fatigue.m53_factors,
-        unchecked_journal_outlets(half),
+        {named(place): why for place, why in unchecked_journal_outlets(scene).items()},
         uncovered_material(scene),
         process_remark(scene),
     )
@@ -310,7 +316,7 @@ def element_factors(model: StressModel) -> Factors:
     principal stresses; shear: what three-point bending adds to the journal fillet over its moment.
 
     Args:
-        model: with the fields "moment", "bending" and "torsion".
+        model: with the fields "moment", "bending" and "torsion"; of a whole throw the first web counts.
     """
     size = dimensions(model.scene)
     moment, radial, twist = (
@@ -320,14 +326,15 @@ def element_factors(model: StressModel) -> Factors:
     pure, three = nominal_stresses(size, 1.0, 0.0, 1.0), nominal_stresses(size, lever / 2, 0.5, 0.0)
     principal = principal_stresses(twist)
     shear = (principal[:, 0] - principal[:, 2]) / 2
-    beta = float(von_mises(moment[model.on_journal]).max() / pure.bending_MPa)
-    remainder = float(von_mises(radial[model.on_journal]).max()) - beta * three.bending_MPa
+    pin, journal = (on & ~model.on_second for on in (model.on_pin, model.on_journal))
+    beta = float(von_mises(moment[journal]).max() / pure.bending_MPa)
+    remainder = float(von_mises(radial[journal]).max()) - beta * three.bending_MPa
     return Factors(
-        alpha_bending=float(von_mises(moment[model.on_pin]).max() / pure.bending_MPa),
-        alpha_torsion=float(shear[model.on_pin].max() / pure.pin_torsion_MPa),
+        alpha_bending=float(von_mises(moment[pin]).max() / pure.bending_MPa),
+        alpha_torsion=float(shear[pin].max() / pure.pin_torsion_MPa),
         beta_bending=beta,
         beta_shear=remainder / three.shear_MPa,
-        beta_torsion=float(shear[model.on_journal].max() / pure.journal_torsion_MPa),
+        beta_torsion=float(shear[journal].max() / pure.journal_torsion_MPa),
     )
 
 

@@ -166,8 +166,8 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
     ]
     lines += [f"{check.name}: {check.process_remark}." for check in checks if check.process_remark]
     lines += [
-        f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with an analysis of "
-        "its own; `--method lsa` counts it."
+        f"{check.name}, {place}: not judged, {why}: the rule accepts this throw only with "
+        f"{_way(check, place)}; `--method lsa` counts it."
         for check in checks
         for place, why in check.uncovered.items()
     ]
@@ -184,6 +184,12 @@ def rule_remarks(checks: Sequence[RuleCheck]) -> list[str]:
         if not (check.quality.within_limits or None in check.governing.values())
     ]
     return lines + [line for check in checks for line in _rule_hardening(check)]
+
+
+def _way(check: RuleCheck, place: str) -> str:
+    """Return what judges an outlet that is not covered."""
+    finer = any(outlet.place == place and outlet.waits_for_mesh for outlet in check.outlets)
+    return "elements of a smaller --fillet-fraction" if finer else "an analysis of its own"
 
 
 def _outlet_remarks(check: RuleCheck) -> list[str]:

@@ -43,8 +43,6 @@ FieldKind = LoadKind | Literal["moment", "side_moment", "shaft"]
 _KINDS: tuple[FieldKind, ...] = ("moment", "side_moment", "bending", "tangential", "torsion", "centrifugal")
 _ODD = ("side_moment", "tangential", "torsion")
 """Loads that the mirror x -> -x turns around."""
-_LEFT_OUT: dict[Span, FieldKind] = {"symmetric": "torsion", "whole": "moment"}
-"""The load that a condensation does not hold."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +75,7 @@ def unit_fields(
 ) -> tuple[UnitField, ...]:
     """Return the displacement fields of the load kinds that are asked for; the others cost no solve.
 
-    In the order moment, side_moment, bending, tangential, torsion, centrifugal; of a whole throw no moment is
-    asked.
+    In the order moment, side_moment, bending, tangential, torsion, centrifugal.
 
     Raises:
         CranktopoError: a spring support without its stiffness, or a failed solve.
@@ -119,7 +116,8 @@ def _by_side(
     found: dict[FieldKind, UnitField] = {}
     for lateral in laterals:
         parity = {"none": _KINDS, "odd": _ODD, "even": set(_KINDS) - set(_ODD)}[lateral]
-        wanted = [kind for kind in _KINDS if kind in kinds and kind in parity and kind != _LEFT_OUT[span]]
+        elsewhere = {"torsion"} if span == "symmetric" else set()
+        wanted = [kind for kind in _KINDS if kind in kinds and kind in parity and kind not in elsewhere]
         if wanted:
             found |= _loaded(model, scene, span, lateral, wanted, residual)
     return found
@@ -146,7 +144,10 @@ def loaded(block: Superelement, scene: Scene, kinds: Collection[FieldKind]) -> d
     further: list[FieldKind] = [kind for kind in kinds if kind in ("tangential", "centrifugal")]
     turns: dict[FieldKind, int] = {"moment": RX, "side_moment": RY}
     cases: dict[FieldKind, tuple[Array, Array]] = {
-        kind: (np.zeros(len(block.displacement)), np.array([float(m == turn) for m in block.motions]))
+        kind: (
+            np.zeros(len(block.displacement)),
+            np.array([{turn: 1.0, 6 + turn: -1.0}.get(m, 0.0) for m in block.motions]),
+        )
         for kind, turn in turns.items()
     }
     if "bending" in kinds:

@@ -97,7 +97,7 @@ def test_each_extreme_is_the_worst_over_all_sections_and_speeds(pulley: bool) ->
     assert "largest torque behind throw 1 of the vibrating shaft" in states["max_torque"].source
     amplitude = (scan.high - scan.low).max() / 2
     for kind in ("extremes", "cycle"):
-        found = torque_amplitude_Nm(scene, load_history(scene, kind, VIBRATING), kind, VIBRATING)
+        found = torque_amplitude_Nm(scene, kind, VIBRATING)
         assert found >= 0.99 * amplitude
     assert found == pytest.approx(amplitude, rel=0.01), "of a cycle it is that of the worst section itself"
 
@@ -107,7 +107,7 @@ def test_the_rule_takes_all_the_torque_behind_a_throw_whose_free_end_is_bare() -
     scene = fast_twin()
     plain = VIBRATING - {"torsional_vibration"}
     history = load_history(scene, "cycle", plain)
-    found = torque_amplitude_Nm(scene, history, "cycle", plain)
+    found = torque_amplitude_Nm(scene, "cycle", plain)
     assert found == pytest.approx((999.15 + 376.50) / 2, rel=1e-4)  # engine torque by hand, N m
     assert found == pytest.approx(np.ptp(history.torque_Nm), rel=1e-3)
 
@@ -119,6 +119,6 @@ def test_the_range_is_solved_once_for_all_histories(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(VibratingShaft, "over_the_range", lambda own: solved.append(1) or solve(own))
     kinds: tuple[HistoryKind, ...] = ("extremes", "cycle")
     for kind in kinds:
-        torque_amplitude_Nm(scene, load_history(scene, kind, VIBRATING), kind, VIBRATING)
+        torque_amplitude_Nm(scene, kind, VIBRATING)
     tangential_range_N(scene, VIBRATING)
     assert len(solved) == 1

@@ -18,12 +18,14 @@ from cranktopo.tasks.fatigue.m53_outlet import (
     pin_outlets,
 )
 from cranktopo.tasks.fatigue.outlet_elements import element_outlet_factors
+from cranktopo.tasks.fatigue.rule_check import element_factors
 from cranktopo.tasks.fatigue.stress_model import solve_stresses
 from cranktopo.tasks.fea.condense import plane_nodes
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.fea.unit_fields import unit_fields
 from tests.physics.fatigue.cross_hole import DIAMETER_MM, outlet_peaks, peterson_bending, peterson_torsion
 from tests.physics.fatigue.stepped_shaft import AXIAL, BENDING, TORSION
+from tests.physics.fea.test_two_webs import scene_with
 from tests.physics.throw.test_drillings import STRAIGHT, drilling, mikron
 from tests.studies.outlet_throws import OUTLETS, by_elements, without_bore
 
@@ -124,24 +126,26 @@ def test_factors_beside_elements(ratio: float) -> None:
     assert 3.0 < peaks[AXIAL][1] < 3.7
 
 
-@pytest.mark.parametrize("mirrored", [True, False], ids=["quarter", "half"])
-def test_unit_moments_are_in_equilibrium(mirrored: bool) -> None:
-    """Forces on the near section are the moment about x or y that the field is named after."""
+@pytest.mark.parametrize("whole", [False, True], ids=["half", "whole"])
+@pytest.mark.parametrize("mirrored", [True, False], ids=["x >= 0", "all"])
+def test_unit_moments_are_in_equilibrium(mirrored: bool, whole: bool) -> None:
+    """Forces on the near section are the moment about x or y that the field is named after, on the far one of
+    a whole throw the opposite."""
     scene = mikron()
-    mesh = mesh_throw(scene, 14.0, quarter=mirrored).mesh
+    mesh = mesh_throw(scene, 14.0, quarter=mirrored, full=whole).mesh
     assert mesh.mirrored == mirrored
     model = assemble(mesh, 2.1e5, 0.3)
-    section = plane_nodes(model.nodes_mm, 2, 0.0)
-    x, y, _ = model.nodes_mm[:, section]
-    for field, about in zip(
-        unit_fields(model, scene, mirrored, ("moment", "side_moment")), (0, 1), strict=True
-    ):
-        forces = (model.stiffness @ field.displacement_mm).reshape(-1, 3)[section]
-        moments = float(y @ forces[:, 2]), float(-x @ forces[:, 2])
-        assert (1 + mirrored) * moments[about] == pytest.approx(1.0, rel=1e-6), field.kind
-        if not mirrored:
-            assert moments[1 - about] == pytest.approx(0.0, abs=1e-5), field.kind
-        assert (field.sign_x, field.sign_z) == ((1, 1), (-1, 1))[about]
+    fields = unit_fields(model, scene, mirrored, ("moment", "side_moment"), whole=whole)
+    for z_mm, moment in ((0.0, 1.0), (scene.pitch_mm, -1.0))[: 1 + whole]:
+        section = plane_nodes(model.nodes_mm, 2, z_mm)
+        x, y, _ = model.nodes_mm[:, section]
+        for field, about in zip(fields, (0, 1), strict=True):
+            forces = (model.stiffness @ field.displacement_mm).reshape(-1, 3)[section]
+            moments = float(y @ forces[:, 2]), float(-x @ forces[:, 2])
+            assert (1 + mirrored) * moments[about] == pytest.approx(moment, rel=1e-6), field.kind
+            if not mirrored:
+                assert moments[1 - about] == pytest.approx(0.0, abs=1e-5), field.kind
+            assert (field.sign_x, field.sign_z) == ((1, 1), (-1, 1))[about]
 
 
 @pytest.mark.slow
@@ -191,3 +195,22 @@ def test_an_outlet_in_a_throw() -> None:
     bending, _ = outlet_factors(5.0, 60.0)
     assert bending * local[0] == pytest.approx(found[0], rel=0.12)
     assert bending > 1.1 * found[0]
+
+
+@pytest.mark.slow
+def test_a_bore_of_one_web_that_is_its_own_mirror_image_has_the_factors_of_one_of_both() -> None:
+    """Radial in the middle of the pin: half of it in each half throw, or all of it in the whole one.
+
+    Fillets and outlet agree within what they differ by from mesh to mesh.
+    """
+    bore = drilling(("crankpin", 0.0, 0.0), ("crankpin_bore", 0.0, 0.0), rounding=1.0)
+    found = []
+    for web in ("both", "first"):
+        scene = scene_with({"drilling": [{**bore, "web": web}]})
+        model = solve_stresses(Target(web, scene), ("moment", "bending", "torsion"), 0.3, by_rule=True)
+        assert model.whole == (web == "first")
+        (outlet,) = (element_outlet_factors(model, *one) for one in pin_outlets(scene))
+        at = element_factors(model)
+        fillets = [at.alpha_bending, at.alpha_torsion, at.beta_bending, at.beta_torsion]
+        found.append([outlet.gamma_bending, outlet.gamma_torsion, *fillets])
+    assert found[1] == pytest.approx(found[0], rel=0.03)

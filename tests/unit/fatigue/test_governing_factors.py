@@ -11,7 +11,7 @@ import pytest
 from cranktopo import load_scene, with_values
 from cranktopo.base.errors import CranktopoError
 from cranktopo.bodies.volume import half_throw_volume_mm3, throw_volume_mm3
-from cranktopo.design.halves import drilled_alike
+from cranktopo.design.halves import drilled_alike, halves
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.schema import Scene
 from cranktopo.tasks.bench import live
@@ -35,6 +35,7 @@ from cranktopo.tasks.fatigue.rule_check import RuleCheck, check_rule
 from cranktopo.tasks.fatigue.rule_tables import acceptability_table, size_table
 from cranktopo.tasks.fatigue.text import compare_fatigue, outlet_table, rule_remarks, rule_table, verdicts
 from cranktopo.tasks.fea.targets import Target
+from cranktopo.throw.drilling.table import drill_bores
 
 ALLOWED = FilletCheck(200.0, 240.0)
 """Q = 1.2."""
@@ -73,17 +74,11 @@ def test_the_lower_of_two_valid_sets_governs() -> None:
 
 
 def test_the_mass_is_that_of_the_drilled_throw(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each web is judged in a throw of two such webs without the drilling that goes through one alone."""
+    """Each web is judged in a throw of two such webs, of another mass than the throw."""
     plain = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
     for name in ("main_journal", "crankpin"):
         plain["throw"][name]["bore_diameter_mm"] = 0.0
-    drilling = {
-        "diameter_mm": 4.0,
-        "web": "first",
-        "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 6.0},
-        "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": 6.0},
-    }
-    plain["throw"]["drilling"] = [drilling]
+    plain["throw"]["drilling"] = [drilling_of("first", 6.0)]
     scene = scene_from_dict(plain, "drilled", whole=True)
     monkeypatch.setattr(
         "cranktopo.tasks.fatigue.rule_check._check", lambda *_: replace(check(ALLOWED, ALLOWED), web="first")
@@ -93,6 +88,50 @@ def test_the_mass_is_that_of_the_drilled_throw(monkeypatch: pytest.MonkeyPatch) 
     assert [one.throw_kg for one in found] == pytest.approx([exact] * 2, rel=1e-6)
     undrilled = 2 * half_throw_volume_mm3(drilled_alike(scene)) * scene.material.density_kg_m3 * 1e-9
     assert exact < undrilled * (1 - 1e-3)
+
+
+def drilling_of(web: str, place_mm: float) -> dict[str, Any]:
+    return {
+        "diameter_mm": 4.0,
+        "outlet_radius_mm": 1.0,
+        "web": web,
+        "from": {"on": "main_journal", "angle_deg": 180.0, "place_mm": 6.0},
+        "to": {"on": "crankpin", "angle_deg": 0.0, "place_mm": place_mm},
+    }
+
+
+def test_elements_of_a_web_have_the_drilling_that_it_alone_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the first half of a throw that has the web twice; it was left out, and so were its outlets.
+
+    Outlets have the keys of the scene: the first drilling of the second web is not the first of all.
+    """
+    plain = load_scene("mikron-iiic-plain").model_dump(mode="json", exclude_none=True)
+    for name in ("main_journal", "crankpin"):
+        plain["throw"][name]["bore_diameter_mm"] = 0.0
+    plain["throw"]["drilling"] = [drilling_of("first", 8.0), drilling_of("second", 10.0)]
+    scene = scene_from_dict(plain, "drilled", whole=True)
+    solved: list[Scene] = []
+
+    def model(target: Target, *_: object, **__: object) -> Any:
+        solved.append(target.scene)
+        return SimpleNamespace(throw_kg=1.0, quality=MISSED)
+
+    factors = concentration_factors(dimensions(scene))
+    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.solve_stresses", model)
+    monkeypatch.setattr("cranktopo.tasks.fatigue.rule_check.element_factors", lambda _: factors)
+    by_elements = OutletFactors(2.4, 4.4, MeshChecks(1.0, 1.0))
+    monkeypatch.setattr("cranktopo.tasks.fatigue.m53_outlet.element_outlet_factors", lambda *_: by_elements)
+    found = check_rule(Target("drilled", scene))
+    assert len(solved) == 2
+    for of_web, place_mm in zip(solved, (8.0, 10.0), strict=True):
+        first, second = halves(of_web)
+        assert [drilling.end.place_mm for drilling in first.throw.drilling] == [place_mm]
+        assert not second.throw.drilling
+        assert [bore.alone for bore in drill_bores(of_web)] == [True], "else its mirror image is meshed too"
+    outlets = [one for each in found for one in each.outlets]
+    assert [one.key for one in outlets] == ["throw.drilling[0]", "throw.drilling[1]"]
+    assert [one.governed_by for one in outlets] == ["elements"] * 2
+    assert [each.web for each in found] == ["first web", "second web"]
 
 
 def test_polynomials_that_are_not_valid_do_not_govern() -> None:
@@ -240,6 +279,11 @@ def test_lower_numbers_of_elements_that_prove_nothing_leave_a_radial_outlet_open
     (line,) = rule_remarks([found])
     assert "jump between elements 7.0 %" in line
     assert "a smaller --fillet-fraction helps" in line
+    (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), jump_percent=7.0),))])
+    assert "jump between elements 7.0 %" in line
+    assert "only with elements of a smaller --fillet-fraction; `--method lsa` counts it" in line
+    (line,) = rule_remarks([replace(found, outlets=(leaning((2.0, 3.0), sharp=True),))])
+    assert "only with an analysis of its own" in line
     refused = replace(coarse, check=FilletCheck(290.0, 300.0))
     assert refused.governed_by == "polynomials", "they refuse it by themselves"
     assert leaning((2.0, 3.0), jump_percent=7.0, outside=()).governed_by == "polynomials"

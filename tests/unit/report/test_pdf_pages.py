@@ -85,6 +85,48 @@ def test_a_short_table_is_not_parted_and_no_last_row_stands_alone() -> None:
         assert len({page_of[id(block)] for block in long}) >= 2
 
 
+_PAIRS = pairs([(f"quantity {n}", f"{n} MPa") for n in range(14)])
+_TALL = ResultTable(
+    {"effect": 0, "why": 0}, tuple({"effect": f"{n}", "why": " ".join([_LONG] * 12)} for n in range(20))
+)
+_WIDE = picture("a", "alt", lambda axes: axes.plot([0, 1]))
+_TITLE = "Title of a section"
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        Section("a", _TITLE, "", (("Caption", _PAIRS), ("Caption", _PAIRS))),
+        Section("a", _TITLE, "Words. " * 60, (("Caption", _PAIRS),)),
+        Section("a", " ".join([_TITLE] * 6), "", (("Caption", _PAIRS),)),
+        Section("a", _TITLE, "", (("Caption", _TALL), ("Caption", _TALL))),
+        Section("a", _TITLE, "", (), (_WIDE,)),
+        Section("a", _TITLE, "A line.", (), (_WIDE,)),
+    ],
+    ids=["tables", "text and table", "long title", "tall rows", "picture", "text and picture"],
+)
+def test_no_heading_stands_alone_at_the_foot_of_a_page(section: Section) -> None:
+    """Wherever on a page it begins: below a title, a caption or a head of a table something else stands.
+
+    "Dimensions by the rule" was the last line of a page, its table of 238 points on the next.
+    """
+    own = list(_section(section))
+    heads = {id(block.draw) for block in own if block.head is None and in_bold(block)}
+    gaps = {id(block.draw) for block in own if block.height <= 14 and not drawn(block)}
+    assert heads
+    for above in range(0, 750, 7):
+        for sheet in sheets([Block(float(above), lambda *_: None), *own]):
+            told = [id(block.draw) for block in sheet if id(block.draw) not in gaps]
+            assert not told or told[-1] not in heads, above
+
+
+def in_bold(block: Block) -> bool:
+    """Tell whether a block is a line of a title or a caption, or the head of a table."""
+    figure = Figure()
+    block.draw(figure, HEIGHT)
+    return any(text.get_weight() == "bold" for text in figure.texts)
+
+
 def test_pairs_have_no_head_and_plots_stand_side_by_side(tmp_path: Path) -> None:
     plots = tuple(picture(name, "alt", lambda axes: axes.plot([0, 1])) for name in "abc")
     facts = (Fact("Q", "1.1", "at least 1.15", "bad"), Fact("Mesh", "kept", "", "good"))
