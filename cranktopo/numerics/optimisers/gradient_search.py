@@ -68,9 +68,9 @@ class Multipliers:
     remainder: float
 
 
-NEAR_LIMIT = 2e-3
+_NEAR_LIMIT = 2e-3
 """Relative distance from a limit that counts as active."""
-_NEAR_MM = 0.05
+NEAR_MM = 0.05
 """The same from a rule or bound, mm or degrees."""
 
 
@@ -79,17 +79,16 @@ def multipliers(
     limits: tuple[Array, Array],
     rules: tuple[Array, Array],
     bounds: tuple[Array, Array],
-    near_limit: float = NEAR_LIMIT,
 ) -> Multipliers:
     """Return multipliers of the active constraints for the gradient (n,) of a goal that is to be small.
 
     Limits (relative) and rules (mm) are values, kept where <= 0, and gradients (m, n); bounds the room to the
-    lower and to the upper ones, (n,) each, mm or degrees. Limits within `near_limit` count as active.
+    lower and to the upper ones, (n,) each, mm or degrees. What is near counts as active.
     """
     from scipy.optimize import nnls
 
     count = len(gradient)
-    near = [limits[0] > -near_limit, rules[0] > -_NEAR_MM, bounds[0] < _NEAR_MM, bounds[1] < _NEAR_MM]
+    near = [limits[0] > -_NEAR_LIMIT, rules[0] > -NEAR_MM, bounds[0] < NEAR_MM, bounds[1] < NEAR_MM]
     rows = np.vstack([limits[1], rules[1], -np.eye(count), np.eye(count)])
     active = np.concatenate(near)
     weights = np.zeros(len(rows))

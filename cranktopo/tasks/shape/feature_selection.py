@@ -13,7 +13,6 @@ from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.notes import note
 from cranktopo.base.progress import Json, Work
 from cranktopo.design.goal.constraint import Constraint, model_error, without_error
-from cranktopo.numerics.optimisers.gradient_search import NEAR_LIMIT
 from cranktopo.tasks.refit.family import Layout, with_free, with_part
 from cranktopo.tasks.refit.search import with_stations
 from cranktopo.tasks.shape.feature_starts import end_starts, pocket_starts
@@ -134,7 +133,7 @@ class FeatureSelection:
         if best.exact is None:
             return iter(())
         web = self.model.web(best.layout)
-        paid = multipliers_of(self.model.scene, web, best.values, best.exact, self._goal, NEAR_LIMIT)
+        paid = multipliers_of(self.model.scene, web, best.values, best.exact, self._goal)
         cells = self.model.responses(web, best.values, self._cells_goal.quantities)
         found = SearchResult(best.layout, best.values, best.objective, cells)
         return pocket_starts(self.model, found, self._cells_goal.corrected(best.errors), paid)

@@ -31,6 +31,7 @@ from cranktopo.tasks.shape.text import (
     change_text,
     changes_table,
     dimensions_table,
+    ended_words,
     feature_trials_table,
     held_table,
     multiplier_doubt,
@@ -116,7 +117,7 @@ def _change_error_percent(found: ShapeResult, key: str) -> float:
 def _wanted(found: ShapeResult) -> Section:
     goal, doubt = found.goal, multiplier_doubt(found)
     sense = "minimise" if goal.minimise else "maximise"
-    said = [found.stop_reason.capitalize(), stress_loads(found), original_keeps(found)]
+    said = [found.stop_reason.capitalize(), stress_loads(found), original_keeps(found), ended_words(found)]
     return Section(
         "goal",
         f"Goal: {sense} {goal.quantity.name.replace('_', ' ')}",

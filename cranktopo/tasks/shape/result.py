@@ -102,6 +102,11 @@ class LimitPrice(Result):
         loose = remainder_percent > LOOSE_PERCENT and any(limit.active for limit in own)
         return None if cost is None or (cost < MINIMUM_PERCENT and (missed or loose)) else cost
 
+    @property
+    def side(self) -> str:
+        """Word for the limit beside one from the other side."""
+        return "greatest" if self.sense == "<=" else "least"
+
 
 def _in_model(limit: LimitOutcome) -> tuple[str, LimitSense]:
     """Return quantity and sense of a limit as the search states it."""
@@ -167,6 +172,9 @@ class ShapeResult(Result):
     `--each-web`; None without these and in earlier versions."""
     undercuts: ShapedUndercuts | None = UNLESS_NONE
     """None in results of an earlier version."""
+    unfinished: bool | None = UNLESS_NONE
+    """True where a limit is missed and the last of the finishes that were allowed came nearer to it; None in
+    results of an earlier version."""
     balance: str | None = UNLESS_NONE
     """Sentence on the balance factor that moved, if no limit holds it there."""
     files: dict[str, FileName] = Field(default_factory=dict)

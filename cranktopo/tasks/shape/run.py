@@ -340,6 +340,7 @@ def _assembled(
         + sum(found.evaluations for found in optimum.rounds),
         seconds=seconds,
         loads=loads_name(loads) if stresses_in(goal.quantities) else None,
+        unfinished=optimum.unfinished,
         balance=balance_moved(scene, result.web.values, original.values) or None,
     )
 

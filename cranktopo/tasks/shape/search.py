@@ -12,7 +12,7 @@ from cranktopo.base.arrays import Array
 from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
-from cranktopo.design.goal.constraint import ACTIVE
+from cranktopo.design.halves import usual_scale
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.optimisers.gradient_search import (
     Multipliers,
@@ -21,6 +21,7 @@ from cranktopo.numerics.optimisers.gradient_search import (
     multipliers,
     restore_feasibility,
 )
+from cranktopo.numerics.optimisers.linear_programmes import linear_multipliers
 from cranktopo.tasks.refit.family import Layout, rounded_dimensions, scene_at, web_of
 from cranktopo.tasks.refit.fit import scene_with_web
 from cranktopo.tasks.refit.parametric_web import ParametricWeb
@@ -33,7 +34,7 @@ _REACH = 15.0
 """Largest move of a parameter in one search, mm or degrees."""
 _RULES = 0.05
 """Weight of a millimetre of a manufacturing constraint against a limit's relative excess."""
-_KEPT_MM = 5e-3
+KEPT_MM = 5e-3
 """Violation of a rule that rounding of the dimensions absorbs."""
 HELD = 1e-6
 """Relative excess of a limit with which a web still counts as keeping it by the evaluation: rounding."""
@@ -44,7 +45,9 @@ _STEEP = 2000.0
 """Factor on the goal. The method takes a curvature of 1 to begin with, while a millimetre changes the goal by
 a thousandth: without the factor the first steps would be of micrometres."""
 _ATTEMPTS = 4
-_PRICE = 10.0
+_PRICED = 1.0
+"""Reach of the programme that finds prices, mm or degrees for throws of usual size."""
+PRICE = 10.0
 """Of a relative excess of a limit in the goal where no web within reach keeps all: far above usual ones."""
 
 
@@ -138,9 +141,9 @@ class _WebSearch:
         return violations, np.vstack([limits, _RULES * gradients])
 
     def _keep(self, values: Array, found: Quantities) -> None:
-        rank = _violation(self.goal, found), self.goal.objective(found.values)
+        rank = worst_violation(self.goal, found), self.goal.objective(found.values)
         better = self.best is None or rank < self.best[:2]
-        if better and self.rules(values)[0].max() < _KEPT_MM:
+        if better and self.rules(values)[0].max() < KEPT_MM:
             self.best = *rank, values.copy()
 
 
@@ -165,7 +168,7 @@ def best_values(
         _minimise(task, start, effort, work)
         best = task.best
         broken = None if best else rules_at(model.scene, task.web, task.sound).violation_text
-        why = _refused(model.scene, layout, best[2]) if best else broken
+        why = refused(model.scene, layout, best[2]) if best else broken
         if why and best is not None:
             note(f"left out: {why}")
         kept = best is not None and not why and (effort.nearest or best[0] == 0)
@@ -193,29 +196,38 @@ def search_on_cells(
         return None, solved
     # Solved anew from nothing, so that a continued optimisation sees the very same numbers.
     found = model.responses(model.web(layout), values, goal.quantities)
-    return SearchResult(layout, values, goal.objective(found.values), found, _violation(goal, found)), solved
+    return SearchResult(
+        layout, values, goal.objective(found.values), found, worst_violation(goal, found)
+    ), solved
 
 
 def multipliers_of(
-    scene: Scene,
-    web: ParametricWeb,
-    at: Array,
-    found: Quantities,
-    goal: SearchGoal,
-    near_limit: float = ACTIVE,
+    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
 ) -> Multipliers:
-    """Return what each limit, rule and bound costs at an optimum, whose quantities are known.
+    """Return what each limit, rule and bound costs where a web is an optimum, whose quantities are known."""
+    return multipliers(*_slopes(scene, web, at, found, goal))
 
-    A limit counts as active within `near_limit`, relative. A finish keeps up to 0.7 % in reserve, so that its
-    optimum lies inside limits that decide it.
+
+def prices_of(
+    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
+) -> Multipliers:
+    """Return the same by a linear programme, which keeps the other limits beside a web that is no optimum.
+
+    A finish keeps up to 0.7 % in reserve, so that its web lies inside limits that decide it.
     """
+    return linear_multipliers(*_slopes(scene, web, at, found, goal), _PRICED / usual_scale(scene))
+
+
+def _slopes(
+    scene: Scene, web: ParametricWeb, at: Array, found: Quantities, goal: SearchGoal
+) -> tuple[Array, tuple[Array, Array], tuple[Array, Array], tuple[Array, Array]]:
+    """Return gradient, limits, rules and room to the bounds."""
     low, high = web.bounds
-    return multipliers(
+    return (
         goal.objective_gradient(found.gradients),
         (goal.violations(found.values), goal.violation_gradients(found.gradients, len(at))),
         rules_of(web, EnvelopeClearance(scene), at),
         (at - low, high - at),
-        near_limit,
     )
 
 
@@ -231,13 +243,13 @@ def shaped_scene(scene: Scene, layout: Layout, values: Array) -> Scene:
     return sized.model_copy(update=changes)
 
 
-def _violation(goal: SearchGoal, found: Quantities) -> float:
+def worst_violation(goal: SearchGoal, found: Quantities) -> float:
     """Return by how much the worst limit is missed, relative; 0 where all count as kept."""
     violation = float(goal.violations(found.values).max(initial=0.0))
     return 0.0 if violation < _NEARLY else violation
 
 
-def _refused(scene: Scene, layout: Layout, values: Array) -> str:
+def refused(scene: Scene, layout: Layout, values: Array) -> str:
     """Return why the scene refuses the web of the rounded dimensions; empty where it accepts it."""
     try:
         shaped_scene(scene, layout, values)
@@ -274,7 +286,7 @@ def _descend(task: _WebSearch, start: Array, effort: SearchBudget, work: Work) -
             objective,
             task.constraints,
             len(task.goal.limits),
-            _PRICE * _STEEP,
+            PRICE * _STEEP,
             bounds,
             start,
             _STEP_MM,

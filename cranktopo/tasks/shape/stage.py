@@ -18,6 +18,7 @@ from cranktopo.base.errors import CranktopoError
 from cranktopo.base.notes import Pace, note
 from cranktopo.base.progress import Json, Work
 from cranktopo.base.side_by_side import LazyFuture
+from cranktopo.design.goal.constraint import TOLERANCE
 from cranktopo.design.goal.limit import Goal, goal_text
 from cranktopo.design.goal.quantities import quantity_named
 from cranktopo.design.schema import Scene
@@ -37,10 +38,11 @@ from cranktopo.tasks.shape.evaluated_web import (
 )
 from cranktopo.tasks.shape.feature_selection import FeatureSelection
 from cranktopo.tasks.shape.mesh_model import MeshedWebs, MeshResponses
-from cranktopo.tasks.shape.refining import SHORTER, merit, stepped
+from cranktopo.tasks.shape.nearest_web import asked_again, nearest_of, nearest_web
+from cranktopo.tasks.shape.refining import SHORTER, CorrectedSurrogate, Step, merit, stepped
 from cranktopo.tasks.shape.result import FeatureTrial
-from cranktopo.tasks.shape.search import HELD, SearchBudget, multipliers_of, shaped_scene
-from cranktopo.tasks.shape.search_goal import SearchGoal, goal_on_cells, search_goal_of
+from cranktopo.tasks.shape.search import HELD, SearchBudget, prices_of, shaped_scene, worst_violation
+from cranktopo.tasks.shape.search_goal import Quantities, SearchGoal, goal_on_cells, search_goal_of
 from cranktopo.tasks.shape.start import first_on_cells, not_on_cells, scene_start
 from cranktopo.tasks.shape.text import TOLD_FIRST
 from cranktopo.tasks.shape.web_model import WebModel, web_model
@@ -64,7 +66,7 @@ _SAFE, _SURE = 5e-4, 2e-3
 """Part of a limit that the search keeps in reserve beside a web that keeps them all, and beside another."""
 _BY_MASSES = frozenset({"inertia", "unbalance", "balance_factor"})
 """Quantities that grow with a power of a counterweight's radius, and that closed forms tell of any web."""
-_CLOSED_FORM_TRIES = 4
+_PROMISE = f"promises {100 * _SETTLED:.1f} % more"
 _FIRST = {True: "web of the cells", False: "web of the start"}
 """The web that finishes begin with, by whether features were sought."""
 _SCATTER = 5e-3
@@ -126,6 +128,11 @@ class ShapeRound:
         """True where every limit is kept by the evaluation."""
         return self.violation <= HELD
 
+    @property
+    def met(self) -> bool:
+        """True where every limit counts as satisfied."""
+        return self.violation <= TOLERANCE
+
 
 @dataclass(frozen=True)
 class ShapeOptimum:
@@ -135,6 +142,7 @@ class ShapeOptimum:
         stated: the goal in the units of the evaluation.
         rounds: webs that were evaluated, in their order; the first is that of the cells.
         responses: quantities of the best web as the evaluation tells them, with their exact gradients.
+        unfinished: whether it misses a limit and was the last of the finishes that were allowed.
     """
 
     goal: Goal
@@ -146,6 +154,7 @@ class ShapeOptimum:
     trials: tuple[FeatureTrial, ...]
     responses: MeshResponses
     multipliers: Multipliers
+    unfinished: bool
 
     @property
     def result(self) -> ShapeRound:
@@ -184,11 +193,11 @@ def optimise_shape(
     stated = search_goal_of(goal, original.values, original.values, cells.model.cases)
     layout, first = with_free(layout, begin, scene, not_on_cells(scene), start.sizes)
     finish = _LocalRefinement(cells, stated, layout, original, settings, work)
-    rounds = finish.rounds(first)
+    rounds, unfinished = finish.rounds(first)
     best, web = _best(rounds, stated), cells.web(layout)
     found = finish.anchored(rounds[best])
-    paid = multipliers_of(scene, web, rounds[best].values, found, stated)
-    return ShapeOptimum(goal, stated, original, web, rounds, best, trials, found, paid)
+    paid = prices_of(scene, web, rounds[best].values, found, stated)
+    return ShapeOptimum(goal, stated, original, web, rounds, best, trials, found, paid, unfinished)
 
 
 def _selection(
@@ -249,11 +258,13 @@ class _LocalRefinement:
         work = LazyFuture(lambda: webs.responses(webs.web(self._layout), values))
         return self._coarse.setdefault(values.tobytes(), work)
 
-    def rounds(self, start: Array) -> tuple[ShapeRound, ...]:
-        """Return the web of the cells and those of the finishes, until they keep limits and settle."""
+    def rounds(self, start: Array) -> tuple[tuple[ShapeRound, ...], bool]:
+        """Return the web of the cells and those of the finishes, until they keep limits and settle.
+
+        True beside them where the last one misses a limit and no more of them were allowed.
+        """
         rounds, effort, violation = [self._evaluated(start, 0, 0)], _FINISH, 0.0
         maximum = self._settings.rounds * (_FREE_ROUNDS if not_on_cells(self._scene) else 1)
-        farthest = _FARTHER_IN_SHAFT if isinstance(self._settings.loads, WebLoads) else _FARTHER
         pace = Pace("finish on body-fitted elements", maximum, at_most=True, quiet_s=0.0)
         for number in range(1, _LATE_ROUNDS * maximum + 1):
             best = _best(rounds, self._goal)
@@ -262,7 +273,7 @@ class _LocalRefinement:
                 break
             pace.begin()
             try:
-                found = self._finished(before, number, _farther(effort, before, farthest), violation)
+                found = self._finished(before, number, effort, violation)
             except CranktopoError as error:
                 note(f"finish {number} ended early, the best web before it stands: {error}")
                 break
@@ -275,7 +286,10 @@ class _LocalRefinement:
             violation = 0.0 if better else violation + max(found.violation, 0.0)
             if not better:
                 effort = replace(effort, reach=SHORTER * effort.reach)
-        return tuple(rounds)
+        else:
+            last = rounds[_best(rounds, self._goal)]
+            return tuple(rounds), last is rounds[-1] and not last.met
+        return tuple(rounds), False
 
     def _finished(
         self, before: ShapeRound, number: int, effort: SearchBudget, violation: float
@@ -288,45 +302,69 @@ class _LocalRefinement:
         def make() -> Json:
             reserve = (_SAFE if before.held else _SURE) + violation
             goal = self._goal.reserved(reserve).reserved(_SCATTER, self._stressed)
-            cells, exact, at = self._cells.webs(), self.anchored(before), before.values
-            asked, solved = goal, 1
-            for _ in range(_CLOSED_FORM_TRIES):
-                step = stepped(cells, self._layout, at, exact, asked, self._work, effort)
-                solved += step.solved
-                if not (over := self._masses_over(goal, step.values)):
-                    break
-                for name, share in over.items():
-                    asked = asked.reserved(share, (name,))
-            return {"values": step.values.tolist(), "merit": step.merit, "solved": solved}
+            step = self._step(goal, before, effort)
+            return {"values": step.values.tolist(), "merit": step.merit, "solved": 1 + step.solved}
 
         kept = self._work.once(f"finish-{number}", make)
         gain = merit(self._goal, before.web.values) - kept["merit"]
-        if kept["values"] == before.values.tolist() or (before.held and gain < _SETTLED):
-            note(f"finish {number}: no web beside promises {100 * _SETTLED:.1f} % more")
+        if kept["values"] == before.values.tolist():
+            note(f"finish {number}: no web beside {_PROMISE if before.met else 'comes nearer to the limits'}")
+            return None
+        if before.held and gain < _SETTLED:
+            note(f"finish {number}: no web beside {_PROMISE}")
             return None
         return self._evaluated(np.array(kept["values"]), number, kept["solved"])
 
-    def _masses_over(self, goal: SearchGoal, values: Array) -> dict[str, float]:
-        """Return by how much a web breaks the limits that its masses decide, which closed forms know.
+    def _step(self, goal: SearchGoal, before: ShapeRound, effort: SearchBudget) -> Step:
+        """Return the best web beside one by cells, by slopes where it misses a limit and they find none."""
+        farthest = _FARTHER_IN_SHAFT if isinstance(self._settings.loads, WebLoads) else _FARTHER
+        near = _farther(effort, before, farthest)
+        cells, exact = self._cells.webs(), self.anchored(before)
+
+        def by_cells(asked: SearchGoal) -> Step:
+            return stepped(cells, self._layout, before.values, exact, asked, self._work, near)
+
+        step = asked_again(goal, by_cells, lambda values: self._masses(goal, values))
+        if before.met or worst_violation(self._goal, step.found) == 0:
+            return step
+        reaches = near.reach, max(near.reach, farthest * effort.reach)
+        return self._nearest(goal, before.values, exact, step, reaches)
+
+    def _nearest(
+        self, goal: SearchGoal, at: Array, exact: Quantities, step: Step, reaches: tuple[float, float]
+    ) -> Step:
+        """Return the web nearest to its limits by slopes, or that of a step where it is nearer."""
+        cells, web = self._cells.webs(), self._cells.web(self._layout)
+        matched = CorrectedSurrogate(cells, at, cells.responses(web, at, goal.quantities), exact)
+
+        def known(values: Array) -> dict[str, float]:
+            return {**matched.responses(web, values, goal.quantities).values, **self._masses(goal, values)}
+
+        def within(reach: float) -> Step:
+            def by_slopes(asked: SearchGoal) -> Step:
+                return nearest_web(self._scene, web, at, exact, asked, reach)
+
+            return asked_again(goal, by_slopes, known)
+
+        here = Step(at, exact, merit(goal, exact.values), 0)
+        first = min(here, step, key=lambda one: worst_violation(goal, one.found))
+        return nearest_of(self._goal, goal, within, first, reaches)
+
+    def _masses(self, goal: SearchGoal, values: Array) -> dict[str, float]:
+        """Return what the limits name of inertia, unbalance and balance factor of a web, by closed forms.
 
         A counterweight's unbalance grows with the cube of its radius: no search by slopes sees that.
         """
         asked = _BY_MASSES & {limit.quantity for limit in goal.limits}
         if not asked:
             return {}
-        scene = shaped_scene(self._scene, self._layout, values)
-        told = throw_balance(scene)
+        told = throw_balance(shaped_scene(self._scene, self._layout, values))
         known = {
             "inertia": told.inertia_kg_mm2,
             "unbalance": told.throw_unbalance_kg_mm,
             "balance_factor": told.balance_factor_percent or 0.0,
         }
-        over = [
-            (limit.quantity, limit.violation(known[limit.quantity]))
-            for limit in goal.limits
-            if limit.quantity in asked
-        ]
-        return {name: share for name, share in over if share > HELD}
+        return {name: known[name] for name in asked}
 
     def _evaluated(self, values: Array, number: int, solved: int) -> ShapeRound:
         scene, size = shaped_scene(self._scene, self._layout, values), self._settings.element_size_mm

@@ -185,7 +185,17 @@ def original_keeps(found: ShapeResult) -> str:
         and Constraint(limit.quantity, limit.sense, limit.required).satisfied(original[limit.quantity], 0.0)
         for limit in limits
     )
-    return "the original web keeps every limit" if kept else ""
+    if not kept:
+        return ""
+    advice = ", no web on the way did: keep the original" if found.unfinished is False else ""
+    return f"the original web keeps every limit{advice}"
+
+
+def ended_words(found: ShapeResult) -> str:
+    """Return what is left to do where a web misses a limit and no finish would help; empty else."""
+    if found.held or found.unfinished is not False:
+        return ""
+    return "finishes come no nearer: loosen a limit, or widen the envelope or a range of [shape.free]"
 
 
 def _failing(found: ShapeResult) -> str:
@@ -203,7 +213,8 @@ def shape_summary(found: ShapeResult, folder: Path) -> str:
         shape_headline(found),
         *filter(None, [found.balance, original_keeps(found), found.stop_reason]),
         *([judged] if (judged := stress_loads(found)) else []),
-        *([] if found.held else [f"go on from this web: {shlex.join(_going_on(found, folder))}"]),
+        *filter(None, [ended_words(found)]),
+        *([f"go on from this web: {shlex.join(_going_on(found, folder))}"] if found.unfinished else []),
         *(
             [f"die releases it: {release_verdict(found.undercuts)}, {release_text(found.undercuts)}"]
             if found.undercuts
@@ -261,8 +272,9 @@ def multiplier_doubt(found: ShapeResult) -> str:
 def _multipliers(found: ShapeResult) -> Iterator[tuple[str, str]]:
     name = found.goal.quantity.name.replace("_", " ")
     for price in found.prices:
-        way = "less" if price.sense == "<=" else "more"
-        yield f"1 % {way} {price.quantity.replace('_', ' ')}", _price_effect(found, price, name)
+        way, quantity = "less" if price.sense == "<=" else "more", price.quantity.replace("_", " ")
+        named = f"of the {price.side} {quantity}" if _other_side(found, price) else quantity
+        yield f"1 % {way} {named}", _price_effect(found, price, name)
     rules = [rule for rule in found.rule_prices if rule.goal_percent_per_unit >= MINIMUM_PERCENT]
     better = "less" if found.goal.minimise else "more"
     for rule in sorted(rules, key=lambda rule: (-round(rule.goal_percent_per_unit, 6), rule.name)):
@@ -278,6 +290,18 @@ def _price_effect(found: ShapeResult, price: LimitPrice, name: str) -> str:
         return f"has no price known: {'this limit is missed' if missed else 'the prices explain too little'}"
     if cost >= MINIMUM_PERCENT:
         return f"costs {cost:.2f} % {name}"
+    other = _other_side(found, price)
+    if other and not any(limit.active for limit in own):
+        if (other.known(found.goal.limits, rest) or 0.0) >= MINIMUM_PERCENT:
+            return f"does not decide: the {other.side} does"
+        if any(limit.active for limit in other.outcomes(found.goal.limits)):
+            return f"does not decide: the {other.side} is nearer"
     if any(limit.active for limit in own):
         return "costs nothing: the other limits and rules decide before it"
     return "costs nothing: this limit does not decide"
+
+
+def _other_side(found: ShapeResult, price: LimitPrice) -> LimitPrice | None:
+    """Return the price of the limit on the same quantity from the other side, if there is one."""
+    others = (one for one in found.prices if one.quantity == price.quantity and one.sense != price.sense)
+    return next(others, None)

@@ -170,9 +170,55 @@ def test_a_search_that_misses_a_limit_says_how_to_go_on(data: dict[str, Any], tm
     ended, lines = {"seconds": {"total": 1.0}, "worst_case_percent": {"tolerance": 0.5}}, {}
     for holds in (False, True):
         told = goal(maximise="bending") | {"limits": [limit | {"holds": holds}]}
-        lines[holds] = shape_summary(_found(data | {"goal": told} | ended), tmp_path / "a b")
+        found = _found(data | {"goal": told, "unfinished": not holds} | ended)
+        lines[holds] = shape_summary(found, tmp_path / "a b")
     assert f"\ngo on from this web: cranktopo shape '{tmp_path}/a b'\n" in lines[False]
     assert "go on" not in lines[True]
+
+
+def test_a_search_that_is_at_its_end_does_not_ask_for_the_same_again(data: dict[str, Any]) -> None:
+    """A second run from the web of the first ended alike, with the same advice."""
+    limits = [_limit("fatigue_safety", ">=", 1.2, 1.18, False)]
+    data["goal"] = {**goal(minimise="mass"), "limits": limits}
+    for original, kept in ((1.2, True), (1.1, False)):
+        before, after = {"mass": 2.0, "fatigue_safety": original}, {"fatigue_safety": 1.18}
+        data |= {"values": {"original": before, "result": after}, "unfinished": False, **TOLD}
+        told = shape_summary(_found(data), Path("run"))
+        assert "go on" not in told
+        assert "\nfinishes come no nearer: loosen a limit" in told
+        assert ("no web on the way did: keep the original" in told) == kept
+
+
+def _window(data: dict[str, Any], least: float, greatest: float, active: str) -> list[str]:
+    """Return the words for both sides of a balance factor of 49 to 51 %, one of them active."""
+    limits = [
+        _limit("balance_factor", sense, bound, 49.5, True) | {"active": sense == active}
+        for sense, bound in ((">=", 49.0), ("<=", 51.0))
+    ]
+    prices = [
+        {"quantity": "balance_factor", "sense": sense, "goal_percent_per_percent": cost}
+        for sense, cost in ((">=", least), ("<=", greatest))
+    ]
+    data |= {"goal": {**goal(minimise="mass"), "limits": limits}, "prices": prices}
+    return multiplier_text(_found(data))[:2]
+
+
+def test_both_sides_of_a_limit_are_told_apart(data: dict[str, Any]) -> None:
+    more, less = "1 % more of the least balance factor", "1 % less of the greatest balance factor"
+    assert _window(data, 0.05, 0.0, ">=") == [
+        f"{more} costs 0.05 % mass",
+        f"{less} does not decide: the least does",
+    ]
+    near = "costs nothing: the other limits and rules decide before it"
+    assert _window(data, 0.0, 0.0, ">=") == [f"{more} {near}", f"{less} does not decide: the least is nearer"]
+    assert _window(data, 0.0, 0.2, "") == [
+        f"{more} does not decide: the greatest does",
+        f"{less} costs 0.20 % mass",
+    ]
+    assert _window(data, 0.0, 0.0, "") == [
+        f"{more} costs nothing: this limit does not decide",
+        f"{less} costs nothing: this limit does not decide",
+    ]
 
 
 def test_a_goal_that_is_made_high_is_told_as_more_and_a_poor_balance_is_said(data: dict[str, Any]) -> None:

@@ -28,6 +28,8 @@ from cranktopo.tasks.shape.stage import ShapeOptimum, ShapeSettings, optimise_sh
 from cranktopo.throw.manufacturing_limits import ManufacturingLimits
 
 ORIGINAL = {"mass": 1.6, "torsion": 140e3, "bending": 220e3, "fatigue_safety": 2.0}
+KEPT = Quantities({"mass": 1.5, "torsion": 150e3, "bending": 230e3, "fatigue_safety": 2.1}, {})
+"""Quantities that a finish promises: they keep every limit."""
 
 
 @dataclass
@@ -63,7 +65,7 @@ class Told:
         self.reaches.append(rest[-1].reach)
         if self.finishes == self.fails_at:
             raise CranktopoError("mesh: an element folds.", hint="", code=ExitCode.SOLVER)
-        return Step(at + 0.01, Quantities({}, {}), self.promised, 5)
+        return Step(at + 0.01, KEPT, self.promised, 5)
 
     def growth(self, model: Any, coarse: Any, goals: Any, original: Any, work: Work) -> Any:
         self.goals.append(goals[0])
@@ -192,6 +194,47 @@ def test_a_finish_reaches_farther_and_there_are_more_while_limits_are_missed(sha
     assert shaft.reaches == pytest.approx([1.6, 1.6, 1.6, 1.6, 1.2, 0.8])  # no farther: many places decide
 
 
+def _short(monkeypatch: pytest.MonkeyPatch, by_slopes: float) -> Told:
+    """Return what stands for solves where cells find no web beside one 3 % too heavy and slopes one."""
+    told = Told([{"mass": 103.0}, *[{"fatigue_safety": 101.0}] * 3])
+
+    def stepped(cells: Any, layout: Any, at: Any, exact: Any, *rest: Any) -> Step:
+        told.finishes += 1
+        return Step(at, exact, 0.0, 5)
+
+    def nearest(
+        finish: Any, goal: Any, at: Any, exact: Any, step: Step, reaches: tuple[float, float]
+    ) -> Step:
+        told.reaches += reaches
+        return Step(at + by_slopes, exact, 0.0, 0)
+
+    monkeypatch.setattr(Told, "stepped", lambda _, *given: stepped(*given))
+    monkeypatch.setattr(stage._LocalRefinement, "_nearest", nearest)
+    return told
+
+
+def test_beside_a_web_that_misses_a_limit_slopes_find_what_cells_do_not(
+    shaped: Shaped, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = _short(monkeypatch, 0.01)
+    found = shaped(told)
+    assert (found.best, found.result.held, found.unfinished, len(found.rounds)) == (1, True, False, 2)
+    assert told.reaches == pytest.approx([2.4, 4.0])
+
+
+def test_a_search_ends_where_slopes_find_none_either(shaped: Shaped, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = _short(monkeypatch, 0.0)
+    found = shaped(told)
+    assert (found.best, found.unfinished, len(found.rounds)) == (0, False, 1)
+    assert told.lines[-1] == "finish 1: no web beside comes nearer to the limits"
+
+
+def test_a_search_that_comes_nearer_to_its_last_finish_is_unfinished(shaped: Shaped) -> None:
+    nearer = Told([{"fatigue_safety": 105.0, "mass": 103.0 - 0.1 * n} for n in range(9)])
+    found = shaped(nearer)
+    assert (found.best, found.unfinished, len(found.rounds)) == (8, True, 9)
+
+
 def test_a_finish_names_the_limits_that_its_web_misses(shaped: Shaped) -> None:
     told = Told([{"fatigue_safety": 101.0, "mass": 100.4, "bending": 98.0}, *[{"fatigue_safety": 102.0}] * 3])
     shaped(told)
@@ -217,11 +260,11 @@ def test_a_finish_keeps_the_balance_that_closed_forms_tell_of_its_web(
 
     def stepped(cells: Any, layout: Any, at: Any, exact: Any, goal: SearchGoal, *rest: Any) -> Step:
         asked.append(goal.limits[0].bound)
-        return Step(at + 0.01, Quantities({}, {}), 0.5, 5)
+        return Step(at + 0.01, Quantities({"balance_factor": asked[-1]}, {}), 0.5, 5)
 
     monkeypatch.setattr(stage, "stepped", stepped)
     web = SimpleNamespace(values={"mass": 1.6, "balance_factor": 51.0})
-    before = SimpleNamespace(web=web, values=np.zeros(2), held=True)
+    before = SimpleNamespace(web=web, values=np.zeros(2), held=True, met=True, violation=0.0)
     scene = load_scene("mikron-iiic-plain")
     cells = SimpleNamespace(scene=scene, webs=lambda: None)
     found = SimpleNamespace(values={}, excess_percent=())
