@@ -87,8 +87,9 @@ _FORCES = (
 )
 _WEBS = (
     "Unbalance along its throw of each web alone, what its counterweight has of that already, and what is "
-    "needed beyond it: for its throw, so that each throw is balanced on its own; for the shaft, the least "
-    "that leaves the whole shaft without free force and moment but lets it bend."
+    "needed beyond it for the masses that the table names, a share of the oscillating ones as if it turned "
+    "with the crankpin: for its throw, so that each throw is balanced on its own; for the shaft, the least "
+    "with which these masses leave the whole shaft without free force and moment, but bend it."
 )
 
 
