@@ -245,6 +245,8 @@ def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: d
         assert fact.label == "Least safety"
         assert fact.status == status
         assert (missed in page.headline) == (missed in fact.note) == told
+        printed = " ".join("\n".join(safety_text(safety)).split())
+        assert (f"along. Not sure: {missed}; a smaller --fillet-fraction helps." in printed) == told
         assert "The pressure" not in page.sections[0].text
     told = page_of_one_pressure(data, loads)
     assert told.endswith("takes the pressure over speed.")

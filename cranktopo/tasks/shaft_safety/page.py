@@ -11,6 +11,7 @@ from cranktopo.tasks.shaft_safety.text import (
     bearing_table,
     moment_table,
     speed_table,
+    unsure_words,
     web_table,
     worst_sentence,
 )
@@ -30,7 +31,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
     return Page(
         title=f"Shaft on its bearings: {shaft.design}",
         subtitle=f"method {found.method}, {_speeds(found)}, {shaft.bearings} bearings; {written}",
-        headline=" ".join([*worst_sentence(found).splitlines(), *_unsure(found)]),
+        headline=" ".join([*worst_sentence(found).splitlines(), *unsure_words(found)]),
         facts=_facts(shaft, found, carried),
         sections=(
             Section(
@@ -68,12 +69,6 @@ def _speeds(found: ShaftSafety) -> str:
     return f"{len(found.speeds)} speeds, {first:,.0f} to {last:,.0f} rpm"
 
 
-def _unsure(found: ShaftSafety) -> list[str]:
-    """Return why the safety is not sure, if so."""
-    missed = found.mesh_shortfall
-    return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
-
-
 def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
     safest = max(found.webs, key=lambda web: web.safety)
     bearing = carried.worst_bearing
@@ -81,7 +76,7 @@ def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft)
         Fact(
             "Least safety",
             f"{found.safety:.3f}",
-            "; ".join([f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm", *_unsure(found)]),
+            "; ".join([f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm", *unsure_words(found)]),
             "bad" if found.safety < 1 else "unknown" if found.mesh_shortfall else "good",
         ),
         Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),

@@ -41,7 +41,7 @@ def safety_text(found: ShaftSafety) -> list[str]:
     told = [
         f"Least safety of each web by method {found.method!r}, over the cycle at {at_speeds}:",
         terminal(web_table(found)),
-        worst_sentence(found),
+        "\n".join([worst_sentence(found), *(fill(line, WIDTH) for line in unsure_words(found))]),
     ]
     if several:
         told += ["Over the speeds:", terminal(speed_table(found))]
@@ -86,6 +86,12 @@ def worst_sentence(found: ShaftSafety) -> str:
         f"{worst.speed_rpm:,.0f} rpm, highest stress at {worst.highest_deg:g} deg,\n"
         f"lowest at {worst.lowest_deg:g} deg: {worst.critical.place}."
     )
+
+
+def unsure_words(found: ShaftSafety) -> list[str]:
+    """Return in a sentence why the safety is not sure, if so."""
+    missed = found.mesh_shortfall
+    return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
 
 
 def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:
