@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from cranktopo.base.notes import note
 from cranktopo.bodies.crank_ends import SIDES
@@ -32,6 +33,7 @@ from cranktopo.tasks.fea.evaluation import (
     throw_inertia_kg_mm2,
 )
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
+from cranktopo.tasks.film.permitted import films_hold
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftStiffness
 from cranktopo.tasks.shaft.condensed_throw import (
     CondensedThrow,
@@ -78,6 +80,7 @@ def evaluate_shaft(
     stiffness, error = _stiffness_and_error(shaft, resolved, bearings, spring, size)
     disks = bare_chain(scene, shaft.inertias_kg_mm2, stiffness.throws_Nm_per_rad)
     stiff_scene = of_stiffness(scene, stiffness.throws_Nm_per_rad)
+    on_bearings = _at_speeds(shaft, stiff_scene, bearings, speeds_rpm or ()) if loaded else ()
     return ShaftEvaluation(
         design=resolved.name,
         throw_angles_deg=scene.shaft_angles_deg,
@@ -88,7 +91,8 @@ def evaluate_shaft(
         error_estimate_percent=TorsionError(torsion=error),
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
-        on_bearings=_at_speeds(shaft, stiff_scene, bearings, speeds_rpm or ()) if loaded else (),
+        on_bearings=on_bearings,
+        **_permitted(scene, on_bearings),
         misfire=(misfire(scene) or None) if loaded else None,
         silent=misfire_words(scene) if loaded else "",
         pressure=pressure_words(scene, _speeds(scene, speeds_rpm or ())) if loaded else "",
@@ -218,6 +222,18 @@ def shaft_tables(scene: Scene, bearings: Bearings, *, loaded: bool = False) -> t
     if loaded or (bearings == "spring" and scene.supports.bearing_clearance_mm is not None):
         return (*SHAFT, LOADS)
     return SHAFT
+
+
+def _permitted(scene: Scene, at_speeds: Sequence[ContinuousShaft]) -> dict[str, Any]:
+    """Return what the design permits of the films of its main bearings, and whether they keep to it."""
+    films = [film for at in at_speeds for film in at.least_films]
+    if scene.bearings is None or not films:
+        return {}
+    return {
+        "permitted_film_um": scene.bearings.permitted_film_um,
+        "permitted_pressure_MPa": scene.bearings.permitted_pressure_MPa,
+        "films_hold": films_hold(scene.bearings, films),
+    }
 
 
 def stands_on_bearings(scene: Scene, bearings: Bearings) -> bool:

@@ -28,7 +28,8 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
     said = [line for line in (shaft.silent, fill(shaft.pressure, WIDTH)) if line]
-    parts = [*_torsion(shaft), *said, *_on_bearings(shaft.on_bearings)]
+    beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
+    parts = [*beyond, *_torsion(shaft), *said, *_on_bearings(shaft.on_bearings)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
     return "\n\n".join((*parts, errors))
