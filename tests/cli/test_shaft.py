@@ -20,6 +20,7 @@ from cranktopo.design.shaft import Supports
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
+from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.stage import shaft_tables
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.plots import BearingPolar, safety_pictures
@@ -33,6 +34,7 @@ from cranktopo.tasks.shaft_safety.result import (
 )
 from cranktopo.tasks.shaft_safety.stage import assess_shaft
 from cranktopo.tasks.shaft_safety.text import safety_text, shaft_text
+from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.page_text import typed_page
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
@@ -284,6 +286,24 @@ def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
             status == "bad",
         )
     assert "films_hold" not in bored
+
+
+def test_the_worst_speed_of_a_vibrating_shaft_is_added_to_those_asked_for() -> None:
+    """A six of 750 rpm was judged at four speeds between which its largest torque lay, and was 5 % safer."""
+    line = "[shaft]\ncylinder_damping_Nms_per_rad = 0.2\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n\n[engine]\n"
+    scene = parse_scene(MIKRON.replace("[engine]\n", line))
+    found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, 2100.0))
+    low, added, high = (at.speed_rpm for at in found.on_bearings)
+    assert (low, high, found.added_speed_rpm) == (600.0, 2100.0, added)
+    study = shaft_vibration(Target("mikron", scene), element_size_mm=24.0)
+    swings = study.response.torque_amplitude_Nm[:, np.array(study.shaft.in_crankshaft)].max(axis=1)
+    speeds = study.response.speeds_rpm
+    inside = (speeds >= low) & (speeds <= high)
+    assert added == pytest.approx(float(speeds[inside][swings[inside].argmax()]), rel=2e-3)
+    said = f"{added:,.0f} rpm is added to the 2 speeds: there the torque"
+    assert said in " ".join(shaft_text(found).split())
+    again = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, added, 2100.0))
+    assert (len(again.on_bearings), again.added_speed_rpm) == (3, None), "it is among them"
 
 
 def page_of_one_pressure(data: dict[str, Any], loads: BearingPolar) -> str:

@@ -124,6 +124,8 @@ class ShaftEvaluation(Result):
     opentorsion: OpenTorsion
     on_bearings: tuple[ContinuousShaft, ...] = ()
     """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
+    added_speed_rpm: float | None = UNLESS_NONE
+    """Speed among them at which the torque of the vibrating shaft swings most, where none asked for it."""
     permitted_film_um: float | None = UNLESS_NONE
     """Least film that `[bearings]` permits, where the main bearings have films."""
     permitted_pressure_MPa: float | None = UNLESS_NONE
@@ -145,6 +147,17 @@ class ShaftEvaluation(Result):
     """Sentence on the cylinders that do not fire."""
     pressure: str = Field(default="", exclude=True)
     """Sentence on the pressure at speeds other than the engine's own."""
+
+    @property
+    def added_words(self) -> str:
+        """Sentence on the speed that was added to those asked for; empty where none was."""
+        if self.added_speed_rpm is None:
+            return ""
+        speeds = [at.speed_rpm for at in self.on_bearings]
+        return (
+            f"{self.added_speed_rpm:,.0f} rpm is added to the {len(speeds) - 1} speeds: there the torque of "
+            f"the vibrating shaft swings most between {min(speeds):,.0f} and {max(speeds):,.0f} rpm."
+        )
 
     @property
     def beyond_permitted(self) -> list[str]:

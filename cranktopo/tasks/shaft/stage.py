@@ -16,7 +16,7 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.misfire import misfire, misfire_words
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import at_speed, engine_of
+from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
@@ -47,6 +47,8 @@ from cranktopo.tasks.shaft.continuous import continuous_shafts
 from cranktopo.tasks.shaft.loaded_throw import ThrowBody, loaded_throw
 from cranktopo.tasks.shaft.result import ContinuousShaft, OpenTorsion, ShaftEvaluation, TorsionError
 
+_SAME_RPM = 0.5
+"""Difference up to which a speed is that at which the torque swings most."""
 _WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
 
 
@@ -57,6 +59,7 @@ def evaluate_shaft(
     *,
     speeds_rpm: Sequence[float] | None = None,
     bodies: Mapping[str, ThrowBody] | None = None,
+    add_worst_speed: bool = False,
 ) -> ShaftEvaluation:
     """Assemble the throws of a target by its firing order.
 
@@ -66,6 +69,8 @@ def evaluate_shaft(
         speeds_rpm: also what its webs and bearings carry over the cycle at these speeds, where the scene
             tells the loads; an empty sequence stands for the engine's own.
         bodies: the throws by their names where they are meshed and condensed already.
+        add_worst_speed: between the lowest and the highest of several speeds also that at which the torque
+            of the vibrating shaft swings most.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
@@ -80,7 +85,10 @@ def evaluate_shaft(
     stiffness, error = _stiffness_and_error(shaft, resolved, bearings, spring, size)
     disks = bare_chain(scene, shaft.inertias_kg_mm2, stiffness.throws_Nm_per_rad)
     stiff_scene = of_stiffness(scene, stiffness.throws_Nm_per_rad)
-    on_bearings = _at_speeds(shaft, stiff_scene, bearings, speeds_rpm or ()) if loaded else ()
+    speeds, added = tuple(speeds_rpm or ()), None
+    if loaded and add_worst_speed:
+        speeds, added = _with_worst_speed(stiff_scene, speeds)
+    on_bearings = _at_speeds(shaft, stiff_scene, bearings, speeds) if loaded else ()
     return ShaftEvaluation(
         design=resolved.name,
         throw_angles_deg=scene.shaft_angles_deg,
@@ -92,10 +100,11 @@ def evaluate_shaft(
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
         on_bearings=on_bearings,
+        added_speed_rpm=added,
         **_permitted(scene, on_bearings),
         misfire=(misfire(scene) or None) if loaded else None,
         silent=misfire_words(scene) if loaded else "",
-        pressure=pressure_words(scene, _speeds(scene, speeds_rpm or ())) if loaded else "",
+        pressure=pressure_words(scene, _speeds(scene, speeds)) if loaded else "",
         assumed=filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded)),
         throw_inertias_kg_mm2=shaft.inertias_kg_mm2,
         throw_by_bearings_Nm_per_rad=_throw_by_bearings(shaft, scene, bearings, stiffness),
@@ -250,6 +259,22 @@ def _at_speeds(
         for throw, target in zip(shaft.condensed, shaft.throws, strict=True)
     ]
     return continuous_shafts(parts, speed_scenes(scene, speeds_rpm), spring, shaft_effects(scene))
+
+
+def _with_worst_speed(scene: Scene, speeds_rpm: tuple[float, ...]) -> tuple[tuple[float, ...], float | None]:
+    """Return speeds with that between them at which the torque of the vibrating shaft swings most, and that.
+
+    It is None where the shaft does not vibrate, or where it is one of several speeds, to half a rpm.
+    """
+    effects = shaft_effects(scene)
+    if len(speeds_rpm) < 2 or scene.shaft is None or "torsional_vibration" not in effects:
+        return speeds_rpm, None
+    span = {"speed_min_rpm": min(speeds_rpm), "speed_max_rpm": max(speeds_rpm)}
+    between = scene.model_copy(update={"shaft": scene.shaft.model_copy(update=span)})
+    worst = engine_of(at_worst_speed(between, effects)).speed_rpm
+    if min(abs(worst - speed) for speed in speeds_rpm) < _SAME_RPM:
+        return speeds_rpm, None
+    return tuple(sorted((*speeds_rpm, worst))), worst
 
 
 def speed_scenes(scene: Scene, speeds_rpm: Sequence[float]) -> list[Scene]:

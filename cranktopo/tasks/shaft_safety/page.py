@@ -40,7 +40,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
                 "Safety of every web",
                 "The least over all points of a part, all crank angles and all speeds. The shaft stands on "
                 "all its main bearings; each cylinder acts at its own phase. "
-                f"{shaft.silent} {shaft.pressure}".rstrip(),
+                f"{shaft.silent} {shaft.pressure} {shaft.added_words}".rstrip(),
                 (("By web, from the free end", web_table(found)), *over_speed),
                 safety_pictures(found),
             ),

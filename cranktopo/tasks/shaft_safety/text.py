@@ -27,7 +27,8 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    said = [line for line in (shaft.silent, fill(shaft.pressure, WIDTH)) if line]
+    told = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
+    said = [line for line in told if line]
     beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
     parts = [*beyond, *_torsion(shaft), *said, *_on_bearings(shaft.on_bearings)]
     if shaft.safety is not None:
