@@ -109,7 +109,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
     return Page(
         title=f"{', '.join(others)} against {base}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
-        headline=" ".join((_headline(comparison), *fillet_lines(comparison.bare))),
+        headline=" ".join((_headline(comparison), *fillet_lines(comparison.bare), *comparison.pitches)),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
@@ -231,7 +231,7 @@ def _variants(
         "Variants",
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design."
-        + "".join(f" {line}" for line in star_lines(comparison))
+        + "".join(f" {line}" for line in (*comparison.pitches, *star_lines(comparison)))
         + _safety(comparison),
         tuple(tables),
         scatter_pictures(_scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),

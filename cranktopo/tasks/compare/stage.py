@@ -141,7 +141,8 @@ def compare_targets(
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     bare = tuple(target.name for target in targets if target.run)
-    for line in (*fillet_lines(bare), *pitch_lines(targets, index)):
+    pitches = tuple(pitch_lines(targets, index))
+    for line in (*fillet_lines(bare), *pitches):
         note(line)
     methods = list(dict.fromkeys([fatigue] if isinstance(fatigue, str) else fatigue or ()))
     fatigues: list[FatigueComparison] = []
@@ -164,6 +165,8 @@ def compare_targets(
     comparison = replace(
         comparison,
         bare=bare,
+        pitch_mm=tuple(target.scene.pitch_mm for target in targets) if pitches else (),
+        pitches=pitches,
         goals=_evaluated_goals(targets, entries, index),
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
