@@ -81,6 +81,7 @@ class ComparisonRecord:
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
         bound: beside the entry that is stiffest in torsion per mass; None where none was asked for.
+        no_stresses: why none are solved, whoever asks; empty where they can be.
     """
 
     comparison: Comparison
@@ -94,6 +95,7 @@ class ComparisonRecord:
     written: str
     versions: Mapping[str, str | None]
     bound: AnyBound | None = None
+    no_stresses: str = ""
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
@@ -116,7 +118,7 @@ def comparison_page(record: ComparisonRecord) -> Page:
             *bound_sections(record.bound, f"{base} and {leader} in the body-fitted evaluation"),
             *_goals(comparison),
             _accuracy(comparison),
-            stress_section(scene3d, f"{record.command} --stress"),
+            stress_section(scene3d, f"{record.command} --stress", record.no_stresses),
             _of(base, loads_section(record.loads, record.cases)),
             _of(base, effects_section(record.effects.effects)),
             _provenance(record),
