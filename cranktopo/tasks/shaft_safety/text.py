@@ -43,7 +43,12 @@ def safety_text(found: ShaftSafety) -> list[str]:
     told = [
         f"Least safety of each web by method {found.method!r}, over the cycle at {at_speeds}:",
         terminal(web_table(found)),
-        "\n".join([worst_sentence(found), *(fill(line, WIDTH) for line in unsure_words(found))]),
+        "\n".join(
+            [
+                worst_sentence(found),
+                *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(found)),
+            ]
+        ),
     ]
     if several:
         told += ["Over the speeds:", terminal(speed_table(found))]
