@@ -178,6 +178,33 @@ def test_a_proposed_counterweight_balances_the_share(capsys, weighted_vee):
     assert radius in run(capsys, str(weighted_vee), "--propose", "65")[1]
 
 
+def test_an_order_that_a_proposal_makes_is_told_beside_the_largest(capsys, weighted_vee, tmp_path):
+    """Half of the oscillating mass leaves a V2 of 90 deg no force of order 1; 60 % leave a fifth of one."""
+    page = tmp_path / "b.html"
+    weights = json.loads(run(capsys, str(weighted_vee), "--propose", "50%", "--json")[1])["proposal"]
+    text = weighted_vee.read_text().replace(
+        "outer_radius_mm = 60.0", f"outer_radius_mm = {weights['outer_radius_mm']:g}", 1
+    )
+    shaft = "[[engine.arrangement.balancer_shaft]]\norder = 2\nturns = 'with'\n"
+    assert shaft in text
+    weighted_vee.write_text(text.replace(shaft, ""))
+    assert "of order 1" not in run(capsys, str(weighted_vee))[1].splitlines()[1].partition("moment")[0]
+    code, out, _ = run(capsys, str(weighted_vee), "--propose", "60%", "--report", str(page))
+    found = json.loads(run(capsys, str(weighted_vee), "--propose", "60%", "--json")[1])
+    force = {(e["state"], e["order"]): e["force_N"] for e in found["free"]}
+    made = force["with counterweights", 1]
+    scene = load_scene(str(weighted_vee))
+    oscillating = scene.engine.reciprocating_kg * 1e-3 * scene.throw.radius_mm * (2100 * math.pi / 30) ** 2
+    assert made == pytest.approx(2 * 0.1 * oscillating, rel=2e-2)
+    assert force["with counterweights", 2] == force["as it is", 2] > made
+    told = re.search(r"With counterweights: free force of order 1 from [\d.]+ to ([\d.]+) N", out)
+    assert (code, float(told[1])) == (0, pytest.approx(made, rel=1e-3))
+    card = r'<div class="(\w+)"><dt>Free force</dt>.*?<dd class="note">([^<]*)<'
+    status, note = re.search(card, page.read_text(encoding="utf-8")).groups()
+    assert status == "bad"
+    assert re.search(rf"; order 1 from [\d.]+ to {told[1]}\sN", note)
+
+
 DRILLED = """
 [[throw.drilling]]
 diameter_mm = 5.0

@@ -15,7 +15,7 @@ import pytest
 
 from cranktopo.app.main import main
 from cranktopo.base.errors import CranktopoError
-from cranktopo.design.loading import design_text, designs_folder
+from cranktopo.design.loading import design_text, designs_folder, load_scene
 from cranktopo.design.schema import Scene
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.tasks.bound.result import BoundStatements, NoBound
@@ -253,6 +253,49 @@ def test_plot_in_capitals(tmp_path: Path) -> None:
     assert main(["compare", *NAMES, "--baseline", NAMES[0], "--plot", str(path), "--quiet"]) == 0
     assert path.read_bytes().startswith(b"\x89PNG")
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_longer_engine_is_told_on_page_table_and_in_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It stood in a line between those of progress alone."""
+    base, page = designs_folder() / f"{NAMES[0]}.toml", tmp_path / "page.html"
+    scene = load_scene(NAMES[0])
+    thicker = scene.web.thickness_mm + 1
+    text = re.sub(r"(?m)^thickness_mm = .*", f"thickness_mm = {thicker:g}", base.read_text(), count=1)
+    thick = tmp_path / "thick.toml"
+    thick.write_text(re.sub(r'(?m)^name = ".*"', 'name = "thick"', text, count=1))
+    words = ["compare", str(thick), "--baseline", NAMES[0], "--no-bound", "--quiet"]
+    assert main([*words, "--report", str(page)]) == 0
+    told = f"pitch {scene.pitch_mm + 2:g} mm, {NAMES[0]} has {scene.pitch_mm:g} mm: the engine is longer"
+    assert told in " ".join(capsys.readouterr().out.split())
+    assert typed_page(page).count(told) == 2, "in the headline and above the table"
+    assert main([*words, "--json"]) == 0
+    pitches = json.loads(capsys.readouterr().out)["pitch_mm"]
+    assert pitches == pytest.approx({NAMES[0]: scene.pitch_mm, "thick": scene.pitch_mm + 2})
+    assert main(["compare", NAMES[1], "--baseline", NAMES[0], "--json", "--quiet"]) == 0
+    assert "pitch_mm" not in json.loads(capsys.readouterr().out)
+
+
+def test_unlike_halves_have_no_stresses_and_the_page_does_not_advise_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With --stress or without: the page sent its reader to an option that brings nothing."""
+    text = (designs_folder() / f"{NAMES[0]}.toml").read_text(encoding="utf-8")
+    uneven, page = tmp_path / "uneven.toml", tmp_path / "page.html"
+    length = load_scene(NAMES[0]).throw.main_journal.length_mm + 2
+    key = f"second_main_journal_length_mm = {length:g}"
+    uneven.write_text(text.replace("[throw]\n", f"[throw]\n{key}\n", 1))
+    told = (
+        "Not solved: both halves of a throw must be alike, and those of opposed-piston are not "
+        "(throw.second_main_journal_length_mm)."
+    )
+    words = ["compare", str(uneven), "--baseline", str(uneven), "--no-bound", "--report", str(page)]
+    for more in ([], ["--stress"]):
+        assert main([*words, *more]) == 0
+        assert told in typed_page(page)
+        assert "adds them to this page" not in typed_page(page)
+        assert (told.replace("Not solved", "no stresses") in capsys.readouterr().err) == bool(more)
 
 
 @pytest.fixture

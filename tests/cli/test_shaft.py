@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 
 from cranktopo.app.main import main
-from cranktopo.design.loading import designs_folder, load_scene
+from cranktopo.design.loading import designs_folder, load_scene, parse_scene
 from cranktopo.design.shaft import Supports
 from cranktopo.engine.performance import pressure_words
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
 from cranktopo.tasks.fatigue.result import CriticalPoint, JudgedQuality, Quality
+from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.shaft.stage import shaft_tables
 from cranktopo.tasks.shaft_safety.page import shaft_page
 from cranktopo.tasks.shaft_safety.plots import BearingPolar, safety_pictures
@@ -31,11 +32,14 @@ from cranktopo.tasks.shaft_safety.result import (
     WebSafety,
     WorstPlace,
 )
-from cranktopo.tasks.shaft_safety.text import safety_text
+from cranktopo.tasks.shaft_safety.stage import assess_shaft
+from cranktopo.tasks.shaft_safety.text import safety_text, shaft_text
+from cranktopo.tasks.vibration.stage import shaft_vibration
 from tests.hostile.scenes import dumped
 from tests.page_text import typed_page
 
 MIKRON = (designs_folder() / "mikron-iiic-plain.toml").read_text(encoding="utf-8")
+KEPT = {"permitted_film_um": None, "permitted_pressure_MPa": None, "films_hold": True}
 STEEL_KG_PER_MM3 = 7.85e-6
 
 
@@ -274,9 +278,61 @@ def test_a_safety_on_a_mesh_that_misses_the_checks_is_not_shown_as_sure(bored: d
         assert fact.label == "Least safety"
         assert fact.status == status
         assert (missed in page.headline) == (missed in fact.note) == told
+        printed = " ".join("\n".join(safety_text(safety)).split())
+        assert (f"along. Not sure: {missed}; a smaller --fillet-fraction helps." in printed) == told
         assert "The pressure" not in page.sections[0].text
     told = page_of_one_pressure(data, loads)
     assert told.endswith("takes the pressure over speed.")
+
+
+def test_films_beyond_the_permitted_are_told(bored: dict[str, Any]) -> None:
+    """First on the terminal, in headline and card of the page, and in the JSON; each bearing at its worst."""
+    bearings = "[bearings]\nclearance_mm = 0.05\noil = 'ISO VG 46'\ntemperature_C = 90.0\n"
+    permitted = "permitted_film_um = 3.0\npermitted_pressure_MPa = 1000.0\n"
+    scene = parse_scene(MIKRON.replace("[engine]\n", f"{bearings}{permitted}\n[engine]\n"))
+    found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, 2100.0))
+    data = found.as_json()
+    films = {
+        (at["speed_rpm"], one["bearing"]): one["film_um"]
+        for at in data["on_bearings"]
+        for one in at["main_bearings"]
+    }
+    thin = [n for n in range(1, 6) if min(films[600.0, n], films[2100.0, n]) < 3.0]
+    assert thin
+    assert (data["films_hold"], data["permitted_film_um"]) == (False, 3.0)
+    lines = shaft_text(found).split("\n\n")[0].splitlines()
+    assert [line.split(":")[0] for line in lines] == ["below the permitted 3 um"] * len(thin)
+    for line, number in zip(lines, thin, strict=True):
+        least, rpm = min((films[rpm, number], rpm) for rpm in (600.0, 2100.0))
+        assert line.endswith(f": main {number} {least:.2f} um at {rpm:g} rpm")
+    loads = BearingPolar(600.0, np.array([0.0, 360.0]), (1,), np.ones((1, 2, 2)))
+    for permits, status in ((found, "bad"), (found.model_copy(update=KEPT), "good")):
+        page = shaft_page(permits.model_copy(update={"safety": judged()}), loads, "")
+        (fact,) = (one for one in page.facts if one.label == "Least oil film")
+        assert (fact.status, lines[0] in fact.note, lines[0] in page.headline) == (
+            status,
+            status == "bad",
+            status == "bad",
+        )
+    assert "films_hold" not in bored
+
+
+def test_the_worst_speed_of_a_vibrating_shaft_is_added_to_those_asked_for() -> None:
+    """A six of 750 rpm was judged at four speeds between which its largest torque lay, and was 5 % safer."""
+    line = "[shaft]\ncylinder_damping_Nms_per_rad = 0.2\n[shaft.propeller]\ninertia_kg_m2 = 0.6\n\n[engine]\n"
+    scene = parse_scene(MIKRON.replace("[engine]\n", line))
+    found = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, 2100.0))
+    low, added, high = (at.speed_rpm for at in found.on_bearings)
+    assert (low, high, found.added_speed_rpm) == (600.0, 2100.0, added)
+    study = shaft_vibration(Target("mikron", scene), element_size_mm=24.0)
+    swings = study.response.torque_amplitude_Nm[:, np.array(study.shaft.in_crankshaft)].max(axis=1)
+    speeds = study.response.speeds_rpm
+    inside = (speeds >= low) & (speeds <= high)
+    assert added == pytest.approx(float(speeds[inside][swings[inside].argmax()]), rel=2e-3)
+    said = f"{added:,.0f} rpm is added to the 2 speeds: there the torque"
+    assert said in " ".join(shaft_text(found).split())
+    again = assess_shaft(scene, element_size_mm=24.0, speeds_rpm=(600.0, added, 2100.0))
+    assert (len(again.on_bearings), again.added_speed_rpm) == (3, None), "it is among them"
 
 
 def page_of_one_pressure(data: dict[str, Any], loads: BearingPolar) -> str:

@@ -13,6 +13,7 @@ import pytest
 from cranktopo.app.main import main
 from cranktopo.design.loading import designs_folder, load_scene
 from cranktopo.engine.balance.throw import throw_balance
+from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT
 from cranktopo.engine.vibration.shaft_chain import estimated_chain, shaft_chain
 from cranktopo.engine.vibration.steady import vibration
 from cranktopo.engine.vibration.study import study_vibration
@@ -234,6 +235,26 @@ def test_the_range_is_solved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     every = vibration(study.shaft, harmonics, study.response.speeds_rpm, len(study.response.orders))
     assert vibration_text(study).endswith(DISKS)
     assert study.mean_response.worst_Nm == pytest.approx(every.worst_Nm, rel=1e-4)
+
+
+def test_a_short_shaft_is_told_that_its_disks_swing_too_fast(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On terminal and page; a longer one is told both directions of the error alone."""
+    path, page = tmp_path / "vee.toml", tmp_path / "page.html"
+    vee = (Path(__file__).parents[1] / "data/v-twin.toml").read_text(encoding="utf-8")
+    vee = vee.replace("[shaft.flywheel]", "[shaft]\nthrow_stiffness_Nm_per_rad = 3e5\n[shaft.flywheel]")
+    path.write_text(vee, encoding="utf-8")
+    assert main(["vibration", str(path), "--report", str(page), "--quiet"]) == 0
+    told = "This shaft has 1 throw: cranktopo modes gives frequencies"
+    flat = " ".join(capsys.readouterr().out.split())
+    for text in (flat, page.read_text(encoding="utf-8").replace("\xa0", " ")):
+        assert told in text
+        assert f"up to {TOO_HIGH_PERCENT} % too high for one to three throws" in " ".join(text.split())
+        assert "10 to 14 % too low" in text
+    assert f"of disks, up to {TOO_HIGH_PERCENT}" in page.read_text(encoding="utf-8")
+    assert main(["vibration", design(tmp_path, GIVEN + "flywheel = {inertia_kg_m2 = 0.1}"), "--quiet"]) == 0
+    assert "cranktopo modes gives" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("throws", [(136e3, 138e3, 138e3, 136e3), (136e3,) * 4])

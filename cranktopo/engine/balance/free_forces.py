@@ -85,9 +85,10 @@ class NeededCounterweight:
     Attributes:
         web_kg_mm: unbalance of the web alone as it is, along its throw.
         own_kg_mm: what its counterweight in the scene takes already.
-        unbalance_kg_mm, deg: so that each throw is balanced on its own, its couple included.
-        shaft_unbalance_kg_mm, shaft_deg: the least (sum of squares) that leaves the whole shaft without free
-            force and moment, whatever it bends.
+        unbalance_kg_mm, deg: so that each throw is balanced on its own, its couple included. Balanced are the
+            rotating masses and, as if it turned with the crankpin, the share of the oscillating ones.
+        shaft_unbalance_kg_mm, shaft_deg: the least (sum of squares) with which the same masses leave the
+            whole shaft without free force and moment, whatever it bends.
     """
 
     web: int
@@ -228,7 +229,7 @@ def counterweights(masses: TurningMasses) -> tuple[NeededCounterweight, ...]:
     """Return what every web needs, from the free end.
 
     For the shaft, u = a + b z at each web, z its place from the middle of all webs, is the least of all that
-    leave neither force nor moment.
+    leave neither force nor moment of the rotating masses and the share of the oscillating ones.
     """
     layout, along = masses.layout, unit_vectors(masses.layout.throw_angle_deg)
     throw, couple = -masses.counterweight_kg_mm * along, -masses.couple_kg_mm2 * along

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from cranktopo.base.units import number_text
@@ -11,9 +9,10 @@ from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs
 from cranktopo.report.result_table import ResultTable
+from cranktopo.tasks.balance.changes import VECTORS, Vector, largest_order, order_changes
 from cranktopo.tasks.balance.plot import balance_pictures
 from cranktopo.tasks.balance.proposal import ProposedCounterweight
-from cranktopo.tasks.balance.result import balance_result
+from cranktopo.tasks.balance.result import Balance, balance_result
 from cranktopo.tasks.balance.text import (
     angle_lines,
     arrangement_words,
@@ -22,6 +21,7 @@ from cranktopo.tasks.balance.text import (
     bearing_table,
     bearings_caption,
     bearings_words,
+    change_sentences,
     counterweight_table,
     counterweights_caption,
     free_table,
@@ -42,8 +42,8 @@ def balance_page(balance: EngineBalance, written: str, proposal: ProposedCounter
     return Page(
         title=f"Balance: {data.design}",
         subtitle=f"{data.speed_rpm:g} rpm, {arrangement_words(data)}; {written}",
-        headline=balance_headline(data),
-        facts=_facts(balance, proposal),
+        headline=" ".join([balance_headline(data), *change_sentences(data)]),
+        facts=_facts(balance, data),
         sections=(
             Section(
                 "free",
@@ -87,8 +87,9 @@ _FORCES = (
 )
 _WEBS = (
     "Unbalance along its throw of each web alone, what its counterweight has of that already, and what is "
-    "needed beyond it: for its throw, so that each throw is balanced on its own; for the shaft, the least "
-    "that leaves the whole shaft without free force and moment but lets it bend."
+    "needed beyond it for the masses that the table names, a share of the oscillating ones as if it turned "
+    "with the crankpin: for its throw, so that each throw is balanced on its own; for the shaft, the least "
+    "with which these masses leave the whole shaft without free force and moment, but bend it."
 )
 
 
@@ -116,12 +117,8 @@ def _proposed_fact(found: ProposedCounterweight) -> Fact:
     return Fact("Proposed counterweight", size, f"balances {share_words(found)}", "good")
 
 
-def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tuple[Fact, ...]:
-    forces, moments = (
-        {state: max(getattr(part, name).largest for part in parts) for state, parts in balance.free.items()}
-        for name in ("force", "moment")
-    )
-    last = list(balance.free)[-1]
+def _facts(balance: EngineBalance, data: Balance) -> tuple[Fact, ...]:
+    last, proposal = list(balance.free)[-1], data.proposal
     bearings, share = balance.bearings, engine_of(balance.scene).arranged.balanced_oscillating_share
     index = bearings[AS_IT_IS].most_loaded
     plain, weighted = (bearings[state].largest(index)[0] for state in (AS_IT_IS, COUNTERWEIGHTED))
@@ -129,8 +126,7 @@ def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tu
     oscillating = f" and {100 * share:g} % of the oscillating" if share else ""
     return (
         *([_proposed_fact(proposal)] if proposal else []),
-        Fact("Free force", f"{number_text(forces[AS_IT_IS])} N", *_against(last, forces, "N", fits)),
-        Fact("Free moment", f"{number_text(moments[AS_IT_IS])} N m", *_against(last, moments, "N m", fits)),
+        *(_free_fact(data, name, last, fits) for name in VECTORS),
         Fact(
             "Counterweights of a throw",
             f"{number_text(float(np.abs(balance.masses.counterweight_kg_mm).max()))} kg mm",
@@ -140,17 +136,33 @@ def _facts(balance: EngineBalance, proposal: ProposedCounterweight | None) -> tu
         Fact(
             f"Largest load, main bearing {index + 1}",
             f"{number_text(plain)} N",
-            *_against(COUNTERWEIGHTED, {AS_IT_IS: plain, COUNTERWEIGHTED: weighted}, "N", fits),
+            *_against(COUNTERWEIGHTED, plain, weighted, "N", fits),
         ),
     )
 
 
-def _against(state: str, sizes: Mapping[str, float], unit: str, fits: bool) -> tuple[str, FactStatus]:
+def _free_fact(data: Balance, name: Vector, state: str, fits: bool) -> Fact:
+    """Return the largest free force or moment of an order, and what a state makes of it and of others.
+
+    Orders of which more is left are bad where the largest of all does not fall.
+    """
+    unit = VECTORS[name]
+    (top, before), (_, after) = (largest_order(data, name, one) for one in (AS_IT_IS, state))
+    note, status = _against(state, before, after, unit, fits)
+    others = [one for one in order_changes(data, name, state) if one.order != top]
+    if any(one.after > one.before for one in others):
+        status = "neutral" if status == "good" else "bad"
+    elif others and fits and status == "neutral":
+        status = "good"
+    told = "".join(f"; order {one.order} from {one.words}" for one in others)
+    return Fact(f"Free {name}", f"{number_text(before)} {unit}", f"{note}{told}", status)
+
+
+def _against(state: str, before: float, after: float, unit: str, fits: bool) -> tuple[str, FactStatus]:
     """Return what a state makes of something that is better small, and whether that is good.
 
     Nothing is good with counterweights that do not fit.
     """
-    before, after = sizes[AS_IT_IS], sizes[state]
     note = f"{state}{'' if fits else ', which do not fit'}: {number_text(after)} {unit}"
     if number_text(after) == number_text(before):
         return note, "neutral"

@@ -9,7 +9,9 @@ from cranktopo.base.units import number_text
 from cranktopo.design.misfire import silent_words
 from cranktopo.engine.balance.balancer_shafts import SizedShaft
 from cranktopo.engine.balance.free_forces import NeededCounterweight
+from cranktopo.engine.balance.whole_engine import AS_IT_IS
 from cranktopo.report.result_table import Column, ResultTable, tabulate, terminal
+from cranktopo.tasks.balance.changes import VECTORS, largest_order, order_changes
 from cranktopo.tasks.balance.proposal import OTHER_ANGLES_DEG, ProposedCounterweight
 from cranktopo.tasks.balance.result import (
     Balance,
@@ -242,7 +244,7 @@ def arrangement_words(data: Balance) -> str:
 
 
 def balance_headline(data: Balance) -> str:
-    """Return the largest free force and moment, state by state, in one sentence each; equal states in one."""
+    """Return the largest free force and moment, state by state, equal states in one sentence."""
     told: dict[str, list[str]] = {}
     for state in dict.fromkeys(entry.state for entry in data.free):
         told.setdefault(_left(data, state), []).append(state)
@@ -250,9 +252,25 @@ def balance_headline(data: Balance) -> str:
     return " ".join([proposal_refused(data), *left]).strip()
 
 
+def change_sentences(data: Balance) -> list[str]:
+    """Return what each state makes of orders that are not the largest before and after, by state."""
+    found = []
+    for state in dict.fromkeys(entry.state for entry in data.free if entry.state != AS_IT_IS):
+        changes = [
+            f"free {name} of order {one.order} from {one.words}"
+            for name in VECTORS
+            for one in order_changes(data, name, state)
+            if any(largest_order(data, name, told)[0] != one.order for told in (AS_IT_IS, state))
+        ]
+        if changes:
+            found.append(f"{state.capitalize()}: {', '.join(changes)}.")
+    return found
+
+
 def balance_text(data: Balance) -> str:
     """Return what `cranktopo balance` prints."""
-    parts = [f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}\n{balance_headline(data)}"]
+    first = f"{data.design} at {data.speed_rpm:g} rpm: {arrangement_words(data)}"
+    parts = ["\n".join([first, balance_headline(data), *change_sentences(data)])]
     parts += [f"{caption}\n{terminal(table)}" for caption, table in _balance_tables(data)]
     told = (
         bearings_words(data),
@@ -269,15 +287,13 @@ def angle_lines() -> tuple[str, ...]:
 
 
 def _left(data: Balance, state: str) -> str:
-    """Largest free force and moment of one order of a state in words; of equal ones the lowest order."""
-    entries = [entry for entry in data.free if entry.state == state]
+    """Largest free force and moment of one order of a state in words."""
     found = []
-    forces, moments = [entry.force_N for entry in entries], [entry.moment_Nm for entry in entries]
-    for sizes, unit, words in ((forces, "N", "force"), (moments, "N m", "moment")):
-        rounded = [float(f"{size:.6g}") for size in sizes]
-        index = rounded.index(max(rounded))
-        size = f"{number_text(sizes[index])} {unit} of order {entries[index].order}"
-        found.append(f"free {words} {size}" if sizes[index] else f"no free {words}")
+    for name, unit in VECTORS.items():
+        order, size = largest_order(data, name, state)
+        found.append(
+            f"free {name} {number_text(size)} {unit} of order {order}" if size else f"no free {name}"
+        )
     return ", ".join(found)
 
 

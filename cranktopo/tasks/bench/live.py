@@ -23,6 +23,7 @@ from cranktopo.engine.histories import load_history
 from cranktopo.engine.performance import mean_pressure_MPa, power_kW, pressure_warnings
 from cranktopo.engine.plan.planning import has_vibration, left_off, plan_for_stress
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad, web_lever_mm
+from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.shaft_chain import estimated_chain
 from cranktopo.report.shading import SHARP_DEGREES, web_sides_mm
 from cranktopo.report.viewer.scene3d import PARTNERS, Arrays, scaled
@@ -45,6 +46,7 @@ _CLOSED_FORM = {
     "m53_pin": _SOFT,
     "m53_journal": _SOFT,
 }
+_OF_FEW_THROWS = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
 """Throws by elements are 1.0 to 1.56 times as stiff as in closed form, on the engines that were measured."""
 _AS_SETTLED = "live, stiffness of a throw as it settled last"
 _GAS_GAUGES = ("gas_force", "pin_force", "mean_torque", "mean_pressure", "power")
@@ -68,9 +70,12 @@ def told_numbers(scene: Scene, stiffness_factors: Sequence[float] = ()) -> dict[
     gauges = exact_values(shown)
     resting = [name for name in resting if name in gauges]
     words = dict.fromkeys(resting, _AS_SETTLED) if stiffness_factors else _CLOSED_FORM
+    rings = {**_of_gas(scene), **{name: words[name] for name in resting}}
+    if "natural_frequency" in gauges and few_throws(scene):
+        rings["natural_frequency"] = f"{rings.get('natural_frequency', 'live')}{_OF_FEW_THROWS}"
     return {
         "gauges": gauges,
-        "rings": {**_of_gas(scene), **{name: words[name] for name in resting}},
+        "rings": rings,
         "of_stiffness": resting,
         "stiffness": "" if not resting else "settled" if stiffness_factors else "closed form",
         "marks": {name: LEAST_FACTOR for name in gauges if name.startswith("m53_")},

@@ -81,6 +81,7 @@ class ComparisonRecord:
         effects, cases, loads: of the baseline; no loads without an engine.
         hashes: SHA-256 of every scene and file, by what it is of.
         bound: beside the entry that is stiffest in torsion per mass; None where none was asked for.
+        no_stresses: why none are solved, whoever asks; empty where they can be.
     """
 
     comparison: Comparison
@@ -94,6 +95,7 @@ class ComparisonRecord:
     written: str
     versions: Mapping[str, str | None]
     bound: AnyBound | None = None
+    no_stresses: str = ""
 
 
 def comparison_page(record: ComparisonRecord) -> Page:
@@ -109,14 +111,14 @@ def comparison_page(record: ComparisonRecord) -> Page:
     return Page(
         title=f"{', '.join(others)} against {base}",
         subtitle=f"Evaluated with quadratic tetrahedra on {record.written[:10]}",
-        headline=" ".join((_headline(comparison), *fillet_lines(comparison.bare))),
+        headline=" ".join((_headline(comparison), *fillet_lines(comparison.bare), *comparison.pitches)),
         facts=(*_facts(comparison), undercut_fact(record.undercuts, len(bodies))),
         sections=(
             _variants(comparison, record.undercuts, record.bound),
             *bound_sections(record.bound, f"{base} and {leader} in the body-fitted evaluation"),
             *_goals(comparison),
             _accuracy(comparison),
-            stress_section(scene3d, f"{record.command} --stress"),
+            stress_section(scene3d, f"{record.command} --stress", record.no_stresses),
             _of(base, loads_section(record.loads, record.cases)),
             _of(base, effects_section(record.effects.effects)),
             _provenance(record),
@@ -231,7 +233,7 @@ def _variants(
         "Variants",
         "A star marks the best of each column, unless another is within the error estimate. Stiffnesses are "
         "those of the full throw with the supports of its design."
-        + "".join(f" {line}" for line in star_lines(comparison))
+        + "".join(f" {line}" for line in (*comparison.pitches, *star_lines(comparison)))
         + _safety(comparison),
         tuple(tables),
         scatter_pictures(_scatter_points(comparison), comparison.baseline, bound.stiffest if bound else {}),

@@ -38,6 +38,8 @@ class ComparisonResult(Result):
     baseline: str
     fillets: dict[str, Fillets]
     """Whether mass and stiffness are with fillets, by target; beside the surface of a run all are without."""
+    pitch_mm: dict[str, float] | None = UNLESS_NONE
+    """Distance of the throws by target, where one has another than the baseline."""
     evaluations: list[EvaluationResult]
     percent_of_baseline: list[dict[str, Cell]]
     """Rows of the table, by its columns."""
@@ -110,6 +112,8 @@ class Comparison:
         further_fatigue: by every further method.
         goals: what became of the goal of each entry whose design has one, as `goal` of the metrics, by name.
         balanced_kg_mm: unbalance that is wanted of a throw; the nearest to it is best, not the least.
+        pitch_mm: distance of the throws of every entry, in their order; empty where all are alike.
+        pitches: lines on those whose throws are farther apart, or closer, than the baseline's.
         bare: surfaces of runs, for which all designs are compared without fillets.
     """
 
@@ -120,6 +124,8 @@ class Comparison:
     further_fatigue: tuple[FatigueComparison, ...] = ()
     balanced_kg_mm: float = 0.0
     bare: tuple[str, ...] = ()
+    pitch_mm: tuple[float, ...] = ()
+    pitches: tuple[str, ...] = ()
 
     @property
     def fatigues(self) -> tuple[FatigueComparison, ...]:

@@ -141,7 +141,8 @@ def compare_targets(
     targets = _like_for_like(resolve_targets(every, design, align=align, whole=True))
     check_same_supports((target.scene.supports.torsion, target.scene.supports.bending) for target in targets)
     bare = tuple(target.name for target in targets if target.run)
-    for line in (*fillet_lines(bare), *pitch_lines(targets, index)):
+    pitches = tuple(pitch_lines(targets, index))
+    for line in (*fillet_lines(bare), *pitches):
         note(line)
     methods = list(dict.fromkeys([fatigue] if isinstance(fatigue, str) else fatigue or ()))
     fatigues: list[FatigueComparison] = []
@@ -164,6 +165,8 @@ def compare_targets(
     comparison = replace(
         comparison,
         bare=bare,
+        pitch_mm=tuple(target.scene.pitch_mm for target in targets) if pitches else (),
+        pitches=pitches,
         goals=_evaluated_goals(targets, entries, index),
         balanced_kg_mm=balanced_kg_mm(targets[index].scene),
     )
@@ -285,10 +288,10 @@ def report_comparison(
     cases = load_cases(scene, effects.enabled)
     if found.comparison.bare:
         effects = _without_fillets(effects)
-    lonely = [target.name for target in found.targets if difference(target.scene)]
-    if stresses and lonely:
-        note(f"no stresses: the halves of {', '.join(lonely)} differ")
-    solved = cases if stresses and not lonely else ()
+    refused = _no_stresses(found.targets)
+    if stresses and refused:
+        note(f"no stresses: {refused}")
+    solved = cases if stresses and not refused else ()
     shown = [half for target in found.targets for half in half_throws(target)]
     record = ComparisonRecord(
         comparison=found.comparison,
@@ -302,8 +305,17 @@ def report_comparison(
         written=timestamp(),
         versions=versions(),
         bound=bound,
+        no_stresses=refused,
     )
     write_report(comparison_page(record), path)
+
+
+def _no_stresses(targets: Sequence[Target]) -> str:
+    """Return why stresses of load cases are not solved; empty where the halves of each throw are alike."""
+    unlike = [f"{one.name} are not ({key})" for one in targets if (key := difference(one.scene))]
+    if not unlike:
+        return ""
+    return f"both halves of a throw must be alike, and those of {' and of '.join(unlike)}."
 
 
 def _loaded(found: ComparedTargets) -> tuple[Scene, PhysicsPlan]:

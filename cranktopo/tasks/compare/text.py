@@ -239,6 +239,7 @@ def comparison_result(comparison: Comparison) -> ComparisonResult:
     return ComparisonResult(
         baseline=comparison.base.name,
         fillets={entry.name: entry.fillets for entry in comparison.entries},
+        pitch_mm={e.name: mm for e, mm in zip(comparison.entries, comparison.pitch_mm, strict=False)} or None,
         evaluations=[entry.evaluation.result for entry in comparison.entries],
         percent_of_baseline=records(_percent_table(comparison)),
         change_error_percent=[

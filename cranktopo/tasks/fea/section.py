@@ -49,8 +49,13 @@ _TEXT = (
 )
 
 
-def stress_section(scene3d: Scene3D | None, command: str) -> Section:
-    """Return quantiles and pictures of the stresses, or the `command` that would solve for them."""
+def stress_section(scene3d: Scene3D | None, command: str, refused: str = "") -> Section:
+    """Return quantiles and pictures of the stresses, or the `command` that would solve for them.
+
+    Where `refused` says why none does, it stands in place of the command.
+    """
+    if refused:
+        return Section("stress", _TITLE, f"Not solved: {refused}")
     if scene3d is None or not scene3d.stress_scales:
         return Section("stress", _TITLE, f"Not solved: '{command}' adds them to this page.")
     rows: list[Row] = []

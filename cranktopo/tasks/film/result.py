@@ -6,6 +6,7 @@ from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
+from cranktopo.tasks.film.permitted import LeastFilm
 
 
 class BearingFilm(Result):
@@ -47,6 +48,14 @@ class FilmsAtSpeed(Result):
     def thinnest(self) -> BearingFilm:
         """The bearing of the least film, of equal ones the first."""
         return min(self.bearings, key=lambda one: round(one.film_um, 6))
+
+    @property
+    def least_films(self) -> list[LeastFilm]:
+        """Film and pressure of every bearing, as what is permitted asks for them."""
+        return [
+            LeastFilm(one.bearing, self.rpm, one.film_um, one.below_um, one.pressure_MPa)
+            for one in self.bearings
+        ]
 
     @property
     def friction_W(self) -> float:

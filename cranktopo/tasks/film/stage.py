@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +24,7 @@ from cranktopo.engine.balance.whole_engine import main_bearings, rod_force
 from cranktopo.engine.gas import pressure_curve
 from cranktopo.engine.performance import note_pressure, pressure_words
 from cranktopo.numerics.bearing_film.orbit import LEAST_SHARE, JournalBearing, LoadedJournal, Orbit, orbits
+from cranktopo.tasks.film.permitted import films_hold
 from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
 
 BEARINGS = "bearings"
@@ -78,7 +78,7 @@ def oil_films(scene: DesignLike, speeds_rpm: Sequence[float] | None = None) -> F
         speeds=found,
         permitted_film_um=table.permitted_film_um,
         permitted_pressure_MPa=table.permitted_pressure_MPa,
-        holds=_holds(table, (one for at in found for one in at.bearings)),
+        holds=films_hold(table, (one for at in found for one in at.least_films)),
         assumed=_assumed(scene, table),
     )
 
@@ -230,16 +230,6 @@ def _loaded_big_end(scene: Scene, step: int) -> LoadedBearing:
     ratio = scene.throw.radius_mm / engine.rod_length_mm
     swing = -ratio * np.cos(angle) / np.sqrt(1 - (ratio * np.sin(angle)) ** 2)
     return LoadedBearing("big end", big_end(scene), -on_pin, swing, engine.cylinders)
-
-
-def _holds(table: PlainBearings, every: Iterable[BearingFilm]) -> bool | None:
-    least, most = table.permitted_film_um, table.permitted_pressure_MPa
-    if least is None and most is None:
-        return None
-    return all(
-        one.film_um >= (least or 0.0) and one.pressure_MPa <= (math.inf if most is None else most)
-        for one in every
-    )
 
 
 def _assumed(scene: Scene, table: PlainBearings) -> tuple[Assumption, ...]:

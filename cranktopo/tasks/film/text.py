@@ -6,7 +6,8 @@ from textwrap import fill
 
 from cranktopo.design.misfire import silent_words
 from cranktopo.report.result_table import WIDTH, text_table
-from cranktopo.tasks.film.result import BearingFilm, FilmResult, FilmsAtSpeed
+from cranktopo.tasks.film.permitted import beyond_permitted, film_words
+from cranktopo.tasks.film.result import FilmResult, FilmsAtSpeed
 
 
 def film_text(result: FilmResult) -> str:
@@ -22,27 +23,8 @@ def film_text(result: FilmResult) -> str:
 
 
 def _verdict(result: FilmResult) -> str:
-    least, most = result.permitted_film_um, result.permitted_pressure_MPa
-    lines = [
-        f"below the permitted {least:g} um: {one.bearing} {_film(one)} um at {at.rpm:g} rpm"
-        for at, one in _every(result)
-        if least is not None and one.film_um < least
-    ]
-    lines += [
-        f"above the permitted {most:g} MPa: {one.bearing} {one.pressure_MPa:.1f} MPa at {at.rpm:g} rpm"
-        for at, one in _every(result)
-        if most is not None and one.pressure_MPa > most
-    ]
-    return "\n".join(lines)
-
-
-def _every(result: FilmResult) -> list[tuple[FilmsAtSpeed, BearingFilm]]:
-    return [(at, one) for at in result.speeds for one in at.bearings]
-
-
-def _film(one: BearingFilm) -> str:
-    """Least film; below what is resolved it has no value of its own."""
-    return f"< {one.below_um:.2g}" if one.film_um <= one.below_um else f"{one.film_um:.2f}"
+    films = [film for at in result.speeds for film in at.least_films]
+    return "\n".join(beyond_permitted(result.permitted_film_um, result.permitted_pressure_MPa, films))
 
 
 def _one_speed(at: FilmsAtSpeed) -> str:
@@ -55,7 +37,7 @@ def _one_speed(at: FilmsAtSpeed) -> str:
             f"{'2 x ' if one.films == 2 else ''}{one.width_mm:.4g}",
             f"{one.max_N:.0f}",
             f"{one.deg:g}",
-            _film(one),
+            film_words(one.film_um, one.below_um),
             f"{one.film_deg:g}",
             f"{one.pressure_MPa:.1f}",
             f"{one.pressure_deg:g}",
@@ -78,6 +60,12 @@ def _by_speed(speeds: tuple[FilmsAtSpeed, ...]) -> str:
     rows = []
     for at in speeds:
         thin, hard = at.thinnest, max(at.bearings, key=lambda one: round(one.pressure_MPa, 6))
-        cells = [f"{at.rpm:g}", _film(thin), thin.bearing, f"{hard.pressure_MPa:.1f}", hard.bearing]
+        cells = [
+            f"{at.rpm:g}",
+            film_words(thin.film_um, thin.below_um),
+            thin.bearing,
+            f"{hard.pressure_MPa:.1f}",
+            hard.bearing,
+        ]
         rows.append([*cells, f"{at.friction_W:.0f}"])
     return text_table("rrlrlr", header, rows)

@@ -159,7 +159,13 @@ def _loaded(shaft: ContinuousShaft, cycle: ShaftCycle, scene: Scene) -> list[Loa
 
 def _filled(shaft: ContinuousShaft, films: Sequence[BearingFilm]) -> ContinuousShaft:
     bearings = tuple(
-        one.model_copy(update={"film_um": film.film_um, "pressure_MPa": film.pressure_MPa})
+        one.model_copy(
+            update={
+                "film_um": film.film_um,
+                "film_below_um": film.below_um,
+                "pressure_MPa": film.pressure_MPa,
+            }
+        )
         for one, film in zip(shaft.main_bearings, films, strict=True)
     )
     return shaft.model_copy(update={"main_bearings": bearings})

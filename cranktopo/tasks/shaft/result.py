@@ -7,6 +7,7 @@ from pydantic import Field
 from cranktopo.base.result import UNLESS_NONE, Result
 from cranktopo.design.assumed import Assumption
 from cranktopo.tasks.fea.evaluation import SCHEMA_VERSION
+from cranktopo.tasks.film.permitted import LeastFilm, beyond_permitted
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
 
 
@@ -37,7 +38,7 @@ class ShaftBearing(Result):
         tilt_mrad: largest angle between journal and bearing axis.
         offset_um: largest distance of the journal from the bearing axis; 0 in rigid bearings.
         film_um, pressure_MPa: least thickness and largest pressure of the oil film, where the design has
-            `[bearings]`.
+            `[bearings]`; a thickness that is `film_below_um` is below what is resolved.
     """
 
     bearing: int
@@ -47,6 +48,7 @@ class ShaftBearing(Result):
     tilt_mrad: float
     offset_um: float
     film_um: float | None = UNLESS_NONE
+    film_below_um: float | None = UNLESS_NONE
     pressure_MPa: float | None = UNLESS_NONE
 
 
@@ -63,6 +65,15 @@ class ContinuousShaft(Result):
     def worst_web(self) -> WebMoment:
         """The web whose bending moment has the largest range."""
         return max(self.webs, key=lambda web: web.range_Nm)
+
+    @property
+    def least_films(self) -> list[LeastFilm]:
+        """Film and pressure of every main bearing, as what is permitted asks for them; none without films."""
+        return [
+            LeastFilm(f"main {one.bearing}", self.speed_rpm, one.film_um, one.film_below_um, one.pressure_MPa)
+            for one in self.main_bearings
+            if one.film_um is not None and one.film_below_um is not None and one.pressure_MPa is not None
+        ]
 
     @property
     def worst_bearing(self) -> ShaftBearing:
@@ -113,6 +124,14 @@ class ShaftEvaluation(Result):
     opentorsion: OpenTorsion
     on_bearings: tuple[ContinuousShaft, ...] = ()
     """Moments and forces on all bearings, by speed; empty without pressures or with free bearings."""
+    added_speed_rpm: float | None = UNLESS_NONE
+    """Speed among them at which the torque of the vibrating shaft swings most, where none asked for it."""
+    permitted_film_um: float | None = UNLESS_NONE
+    """Least film that `[bearings]` permits, where the main bearings have films."""
+    permitted_pressure_MPa: float | None = UNLESS_NONE
+    """Largest pressure of a film that `[bearings]` permits, where they have."""
+    films_hold: bool | None = UNLESS_NONE
+    """Whether the films of all main bearings are within that at all speeds."""
     misfire: tuple[int, ...] | None = UNLESS_NONE
     """Cylinders that do not fire in them, where there are any."""
     assumed: tuple[Assumption, ...]
@@ -133,6 +152,30 @@ class ShaftEvaluation(Result):
     def stiffness_bearings(self) -> Bearings:
         """Bearings in which the torsional stiffness is told: rigid ones for oil films."""
         return "rigid" if self.bearings == "film" else self.bearings
+
+    @property
+    def added_words(self) -> str:
+        """Sentence on the speed that was added to those asked for; empty where none was."""
+        if self.added_speed_rpm is None:
+            return ""
+        speeds = [at.speed_rpm for at in self.on_bearings]
+        return (
+            f"{self.added_speed_rpm:,.0f} rpm is added to the {len(speeds) - 1} speeds: there the torque of "
+            f"the vibrating shaft swings most between {min(speeds):,.0f} and {max(speeds):,.0f} rpm."
+        )
+
+    @property
+    def beyond_permitted(self) -> list[str]:
+        """Lines on the films of main bearings that are not as the design permits, each at its worst speed."""
+        films = [film for at in self.on_bearings for film in at.least_films]
+        names = dict.fromkeys(film.bearing for film in films)
+        of_each = [[film for film in films if film.bearing == name] for name in names]
+        thinnest = [min(own, key=lambda film: film.film_um) for own in of_each]
+        hardest = [max(own, key=lambda film: film.pressure_MPa) for own in of_each]
+        return [
+            *beyond_permitted(self.permitted_film_um, None, thinnest),
+            *beyond_permitted(None, self.permitted_pressure_MPa, hardest),
+        ]
 
     @property
     def error_percent(self) -> float:

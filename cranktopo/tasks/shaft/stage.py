@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from cranktopo.base.notes import note
 from cranktopo.bodies.crank_ends import SIDES
@@ -15,7 +16,7 @@ from cranktopo.design.crank_throws import throw_scenes
 from cranktopo.design.halves import default_element_size_mm
 from cranktopo.design.misfire import misfire, misfire_words
 from cranktopo.design.schema import Scene
-from cranktopo.engine.analysis import at_speed, engine_of
+from cranktopo.engine.analysis import at_speed, at_worst_speed, engine_of
 from cranktopo.engine.balance.crank import end_mass
 from cranktopo.engine.bearings import required_bearing_spring_N_per_mm
 from cranktopo.engine.forces import INERTIA_EFFECTS
@@ -32,6 +33,7 @@ from cranktopo.tasks.fea.evaluation import (
     throw_inertia_kg_mm2,
 )
 from cranktopo.tasks.fea.targets import Target, TargetLike, resolve_target
+from cranktopo.tasks.film.permitted import films_hold
 from cranktopo.tasks.shaft.assembly import Bearings, ShaftBearings, ShaftStiffness
 from cranktopo.tasks.shaft.condensed_throw import (
     CondensedThrow,
@@ -46,6 +48,8 @@ from cranktopo.tasks.shaft.loaded_throw import ThrowBody, loaded_throw
 from cranktopo.tasks.shaft.on_film import Support
 from cranktopo.tasks.shaft.result import ContinuousShaft, OpenTorsion, ShaftEvaluation, TorsionError
 
+_SAME_RPM = 0.5
+"""Difference up to which a speed is that at which the torque swings most."""
 _WITHOUT_SPRINGS: tuple[Bearings, ...] = ("free", "rigid")
 
 
@@ -56,6 +60,7 @@ def evaluate_shaft(
     *,
     speeds_rpm: Sequence[float] | None = None,
     bodies: Mapping[str, ThrowBody] | None = None,
+    add_worst_speed: bool = False,
 ) -> ShaftEvaluation:
     """Assemble the throws of a target by its firing order.
 
@@ -65,6 +70,8 @@ def evaluate_shaft(
         speeds_rpm: also what its webs and bearings carry over the cycle at these speeds, where the scene
             tells the loads; an empty sequence stands for the engine's own.
         bodies: the throws by their names where they are meshed and condensed already.
+        add_worst_speed: between the lowest and the highest of several speeds also that at which the torque
+            of the vibrating shaft swings most.
 
     Raises:
         CranktopoError: no engine, no bearing spring for "spring", or a failed solve.
@@ -80,6 +87,10 @@ def evaluate_shaft(
     stiffness, error = _stiffness_and_error(shaft, resolved, held, spring, size)
     disks = bare_chain(scene, shaft.inertias_kg_mm2, stiffness.throws_Nm_per_rad)
     stiff_scene = of_stiffness(scene, stiffness.throws_Nm_per_rad)
+    speeds, added = tuple(speeds_rpm or ()), None
+    if loaded and add_worst_speed:
+        speeds, added = _with_worst_speed(stiff_scene, speeds)
+    on_bearings = _at_speeds(shaft, stiff_scene, bearings, speeds) if loaded else ()
     return ShaftEvaluation(
         design=resolved.name,
         throw_angles_deg=scene.shaft_angles_deg,
@@ -90,10 +101,12 @@ def evaluate_shaft(
         error_estimate_percent=TorsionError(torsion=error),
         natural_frequencies_Hz=tuple(disks.natural_frequencies_Hz()),
         opentorsion=OpenTorsion.model_validate(disks.as_opentorsion()),
-        on_bearings=_at_speeds(shaft, stiff_scene, bearings, speeds_rpm or ()) if loaded else (),
+        on_bearings=on_bearings,
+        added_speed_rpm=added,
+        **_permitted(scene, on_bearings),
         misfire=(misfire(scene) or None) if loaded else None,
         silent=misfire_words(scene) if loaded else "",
-        pressure=pressure_words(scene, _speeds(scene, speeds_rpm or ())) if loaded else "",
+        pressure=pressure_words(scene, _speeds(scene, speeds)) if loaded else "",
         assumed=filter_by_table(resolved.assumed, shaft_tables(scene, bearings, loaded=loaded)),
         throw_inertias_kg_mm2=shaft.inertias_kg_mm2,
         throw_by_bearings_Nm_per_rad=_throw_by_bearings(shaft, scene, held, stiffness),
@@ -222,6 +235,18 @@ def shaft_tables(scene: Scene, bearings: ShaftBearings, *, loaded: bool = False)
     return SHAFT
 
 
+def _permitted(scene: Scene, at_speeds: Sequence[ContinuousShaft]) -> dict[str, Any]:
+    """Return what the design permits of the films of its main bearings, and whether they keep to it."""
+    films = [film for at in at_speeds for film in at.least_films]
+    if scene.bearings is None or not films:
+        return {}
+    return {
+        "permitted_film_um": scene.bearings.permitted_film_um,
+        "permitted_pressure_MPa": scene.bearings.permitted_pressure_MPa,
+        "films_hold": films_hold(scene.bearings, films),
+    }
+
+
 def stands_on_bearings(scene: Scene, bearings: ShaftBearings) -> bool:
     """Tell whether a scene and its bearings say what the shaft carries over the cycle."""
     return bearings != "free" and pressure_curve(scene) is not None
@@ -243,6 +268,22 @@ def support_of(scene: Scene, bearings: ShaftBearings) -> Support:
     if bearings == "film":
         return "film"
     return required_bearing_spring_N_per_mm(scene) if bearings == "spring" else None
+
+
+def _with_worst_speed(scene: Scene, speeds_rpm: tuple[float, ...]) -> tuple[tuple[float, ...], float | None]:
+    """Return speeds with that between them at which the torque of the vibrating shaft swings most, and that.
+
+    It is None where the shaft does not vibrate, or where it is one of several speeds, to half a rpm.
+    """
+    effects = shaft_effects(scene)
+    if len(speeds_rpm) < 2 or scene.shaft is None or "torsional_vibration" not in effects:
+        return speeds_rpm, None
+    span = {"speed_min_rpm": min(speeds_rpm), "speed_max_rpm": max(speeds_rpm)}
+    between = scene.model_copy(update={"shaft": scene.shaft.model_copy(update=span)})
+    worst = engine_of(at_worst_speed(between, effects)).speed_rpm
+    if min(abs(worst - speed) for speed in speeds_rpm) < _SAME_RPM:
+        return speeds_rpm, None
+    return tuple(sorted((*speeds_rpm, worst))), worst
 
 
 def speed_scenes(scene: Scene, speeds_rpm: Sequence[float]) -> list[Scene]:

@@ -40,7 +40,8 @@ if TYPE_CHECKING:
     "--speeds",
     "speeds_rpm",
     type=SpeedRange(),
-    help="Speeds of the cycle on all bearings instead of the engine's own.",
+    help="Speeds of the cycle on all bearings instead of the engine's own; of a vibrating shaft, that of its "
+    "largest torque between them is added.",
 )
 @click.option(
     "--method",

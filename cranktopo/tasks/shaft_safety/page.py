@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from cranktopo.base.units import N_PER_KN
-from cranktopo.report.page import Fact, Page, Section
+from cranktopo.report.page import Fact, FactStatus, Page, Section
+from cranktopo.tasks.film.permitted import film_words
 from cranktopo.tasks.shaft.result import ContinuousShaft
 from cranktopo.tasks.shaft_safety.plots import BearingPolar, bearing_pictures, safety_pictures
 from cranktopo.tasks.shaft_safety.result import ShaftAssessment, ShaftSafety
@@ -11,6 +12,7 @@ from cranktopo.tasks.shaft_safety.text import (
     bearing_table,
     moment_table,
     speed_table,
+    unsure_words,
     web_table,
     worst_sentence,
 )
@@ -30,7 +32,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
     return Page(
         title=f"Shaft on its bearings: {shaft.design}",
         subtitle=f"method {found.method}, {_speeds(found)}, {shaft.bearings} bearings; {written}",
-        headline=" ".join([*worst_sentence(found).splitlines(), *_unsure(found)]),
+        headline=" ".join([*worst_sentence(found).splitlines(), *unsure_words(found), *_films_words(shaft)]),
         facts=_facts(shaft, found, carried),
         sections=(
             Section(
@@ -38,7 +40,7 @@ def shaft_page(shaft: ShaftAssessment, loads: BearingPolar, written: str) -> Pag
                 "Safety of every web",
                 "The least over all points of a part, all crank angles and all speeds. The shaft stands on "
                 "all its main bearings; each cylinder acts at its own phase. "
-                f"{shaft.silent} {shaft.pressure}".rstrip(),
+                f"{shaft.silent} {shaft.pressure} {shaft.added_words}".rstrip(),
                 (("By web, from the free end", web_table(found)), *over_speed),
                 safety_pictures(found),
             ),
@@ -68,10 +70,23 @@ def _speeds(found: ShaftSafety) -> str:
     return f"{len(found.speeds)} speeds, {first:,.0f} to {last:,.0f} rpm"
 
 
-def _unsure(found: ShaftSafety) -> list[str]:
-    """Return why the safety is not sure, if so."""
-    missed = found.mesh_shortfall
-    return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
+def _films_words(shaft: ShaftAssessment) -> list[str]:
+    """Return in a sentence which oil films are not as the design permits, if any."""
+    beyond = shaft.beyond_permitted
+    return [f"Oil films {'; '.join(beyond)}."] if beyond else []
+
+
+def _films_fact(shaft: ShaftAssessment) -> list[Fact]:
+    """Return the least film of all main bearings and speeds with what is beyond the permitted, if any."""
+    films = [film for at in shaft.on_bearings for film in at.least_films]
+    if not films:
+        return []
+    thin = min(films, key=lambda one: one.film_um)
+    told = [f"{thin.bearing} at {thin.speed_rpm:,.0f} rpm", *shaft.beyond_permitted]
+    status: FactStatus = "neutral"
+    if shaft.films_hold is not None:
+        status = "good" if shaft.films_hold else "bad"
+    return [Fact("Least oil film", f"{film_words(thin.film_um, thin.below_um)} um", "; ".join(told), status)]
 
 
 def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft) -> tuple[Fact, ...]:
@@ -81,7 +96,7 @@ def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft)
         Fact(
             "Least safety",
             f"{found.safety:.3f}",
-            "; ".join([f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm", *_unsure(found)]),
+            "; ".join([f"web {found.worst.web} at {found.worst.speed_rpm:,.0f} rpm", *unsure_words(found)]),
             "bad" if found.safety < 1 else "unknown" if found.mesh_shortfall else "good",
         ),
         Fact("Safest web", f"{safest.safety:.3f}", f"web {safest.web}", "neutral"),
@@ -91,5 +106,6 @@ def _facts(shaft: ShaftAssessment, found: ShaftSafety, carried: ContinuousShaft)
             f"bearing {bearing.bearing} at {carried.speed_rpm:,.0f} rpm",
             "neutral",
         ),
+        *_films_fact(shaft),
         Fact("Mass", f"{shaft.mass_kg:.3f} kg", shaft.weighed, "neutral"),
     )

@@ -71,7 +71,8 @@ def assess_shaft(
 
     Args:
         element_size_mm: general element size, where no method makes the mesh follow the fillets.
-        speeds_rpm: speeds of the cycle; the engine's own by default.
+        speeds_rpm: speeds of the cycle; the engine's own by default. Between several of a vibrating shaft
+            that at which its torque swings most is added.
         method: of local stresses, by which every part of every web is judged; None: no safety.
         fillet_fraction: element size in a fillet over its radius.
         misfire: cylinders that do not fire, in place of those of the design.
@@ -89,14 +90,18 @@ def assess_shaft(
     if method is None:
         if stands_on_bearings(resolved.scene, bearings):
             note_pressure(resolved.name, resolved.scene)
-        found = evaluate_shaft(resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm)
+        found = evaluate_shaft(
+            resolved, bearings, element_size_mm, speeds_rpm=speeds_rpm, add_worst_speed=True
+        )
         return ShaftAssessment.model_construct(**dict(found))
     if report is not None:
         check_report_path(report)
     _check(resolved, bearings, method)
     note_strength(resolved.name, resolved.scene)
     note_pressure(resolved.name, resolved.scene)
-    found, judged = judged_shaft(resolved, bearings, method, speeds_rpm, fillet_fraction)
+    found, judged = judged_shaft(
+        resolved, bearings, method, speeds_rpm, fillet_fraction, add_worst_speed=True
+    )
     assessed = ShaftAssessment.model_construct(**dict(found), safety=judged.safety())
     if report is not None:
         most = max(found.on_bearings, key=lambda at: at.worst_bearing.largest_N)
@@ -112,20 +117,25 @@ def judged_shaft(
     method: str,
     speeds_rpm: Sequence[float] = (),
     fillet_fraction: float = RULE_FRACTION,
+    *,
+    add_worst_speed: bool = False,
 ) -> tuple[ShaftEvaluation, JudgedShaft]:
     """Return the shaft of a target with what its webs and bearings carry, and what judges its webs.
 
-    Arguments and errors as of `assess_shaft`.
+    Arguments and errors as of `assess_shaft` and `evaluate_shaft`.
     """
     _check(target, bearings, method)
     throws = throw_targets(target)
     stresses = {throw.name: solve_shaft_stress(throw, fillet_fraction) for throw in dict.fromkeys(throws)}
     bodies = {name: stress.body for name, stress in stresses.items()}
-    found = evaluate_shaft(target, bearings, speeds_rpm=speeds_rpm, bodies=bodies)
+    found = evaluate_shaft(
+        target, bearings, speeds_rpm=speeds_rpm, bodies=bodies, add_worst_speed=add_worst_speed
+    )
     own = [stresses[throw.name] for throw in throws]
     note(f"{target.name}: safety of {2 * len(throws)} webs at {len(found.on_bearings)} speeds")
     vibrating = of_stiffness(target.scene, found.stiffness.throws_Nm_per_rad)
-    return found, JudgedShaft(replace(target, scene=vibrating), bearings, own, speeds_rpm, method)
+    speeds = [at.speed_rpm for at in found.on_bearings]
+    return found, JudgedShaft(replace(target, scene=vibrating), bearings, own, speeds, method)
 
 
 def _check(target: Target, bearings: ShaftBearings, method: str) -> None:

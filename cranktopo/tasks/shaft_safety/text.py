@@ -27,8 +27,10 @@ def shaft_text(shaft: ShaftAssessment) -> str:
     """Return what `cranktopo shaft` prints."""
     error = shaft.error_percent
     errors = f"stiffnesses +-{error:.2g} %, frequencies +-{error / 2:.2g} % at most"
-    said = [line for line in (shaft.silent, fill(shaft.pressure, WIDTH)) if line]
-    parts = [*_torsion(shaft), *said, *_on_bearings(shaft)]
+    told = shaft.silent, fill(shaft.pressure, WIDTH), fill(shaft.added_words, WIDTH)
+    said = [line for line in told if line]
+    beyond = ["\n".join(shaft.beyond_permitted)] if shaft.beyond_permitted else []
+    parts = [*beyond, *_torsion(shaft), *said, *_on_bearings(shaft)]
     if shaft.safety is not None:
         parts += safety_text(shaft.safety)
     return "\n\n".join((*parts, errors))
@@ -41,7 +43,12 @@ def safety_text(found: ShaftSafety) -> list[str]:
     told = [
         f"Least safety of each web by method {found.method!r}, over the cycle at {at_speeds}:",
         terminal(web_table(found)),
-        worst_sentence(found),
+        "\n".join(
+            [
+                worst_sentence(found),
+                *(fill(line, WIDTH, break_on_hyphens=False) for line in unsure_words(found)),
+            ]
+        ),
     ]
     if several:
         told += ["Over the speeds:", terminal(speed_table(found))]
@@ -86,6 +93,12 @@ def worst_sentence(found: ShaftSafety) -> str:
         f"{worst.speed_rpm:,.0f} rpm, highest stress at {worst.highest_deg:g} deg,\n"
         f"lowest at {worst.lowest_deg:g} deg: {worst.critical.place}."
     )
+
+
+def unsure_words(found: ShaftSafety) -> list[str]:
+    """Return in a sentence why the safety is not sure, if so."""
+    missed = found.mesh_shortfall
+    return [f"Not sure: {missed}; a smaller --fillet-fraction helps."] if missed else []
 
 
 def _torsion(shaft: ShaftEvaluation) -> tuple[str, str]:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from cranktopo.base.units import frequency_text
 from cranktopo.design.misfire import misfire_words
+from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.engine.vibration.study import VibrationStudy
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.result_table import ResultTable
 from cranktopo.tasks.vibration.plots import vibration_pictures
 from cranktopo.tasks.vibration.text import (
-    DISKS,
     JOINED,
     ORDER_AND_SUM,
     WEAK,
     barred_sentence,
     cancelled_sentence,
     critical_table,
+    disks_sentence,
     joined_misfire_sentence,
     joined_misfire_table,
     misfire_sentence,
@@ -63,7 +64,7 @@ def vibration_page(study: VibrationStudy, written: str) -> Page:
             Section(
                 "natural-vibrations",
                 "Natural vibrations",
-                f"{varying_sentence(study)} {DISKS}",
+                f"{varying_sentence(study)} {disks_sentence(study)}",
                 (("Natural frequencies", modes_table(study)),),
                 (modes,),
             ),
@@ -122,4 +123,6 @@ def _first_frequency(study: VibrationStudy) -> Fact:
         met += f", but at {first.speed_rpm:.0f} rpm by order {first.order:g} where one misfires"
     if critical and critical[0].mode != 1:
         met += f"; the lowest critical speed, {critical[0].speed_rpm:.0f} rpm, is of mode {critical[0].mode}"
+    if few_throws(study.scene):
+        met += f"; of disks, up to {TOO_HIGH_PERCENT} % too high for so few throws"
     return Fact("First natural frequency", frequency_text(study.modes[0].frequency_Hz), met, "neutral")

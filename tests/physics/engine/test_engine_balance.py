@@ -225,6 +225,22 @@ def test_counterweights_of_the_share_of_the_pistons():
     assert (abs(first.forward), abs(first.backward)) == pytest.approx((0, piston / 2), abs=1e-9)
 
 
+def test_the_share_of_the_pistons_is_in_what_webs_need_for_throw_and_shaft():
+    """Of three uneven throws: half of each piston beside what turns, for the shaft by least squares."""
+    scene = arranged("balanced_oscillating_share = 0.5\nthrow_angles_deg = [0, 100, 250]", 3, (1, 2, 3))
+    masses, angles = turning_masses(scene), np.radians(scene.engine.throw_angles_deg)
+    throws = (masses.throw_kg_mm + masses.piston_kg_mm / 2) * np.exp(1j * angles)
+    weights = counterweights(masses)
+    own = np.array([w.unbalance_kg_mm * np.exp(1j * np.radians(w.deg)) for w in weights])
+    assert np.allclose(own[::2] + own[1::2], -throws, atol=1e-9)
+    z = masses.layout.web_z_mm
+    wanted = -np.array([throws.sum(), (throws * masses.layout.throw_z_mm).sum() / PITCH])
+    least = np.linalg.lstsq(np.stack([np.ones_like(z), z / PITCH]), wanted, rcond=None)[0]
+    shaft = [w.shaft_unbalance_kg_mm * np.exp(1j * np.radians(w.shaft_deg)) for w in weights]
+    assert np.abs(least).max() > 1
+    assert np.allclose(shaft, least, atol=1e-9)
+
+
 @pytest.mark.parametrize("density", ["", "density_kg_m3 = 17500.0\n"], ids=["one piece", "bolted"])
 def test_counterweights_of_the_scene_count(density):
     """Webs need less by what they have, and the shaft bends as one whose webs have all by then."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.loading import load_scene, parse_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT, few_throws
 from cranktopo.tasks.fea.targets import Target
 from cranktopo.tasks.modes.page import modes_page
 from cranktopo.tasks.modes.result import ShaftModes
@@ -63,6 +65,43 @@ def test_modes_of_the_mikron(bare: ShaftModes) -> None:
         assert -1.0 < mode.last_step_percent < 1e-6  # more fields make a body softer
         assert sum(mode.shares_percent.model_dump().values()) == pytest.approx(100.0)
         assert -4.0 < mode.shares_percent.rest < 25.0
+
+
+def short(throws: int) -> Scene:
+    """Throws of the Mikron with a flywheel that counts in torsion alone."""
+    data = load_scene("mikron-iiic", whole=True).model_dump(mode="json", exclude_unset=True)
+    order = {1: [1], 2: [1, 2], 3: [1, 3, 2], 4: [1, 3, 4, 2]}[throws]
+    data["engine"] |= {"cylinders": throws, "firing_order": order}
+    return scene_from_dict(data | {"shaft": {"flywheel": {"inertia_kg_m2": 0.1}}}, whole=True)
+
+
+def too_fast_percent(scene: Scene, size_mm: float = SIZE_MM) -> float:
+    """By how much disks swing faster than the body in its first mode of torsion."""
+    modes = shaft_modes(Target("short", scene), "rigid", size_mm).modes
+    first = next(mode for mode in modes if mode.disks_Hz)
+    assert first.disks_Hz is not None
+    return 100 * (first.disks_Hz / first.frequency_Hz - 1)
+
+
+def test_disks_of_one_throw_swing_too_fast() -> None:
+    """What pulls at its crankpin bends it; the note of `vibration` told of frequencies too low alone."""
+    scene = short(1)
+    assert few_throws(scene)
+    assert 4.0 < too_fast_percent(scene) < TOO_HIGH_PERCENT
+
+
+@pytest.mark.slow
+def test_disks_of_few_throws_swing_too_fast() -> None:
+    """The figures of docs/pages/vibration.md; of four throws and more it is less than a hundredth."""
+    text = (Path(__file__).parents[2] / "data/v-twin.toml").read_text(encoding="utf-8")
+    four = text.replace("cylinders = 2", "cylinders = 4").replace("[1, 2]", "[1, 3, 2, 4]")
+    four = four.replace("[0.0]", "[0.0, 180.0]")
+    vees = [parse_scene(one) for one in (text, f"{text}mass_kg = 2.5\noverhang_mm = 40.0\n", four)]
+    assert [too_fast_percent(vee, 8.0) for vee in vees] == pytest.approx([23.5, 14.8, 2.8], abs=0.3)
+    scenes = [short(throws) for throws in (1, 2, 3, 4)]
+    found = [too_fast_percent(scene, 16.0) for scene in scenes]
+    assert found == pytest.approx([5.6, 1.2, 0.8, 0.4], abs=0.15)
+    assert [few_throws(scene) for scene in scenes] == [True, True, True, False]
 
 
 def test_a_plane_crank_decouples(bare: ShaftModes) -> None:

@@ -15,6 +15,7 @@ from cranktopo.design.edits import changed_data
 from cranktopo.design.loading import scene_from_dict
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.engine.throw_compliance import throw_stiffness_Nm_per_rad
+from cranktopo.engine.vibration.disk_error import TOO_HIGH_PERCENT
 from cranktopo.tasks.bench import settled
 from cranktopo.tasks.bench.forms import new_design
 from cranktopo.tasks.bench.live import live_numbers
@@ -60,6 +61,16 @@ def test_what_rests_on_a_stiffness_in_closed_form_is_not_called_exact() -> None:
         assert "%" in told["rings"][name]
     assert told["marks"] == {"m53_pin": 1.15, "m53_journal": 1.15}
     assert told["rings"]["power"] == "live, combustion model"
+
+
+def test_a_short_shaft_is_told_that_its_disks_swing_too_fast() -> None:
+    """With a stiffness in closed form, with that of a settled web, and with one that the design gives."""
+    told = f"; disks of so few throws: up to {TOO_HIGH_PERCENT} % too high"
+    single = changed_data(shaft(), {"engine.cylinders": 1, "engine.firing_order": [1]})
+    given = changed_data(single, {"shaft.throw_stiffness_Nm_per_rad": 5e6})
+    for data, factors in ((single, ()), (single, (1.2,)), (given, ())):
+        assert live_numbers(data, factors)["rings"]["natural_frequency"].endswith(told)
+    assert told not in live_numbers(shaft())["rings"]["natural_frequency"]
 
 
 def test_without_a_shaft_the_rule_rests_on_no_stiffness() -> None:

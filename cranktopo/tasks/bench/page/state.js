@@ -41,7 +41,8 @@ export function valueOf(name) {
   if (!SOLVED.has(name)) {
     if (state.broken.length && state.live[name] !== undefined) return [state.live[name], "stale: of the last web that broke no rule"];
     const settled = OF_STIFFNESS.has(name) && state.settledParts.includes("shaft") && !state.dragging && state.rings[name];
-    return [state.live[name], settled ? "settled stiffness of a throw" : state.rings[name] ?? "live, exact"];
+    const ring = state.rings[name] ?? "live, exact";
+    return [state.live[name], settled ? ring.replace(/^[^;]*/, "settled stiffness of a throw") : ring];
   }
   const moving = state.dragging || !state.fresh;
   if (moving && state.coarse?.[name] !== undefined) return [state.coarse[name], `coarse, error about ${state.coarseErrors[name].toFixed(1)} %`];
