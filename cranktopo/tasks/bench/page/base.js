@@ -30,4 +30,4 @@ export const unitOf = (key) => (key.endsWith("_deg") ? "deg" : "mm");
 
 export const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
 
-export const signed = (percent) => `${percent > 0 ? "+" : "−"}${Math.abs(percent).toFixed(Math.abs(percent) < 10 ? 1 : 0)}\u00a0%`;
+export const signed = (change, unit = "%") => `${change > 0 ? "+" : "−"}${Math.abs(change).toFixed(Math.abs(change) < 10 ? 1 : 0)}\u00a0${unit}`;
