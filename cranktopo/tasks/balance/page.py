@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cranktopo.base.units import number_text
+from cranktopo.base.units import change_text, number_text
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs
@@ -154,5 +154,5 @@ def _against(state: str, sizes: Mapping[str, float], unit: str, fits: bool) -> t
     note = f"{state}{'' if fits else ', which do not fit'}: {number_text(after)} {unit}"
     if number_text(after) == number_text(before):
         return note, "neutral"
-    change = f", {100 * (after / before - 1):+.1f} %" if before else ""
+    change = f", {change_text(100 * (after / before - 1))}" if before else ""
     return f"{note}{change}", "bad" if after > before else "good" if fits else "neutral"
