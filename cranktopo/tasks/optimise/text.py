@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranktopo.base.units import change_text
 from cranktopo.report.goal_table import (
     broken_limits,
     evaluated_changes,
@@ -146,7 +145,7 @@ def _limits(metrics: RunMetrics) -> list[Fact]:
 def _mass(metrics: RunMetrics) -> Fact:
     now, before = metrics.mass_kg.throw, metrics.original_web.mass_kg.throw
     change = percent_change(now, before)
-    note = f"{change_text(change)} against the original's {before:.3f} kg"
+    note = f"{change:+z.1f} % against the original's {before:.3f} kg"
     return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
 
 
@@ -169,9 +168,9 @@ def _stiffness(metrics: RunMetrics) -> list[Fact]:
         webs = (metrics, metrics.original_web)
         now, before = (web.load_cases[quantity.key].stiffness / 1000 for web in webs)
         unit = "kN m/rad" if quantity is TORSION else "kN/mm"
-        note = f"{change_text(change)} against the original's {before:.1f} {unit}"
+        note = f"{change:+z.1f} % against the original's {before:.1f} {unit}"
         if quantity.key in gains:
-            note += f"; per mass {change_text(gains[quantity.key])}"
+            note += f"; per mass {gains[quantity.key]:+z.1f} %"
         found.append(Fact(quantity.label.capitalize(), f"{now:.1f} {unit}", note, _status(change)))
     return found
 
