@@ -36,6 +36,7 @@ _GOAL = {
     "--maximise": Acts(MIKRON, "--maximise torsion"),
     "--limit": Acts(f"{MIKRON} --minimise mass", "--limit 'torsion >= 90 %'"),
 }
+_NO_GOAL = "test_a_volume_fraction_beside_the_goal_of_a_design_names_its_key_and_the_way_out"
 _RULES = {
     "--min-wall-mm": Acts(MIKRON, "--min-wall-mm 4"),
     "--min-radius-mm": Acts(MIKRON, "--min-radius-mm 7"),
@@ -62,6 +63,7 @@ TABLE: dict[str, dict[str, Case]] = {
         **_THROW,
         **_GOAL,
         **_OUT,
+        "--no-goal": Shown(f"cli/test_goal_options.py::{_NO_GOAL}"),
         "--volume-fraction": Acts(MIKRON, "--volume-fraction 0.25"),
         "--resolution-mm": Acts(MIKRON, "--resolution-mm 3"),
         "--process": Acts(MIKRON, "--process free"),
@@ -267,6 +269,8 @@ TABLE: dict[str, dict[str, Case]] = {
         "--speed-rpm": Acts("new.toml --bore-mm 100", "--speed-rpm 2000"),
         "--rod-length-mm": Acts("new.toml --bore-mm 100", "--rod-length-mm 190"),
         "--peak-pressure-MPa": Acts("new.toml --bore-mm 100", "--peak-pressure-MPa 9"),
+        "--compression-ratio": Acts("new.toml --bore-mm 100", "--compression-ratio 12.5"),
+        "--bank-angle-deg": Acts("new.toml --layout V", "--bank-angle-deg 60"),
         "--power-kW": Acts("new.toml --bore-mm 100", "--power-kW 20"),
         "--material": Acts("new.toml --bore-mm 100", "--material 34CrNiMo6"),
         "--force": Acts("given.toml", "--force"),

@@ -56,6 +56,20 @@ def signed_percent(percent: float, digits: int = 2) -> str:
     return f"{'' if text.startswith('-') else '+'}{text} %"
 
 
+def change_text(percent: float, error_percent: float = 0.0) -> str:
+    """Return a change in percent, with its error if any, and the decimals that show its sign.
+
+    `-4.7 %`, `-0.05 +-0.04 %`: a small change may decide, and one decimal would make it `+0.0 %`.
+    """
+    texts = (f"{percent:+z.{decimals}f}" for decimals in range(1, _DECIMALS))
+    shown = next(filter(float, texts), "+0.0")
+    return f"{shown} +-{error_percent:.1g} %" if error_percent else f"{shown} %"
+
+
+_DECIMALS = 5
+"""A change of less than a ten-thousandth of a percent is none."""
+
+
 def frequency_text(frequency_Hz: float) -> str:
     """Return a frequency with its unit, at least three digits: `3.75 Hz`, `801 Hz`."""
     return f"{frequency_Hz:.0f} Hz" if frequency_Hz >= 100 else f"{plain_number(frequency_Hz, 3)} Hz"

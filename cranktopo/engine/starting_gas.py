@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -42,11 +42,14 @@ class _Proposal:
         return self.mean_MPa / self.keys["intake_pressure_MPa"]
 
 
-def gas_for_power(scene: Scene, wanted_kW: float, peak_MPa: float | None) -> dict[str, float]:
+def gas_for_power(
+    scene: Scene, wanted_kW: float, peak_MPa: float | None, compression_ratio: float | None = None
+) -> dict[str, float]:
     """Return keys of `[engine.gas]` with which an engine has a power, but for those at their default.
 
     Where the peak is known, the intake pressure gives the power; where that alone does not, another
-    compression ratio or a shorter burning does. Else the peak gives the power, and the charge follows it.
+    compression ratio, unless it is known as well, or a shorter burning does. Else the peak gives the power,
+    and the charge follows it.
 
     Raises:
         CranktopoError: no such gas, with what is assumed and what would do.
@@ -54,9 +57,10 @@ def gas_for_power(scene: Scene, wanted_kW: float, peak_MPa: float | None) -> dic
     engine = scene.engine
     assert engine is not None
     mean = mean_pressure_MPa(wanted_kW / power_kW(1.0, engine), engine, scene.throw.radius_mm)
-    found = _by_peak(scene, mean) if peak_MPa is None else _at_peak(scene, mean, peak_MPa)
+    ratios = _COMPRESSION if compression_ratio is None else (compression_ratio,)
+    found = _by_peak(scene, mean) if peak_MPa is None else _at_peak(scene, mean, peak_MPa, ratios)
     if isinstance(found, _Range):
-        raise _refused(scene, wanted_kW, mean, found, peak_MPa)
+        raise _refused(scene, wanted_kW, mean, found, peak_MPa, ratios)
     return {key: value for key, value in found.items() if value != Gas.model_fields[key].default}
 
 
@@ -115,17 +119,17 @@ def _by_peak(scene: Scene, mean: float) -> dict[str, float] | _Range:
     return {**charge, "peak_pressure_MPa": _halved(at, _PEAK_MPA, mean)}
 
 
-def _at_peak(scene: Scene, mean: float, peak: float) -> dict[str, float] | _Range:
+def _at_peak(scene: Scene, mean: float, peak: float, ratios: Sequence[float]) -> dict[str, float] | _Range:
     """Return the intake pressure that gives a mean pressure, and whatever else it needs."""
     seen: list[float] = []
     for burn in _BURN_DEG:
         fits = []
-        for ratio in _COMPRESSION:
+        for ratio in ratios:
             fixed = {"peak_pressure_MPa": peak, "compression_ratio": ratio, "burn_duration_deg": burn}
             found = [one for one in _over_intake(scene, fixed) if _plausible(one)]
             seen += [one.mean_MPa for one in found]
             fits += list(_between(scene, fixed, found, mean))
-            if fits and (burn, ratio) == (_BURN_DEG[0], _COMPRESSION[0]):
+            if fits and (burn, ratio) == (_BURN_DEG[0], ratios[0]):
                 return fits[0].keys  # nothing but the intake is proposed
         if fits:
             return min(fits, key=lambda one: abs(math.log(one.of_charge / _USUAL))).keys
@@ -208,17 +212,23 @@ def _work_J(scene: Scene) -> float:
 
 
 def _refused(
-    scene: Scene, wanted_kW: float, mean: float, found: _Range, peak: float | None
+    scene: Scene,
+    wanted_kW: float,
+    mean: float,
+    found: _Range,
+    peak: float | None,
+    ratios: Sequence[float],
 ) -> CranktopoError:
     """Return a refusal with what is assumed and what would do."""
     engine = scene.engine
     assert engine is not None
     per_MPa = wanted_kW / mean
-    assumed = f"compression ratio {_COMPRESSION[0]:g}"
+    assumed = f"{'assumed ' if len(ratios) > 1 else ''}compression ratio {ratios[0]:g}"
     at = f"peak pressures of {_PEAK_MPA[0]:g} to {_PEAK_MPA[1]:g} MPa"
     hint = "Look at bore, stroke, speed and number of cylinders."
     if peak is not None:
-        assumed += f" to {_COMPRESSION[-1]:g}, burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
+        assumed += f" to {ratios[-1]:g}" if len(ratios) > 1 else ""
+        assumed += f", burn duration {_BURN_DEG[-1]:g} to {_BURN_DEG[0]:g} deg"
         at = f"the peak pressure of {peak:g} MPa"
         near = found.most_MPa if mean > found.most_MPa else found.least_MPa
         needed = peak * mean / near if near else math.inf
@@ -228,7 +238,7 @@ def _refused(
     return invalid(
         "power_kW",
         wanted_kW,
-        f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at} and assumed "
+        f"it needs an indicated mean pressure of {plain_number(mean, 3)} MPa; with {at} and "
         f"{assumed} this engine has {found.least_MPa * per_MPa:.0f} to {found.most_MPa * per_MPa:.0f} kW",
         hint,
     )

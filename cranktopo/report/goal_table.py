@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.base.units import number_text
+from cranktopo.base.units import change_text, number_text
 from cranktopo.design.goal.constraint import ACTIVE
 from cranktopo.design.goal.outcome import (
     GoalEvaluation,
@@ -72,7 +72,7 @@ def evaluated_changes(goal: GoalOutcome | None) -> str:
     Empty where it says nothing of them.
     """
     told = [
-        f"{limit.quantity} {limit.evaluation.reached_percent - 100:+z.1f} %"
+        f"{limit.quantity} {change_text(limit.evaluation.reached_percent - 100)}"
         for limit in (goal.limits if goal else ())
         if limit.quantity in ("torsion", "bending")
         and limit.evaluation is not None

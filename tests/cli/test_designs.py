@@ -222,6 +222,41 @@ def test_new_design_of_a_power(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "strength is not checked" in " ".join(path.read_text(encoding="utf-8").replace("#", "").split())
 
 
+@pytest.mark.parametrize(("cylinders", "bank"), [(2, 45), (6, 60), (8, 60)])
+def test_new_design_of_a_compression_and_a_bank_angle(
+    cylinders: int, bank: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both are in the file, and in the power; the throws stay those of the usual crank of such a V."""
+    usual, own = str(tmp_path / "usual.toml"), str(tmp_path / "own.toml")
+    new = ["designs", "new", "--layout", "V", "--cylinders", str(cylinders)]
+    assert (
+        main([*new, usual])
+        == main([*new, own, "--compression-ratio", "12.5", "--bank-angle-deg", str(bank)])
+        == 0
+    )
+    out = capsys.readouterr().out
+    assert f"banks {bank} deg apart" in out
+    assert "compression ratio 12.5" in out
+    before, now = load_scene(usual).engine, load_scene(own).engine
+    assert before is not None
+    assert now is not None
+    assert now.gas is not None
+    assert (now.gas.compression_ratio, now.bank_angle_deg) == (12.5, bank)
+    assert now.throw_angles_deg == before.throw_angles_deg
+    assert now.firing_angles_deg[-1] != before.firing_angles_deg[-1]
+
+
+def test_new_design_of_a_power_keeps_the_compression_that_is_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = ["--peak-pressure-MPa", "20", "--power-kW", "4000", "--compression-ratio", "14.5"]
+    assert main(["designs", "new", str(tmp_path / "six.toml"), *SIX, *known]) == 0
+    assert "compression ratio 14.5, burn duration" in capsys.readouterr().out
+    more = [*SIX, *known[:2], "--power-kW", "9000", *known[4:]]
+    assert main(["designs", "new", str(tmp_path / "more.toml"), *more]) == 3
+    assert "compression ratio 14.5, burn duration 30 to 60 deg" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_new_design_of_much_power(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """More than engines in series have is said, more than the pressure gives is refused."""
@@ -238,6 +273,10 @@ def test_new_design_of_much_power(tmp_path: Path, capsys: pytest.CaptureFixture[
     [
         (["--layout", "V", "--cylinders", "14"], "known: 2, 4, 6, 8, 10, 12"),
         (["--layout", "boxxer"], "Did you mean 'boxer'?"),
+        (["--bank-angle-deg", "60"], "--bank-angle-deg: layout 'single' has no banks"),
+        (["--layout", "boxer", "--bank-angle-deg", "180"], "give --layout V"),
+        (["--layout", "V", "--bank-angle-deg", "181"], "must be a number >= 1 and <= 180"),
+        (["--compression-ratio", "1"], "must be a number >= 1.5 and <= 40"),
         (["--cylinders", "7"], "no firing order is known for layout 'in-line'"),
     ],
 )

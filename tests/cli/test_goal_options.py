@@ -8,8 +8,12 @@ from pathlib import Path
 import pytest
 
 from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError
+from cranktopo.design.goal.wanted import with_goal
 from cranktopo.design.loading import load_scene, scene_from_dict
+from cranktopo.design.schema import Scene
 from cranktopo.design.writing import toml_text
+from cranktopo.tasks.optimise import stage
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
@@ -75,6 +79,27 @@ def test_a_volume_fraction_beside_a_goal_is_refused(capsys: pytest.CaptureFixtur
     code, _, err = run(capsys, "optimise", "--minimise", "mass", "--volume-fraction", "0.3")
     assert code == 2
     assert "--volume-fraction excludes a goal: limit the mass instead" in err
+
+
+def test_a_volume_fraction_beside_the_goal_of_a_design_names_its_key_and_the_way_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The user had given no goal: "limit the mass instead" answered a question that nobody asked."""
+    monkeypatch.chdir(tmp_path)
+    scene = with_goal(load_scene("mikron-iiic"), minimise="mass")
+    Path("own.toml").write_text(toml_text(scene, "With a goal."), encoding="utf-8")
+    code, _, err = run(capsys, "optimise", "own.toml", "--volume-fraction", "0.3")
+    assert code == 2
+    assert "excludes the goal of the design, goal.minimise = 'mass': add --no-goal" in err
+    seen: list[Scene] = []
+
+    def taken(scene: Scene, *_: object) -> None:
+        seen.append(scene)
+        raise CranktopoError("enough.")
+
+    monkeypatch.setattr(stage, "optimise_design", taken)
+    run(capsys, "optimise", "own.toml", "--volume-fraction", "0.3", "--no-goal")
+    assert (seen[0].goal, seen[0].optimise.volume_fraction) == (None, 0.3)
 
 
 def test_load_states_of_stresses_that_nobody_wants_are_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cranktopo.base.result import Result
 from cranktopo.base.units import plain_number
 from cranktopo.design.goal.wanted import wanted
 from cranktopo.design.schema import Scene
@@ -13,10 +14,33 @@ FELT_PERCENT = 2.0
 _FACTOR, _UNBALANCE = "balance_factor", "unbalance"
 
 
-def balance_moved(scene: Scene, result: Mapping[str, float], original: Mapping[str, float]) -> str:
-    """Return a sentence where the balance factor of a web left the original's on a side without a limit.
+class MovedBalance(Result):
+    """A balance factor, percent of the oscillating mass, that left the original's, and what would hold it."""
 
-    Empty where the factor is not known, moved by less than is felt, or the engine is not balanced on purpose.
+    balance_factor_percent: float
+    original_percent: float
+    told: str
+
+    @property
+    def words(self) -> str:
+        """What got worse, without the remedy."""
+        return balance_words(self.balance_factor_percent, self.original_percent)
+
+
+def balance_words(now_percent: float, before_percent: float) -> str:
+    """Return a balance factor that moved in words."""
+    return (
+        f"balance factor {plain_number(now_percent, 3)} % of the oscillating mass "
+        f"instead of {plain_number(before_percent, 3)} %"
+    )
+
+
+def balance_moved(
+    scene: Scene, result: Mapping[str, float], original: Mapping[str, float]
+) -> MovedBalance | None:
+    """Return the balance factor of a web where it left the original's on a side without a limit.
+
+    None where the factor is not known, moved by less than is felt, or the engine is not balanced on purpose.
 
     Args:
         result, original: quantities of both webs by name.
@@ -25,18 +49,19 @@ def balance_moved(scene: Scene, result: Mapping[str, float], original: Mapping[s
         scene.engine is not None and scene.engine.arranged.balanced_oscillating_share > 0
     )
     if not meant or _FACTOR not in result or _FACTOR not in original:
-        return ""
+        return None
     now, before = result[_FACTOR], original[_FACTOR]
     if abs(now - before) < FELT_PERCENT or _held(scene, rose=now > before):
-        return ""
+        return None
     bound = f"<= {before + FELT_PERCENT:.0f}" if now > before else f">= {before - FELT_PERCENT:.0f}"
     needed = "lighter" if now > before else "heavier"
-    return (
+    told = (
         f"the balance factor is {plain_number(now, 3)} % of the oscillating mass, the original web has "
         f"{plain_number(before, 3)} % (unbalance {plain_number(result[_UNBALANCE])} and "
         f"{plain_number(original[_UNBALANCE])} kg mm), and no limit holds it there: a {needed} counterweight "
         f"would do, or with a goal --limit '{_FACTOR} {bound} %'"
     )
+    return MovedBalance(balance_factor_percent=now, original_percent=before, told=told)
 
 
 def _held(scene: Scene, *, rose: bool) -> bool:

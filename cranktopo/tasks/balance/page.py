@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cranktopo.base.units import number_text
+from cranktopo.base.units import change_text, number_text
 from cranktopo.engine.analysis import engine_of
 from cranktopo.engine.balance.whole_engine import AS_IT_IS, COUNTERWEIGHTED, EngineBalance
 from cranktopo.report.page import Fact, FactStatus, Page, Section, pairs
@@ -166,5 +166,5 @@ def _against(state: str, before: float, after: float, unit: str, fits: bool) -> 
     note = f"{state}{'' if fits else ', which do not fit'}: {number_text(after)} {unit}"
     if number_text(after) == number_text(before):
         return note, "neutral"
-    change = f", {100 * (after / before - 1):+.1f} %" if before else ""
+    change = f", {change_text(100 * (after / before - 1))}" if before else ""
     return f"{note}{change}", "bad" if after > before else "good" if fits else "neutral"

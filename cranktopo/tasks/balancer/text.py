@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cranktopo.base.units import N_PER_KN
+from cranktopo.base.units import N_PER_KN, change_text
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.balancer.result import (
     BalancerStrength,
@@ -96,7 +96,7 @@ def balancer_text(shaft: BalancerStrength) -> str:
 
 def _redesign(found: Redesign) -> str:
     change = 100 * (found.result_kg / found.start_kg - 1)
-    mass = f"{found.start_kg:.3f} -> {found.result_kg:.3f} kg ({change:+.1f} %)"
+    mass = f"{found.start_kg:.3f} -> {found.result_kg:.3f} kg ({change_text(change)})"
     line = f"Every limit holds: mass of the shaft {mass}"
     tables = [terminal(tabulate(_LIMITS, found.limits))]
     tables += [terminal(tabulate(_DIMENSIONS, found.dimensions))] if found.dimensions else []

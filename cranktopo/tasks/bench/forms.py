@@ -41,8 +41,8 @@ def new_design(answers: Mapping[str, Any]) -> Begun:
 
     Args:
         answers: layout, cylinders, bore_mm and stroke_mm, and of speed_rpm, rod_length_mm,
-            peak_pressure_MPa, power_kW, material and name what is known; power gives the peak pressure,
-            or the intake pressure where the peak is known.
+            peak_pressure_MPa, compression_ratio, bank_angle_deg, power_kW, material and name what is known;
+            power gives the peak pressure, or the intake pressure where the peak is known.
     """
     layout: Any = answers.get("layout")
     if layout not in get_args(LayoutName):

@@ -23,6 +23,7 @@ from cranktopo.design.scene_files import with_resolved_files
 from cranktopo.design.toml_text import parse_toml
 from cranktopo.design.writing import design_name
 from cranktopo.tasks.bench.design_files import changed_files, check_files_inside
+from cranktopo.tasks.bench.limits import told_limits
 
 _BEGINNINGS = ("cranktopo designs new ", "cranktopo import ")
 """Commands that make the design that a session began with."""
@@ -242,6 +243,7 @@ class Project:
             "steps": [step.as_json() for step in self._state.steps],
             "variants": [variant.as_json() for variant in self.variants],
             "data": self.data(),
+            "limits": told_limits(self.data()),
             "commands": self.commands(),
             "diff": list(
                 unified_diff(self.text_of(0).splitlines(), self._text.splitlines(), n=1, lineterm="")

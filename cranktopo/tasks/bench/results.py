@@ -54,7 +54,8 @@ def _prices(told: dict[str, Any]) -> list[str]:
 def _fatigue_words(told: dict[str, Any]) -> list[str]:
     found = told["fatigue"][0]
     if told["method"] != "m53":
-        return [f"least safety {found['safety']:.3g}: {found['critical']['place']}"]
+        fails = " is below 1, it fails" if found["safety"] < 1 else ""
+        return [f"least safety {found['safety']:.3g}{fails}: {found['critical']['place']}"]
     names = {"polynomials": "closed_form", "elements": "finite_elements"}
     lines = [found["not_covered"]] if found.get("not_covered") else []
     lines += [

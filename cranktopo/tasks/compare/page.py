@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cranktopo.base.files import replacing
 from cranktopo.base.formats import PLOTS
+from cranktopo.base.units import change_text
 from cranktopo.engine.analysis import LoadAnalysis
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import PhysicsPlan
@@ -147,11 +148,10 @@ def undercut_fact(found: Sequence[DesignUndercuts], designs: int) -> Fact:
 
 def _change(comparison: Comparison, row: int, quantity: Quantity) -> str:
     percent = comparison.percent(row, quantity)
-    change = f"{percent - 100:+z.1f}"
     if quantity.error is None or row == comparison.baseline:
-        return f"{change} %"
+        return change_text(percent - 100)
     error = percent / 100 * comparison.change_error_percent(row, comparison.baseline, quantity)
-    return f"{change} +-{error:.1g} %"
+    return change_text(percent - 100, error)
 
 
 def _headline(comparison: Comparison) -> str:

@@ -272,6 +272,6 @@ def _heading(path: Path, entry: ImportedHalf) -> tuple[str, ...]:
         path.name,
         f"Read from {path.name}: {', '.join(entry.webs)}.",
         f"Outline: {entry.outline}, within {entry.outline_deviation_mm:.3g} mm of the body.",
-        f"Volume: {share:+.2f} % of the body's.",
+        f"Volume: {share:+z.2f} % of the body's.",
         *(f"Not read: {line}." for line in entry.unread),
     )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.design.loading import parse_scene
 from cranktopo.design.reference import template
 from cranktopo.design.schema import Scene
@@ -14,10 +15,13 @@ from cranktopo.design.starting_point import LayoutName, arrangement_line, sized_
 from cranktopo.engine.performance import pressure_warnings
 from cranktopo.engine.starting_gas import gas_for_power, gas_line
 
+_BANK, _THROWS = "engine.arrangement.bank_angle_deg", "engine.arrangement.throw_angles_deg"
 KNOWN: Mapping[str, str] = {
     "speed_rpm": "engine.speed_rpm",
     "rod_length_mm": "engine.rod_length_mm",
     "peak_pressure_MPa": "engine.gas.peak_pressure_MPa",
+    "compression_ratio": "engine.gas.compression_ratio",
+    "bank_angle_deg": _BANK,
     "material": "material.name",
 }
 """Option of what may be known beside the size, and its key."""
@@ -50,20 +54,37 @@ def begun(
         known: of the keys of `KNOWN` and power_kW.
 
     Raises:
-        CranktopoError: no usual firing order, or a power that no gas gives such an engine.
+        CranktopoError: no usual firing order, an angle of banks without banks, or a power that no gas gives
+            such an engine.
     """
     given = {key: value for key, value in (known or {}).items() if value is not None}
     values = starting_values(layout, cylinders, bore_mm, stroke_mm)
+    if "bank_angle_deg" in given:
+        values |= _kept_throws(name, layout, values)
     values |= {key: given[short] for short, key in KNOWN.items() if short in given}
     scene = parse_scene(template(name, values), name)
     if "power_kW" in given:
-        found = gas_for_power(scene, given["power_kW"], given.get("peak_pressure_MPa"))
+        peak, ratio = given.get("peak_pressure_MPa"), given.get("compression_ratio")
+        found = gas_for_power(scene, given["power_kW"], peak, ratio)
         values |= {f"engine.gas.{key}": value for key, value in found.items()}
         scene = parse_scene(template(name, values), name)
     assumed = (arrangement_line(scene), gas_line(scene))
     text = template(name, values, "\n".join([_ORIGIN, *assumed[1:]]), partial(sized_example, values))
     scene = parse_scene(text, name)
     return Beginning(text, scene, assumed, pressure_warnings(scene))
+
+
+def _kept_throws(name: str, layout: LayoutName, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the throw angles of the usual banks: other banks fire unevenly on the same crank."""
+    if layout != "V":
+        raise CranktopoError(
+            f"--bank-angle-deg: layout '{layout}' has no banks at an angle of their own.",
+            hint="Leave it out, or give --layout V.",
+            code=ExitCode.USAGE,
+        )
+    engine = parse_scene(template(name, values), name).engine
+    assert engine is not None
+    return {_THROWS: list(engine.throw_angles_deg)}
 
 
 def begun_line(

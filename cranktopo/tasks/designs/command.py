@@ -149,6 +149,12 @@ def sketch_command(part: str, file: Path, force: bool) -> None:
     type=Number(0.01, 1e6),
     help="Its indicated power: gives the pressures, and compression and burning where they must be others.",
 )
+@click.option("--compression-ratio", type=Number(1.5, 40), help="Its compression ratio; 9 by default.")
+@click.option(
+    "--bank-angle-deg",
+    type=Number(1, 180),
+    help="Angle between the banks of a V, on the throws of its usual crank.  [default: usual]",
+)
 @click.option("--material", help="Name of a material of the library.")
 @_FORCE
 def new_command(

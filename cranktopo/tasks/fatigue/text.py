@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from cranktopo.base.units import change_text
 from cranktopo.report.result_table import Cell, Column, ResultTable, tabulate
 from cranktopo.tasks.fatigue.m53 import LEAST_FACTOR
 from cranktopo.tasks.fatigue.result import FatigueResult, FatigueShare, PartLife, RuleFatigue
@@ -319,8 +320,8 @@ def verdicts(results: Sequence[_FatigueResult], baseline: int) -> list[str]:
         ratio = one.safety / base.safety
         safe = "as safe as" if abs(ratio - 1) <= SAME else "safer than" if ratio > 1 else "less safe than"
         lines.append(
-            f"{one.name}: {100 * (one.mass_kg / base.mass_kg - 1):+z.1f} % mass, "
-            f"{100 * (ratio - 1):+z.1f} % safety: {safe} {base.name}."
+            f"{one.name}: {change_text(100 * (one.mass_kg / base.mass_kg - 1))} mass, "
+            f"{change_text(100 * (ratio - 1))} safety: {safe} {base.name}."
         )
         lines += _other_loads(results[index], results[baseline])
     return lines

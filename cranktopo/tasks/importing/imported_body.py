@@ -208,7 +208,7 @@ def _halves_apart(occ: Any, body: DimTags, scene: Scene) -> str:
     share, moved = far[0] / near[0] - 1, float(np.linalg.norm(far[1:] - near[1:]))
     if abs(share) < _HALVES and moved < _HALVES * scene.pitch_mm:
         return ""
-    return f"the second has {100 * share:+.3g} % of volume, its centre of mass lies {moved:.3g} mm elsewhere"
+    return f"the second has {100 * share:+z.3g} % of volume, its centre of mass lies {moved:.3g} mm elsewhere"
 
 
 def _halved(occ: Any, body: DimTags, scene: Scene) -> bool:

@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cranktopo.base.files import write_bytes
+from cranktopo.base.units import change_text
 from cranktopo.report.page import (
     Fact,
     FactStatus,
@@ -75,7 +76,7 @@ def _headline(loop: LoopResult) -> str:
     changes = {quantity: share[quantity.key] - 100 for quantity in (MASS, TORSION, BENDING)}
     gain = share[TORSION_PER_MASS.key] - 100
     return (
-        f"{best.words.capitalize()} is the best: {gain:+z.1f} % torsional stiffness per mass. "
+        f"{best.words.capitalize()} is the best: {change_text(gain)} torsional stiffness per mass. "
         + comparison_sentence("It", changes, "the original web")
     )
 
@@ -97,9 +98,9 @@ def _fact(step: StepRow, original: StepRow, quantity: Quantity) -> Fact:
     now, before = (_value_words(row, quantity) for row in (step, original))
     note = f"{step.words}: {now} against the original web's {before}"
     if abs(change) < estimate:
-        return Fact(label, f"{change:+z.1f} %", f"{note}, less than the error estimate", "neutral")
+        return Fact(label, change_text(change), f"{note}, less than the error estimate", "neutral")
     status: FactStatus = "good" if quantity.better * change > 0 else "bad"
-    return Fact(label, f"{change:+z.1f} %", note, status)
+    return Fact(label, change_text(change), note, status)
 
 
 def _ended(loop: LoopResult) -> Fact:

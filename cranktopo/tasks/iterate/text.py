@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from cranktopo.base.units import change_text
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.report.goal_table import goal_words
@@ -89,8 +90,9 @@ def best_line(loop: LoopResult) -> str:
     share = row.percent_of_original
     return (
         f"best: {row.words}, "
-        f"torsional stiffness per mass {share[TORSION_PER_MASS.key] - 100:+z.1f} %, "
-        f"mass {share[MASS.key] - 100:+z.1f} %, bending stiffness {share[BENDING.key] - 100:+z.1f} %"
+        f"torsional stiffness per mass {change_text(share[TORSION_PER_MASS.key] - 100)}, "
+        f"mass {change_text(share[MASS.key] - 100)}, "
+        f"bending stiffness {change_text(share[BENDING.key] - 100)}"
     )
 
 

@@ -37,6 +37,7 @@ from cranktopo.cli.options import (
 from cranktopo.cli.verbosity import NORMAL, level, verbosity_options
 
 if TYPE_CHECKING:
+    from cranktopo.design.goal.limit import GoalTable
     from cranktopo.design.halves import WebName
     from cranktopo.design.schema import Scene
     from cranktopo.tasks.density.problem import DensityProblem
@@ -49,11 +50,12 @@ if TYPE_CHECKING:
 @web_option
 @throw_option
 @goal_options
+@click.option("--no-goal", is_flag=True, help="Leave the design's [goal] out: a web of a volume fraction.")
 @click.option(
     "--volume-fraction",
     type=VOLUME_FRACTION,
     help="Share of the design space that becomes solid, 0 to 1; default: the design's. "
-    "With a goal the limits decide, and it is refused.",
+    "With a goal the limits decide, and it is refused: --no-goal leaves that of the design out.",
 )
 @click.option("--resolution-mm", type=CELL_MM, help="Largest cell edge, mm; default: the design's.")
 @click.option(
@@ -125,6 +127,7 @@ def _scene(
     minimise: str | None,
     maximise: str | None,
     limits: tuple[str, ...],
+    no_goal: bool,
     accuracy: float | None,
     budget: float | None,
     no_evaluation: bool,
@@ -143,14 +146,28 @@ def _scene(
     evaluated = False if no_evaluation else None
     scene = one_web(one_throw(load_scene(name, whole=True), throw), web)
     scene = scene.with_optimise(**settings, limits_by_evaluation=evaluated)
+    if no_goal and (minimise or maximise or limits):
+        raise click.UsageError("--no-goal excludes --minimise, --maximise and --limit: keep one of them")
+    scene = scene.model_copy(update={"goal": None}) if no_goal else scene
     if settings["draft_deg"] is not None and scene.optimise.process in ("free", "milled"):
         raise click.UsageError(f"--draft-deg: process '{scene.optimise.process}' has no draft: leave it out")
     scene = with_bound_option(with_goal_options(scene, minimise, maximise, limits), no_bound)
     if settings["volume_fraction"] is not None and scene.goal is not None:
-        raise click.UsageError("--volume-fraction excludes a goal: limit the mass instead")
+        raise click.UsageError(_beside_goal(scene.goal, minimise or maximise))
     if no_evaluation and scene.goal is None:
         raise click.UsageError("--no-evaluation needs a goal: only its limits are evaluated")
     return with_cells_for(scene, accuracy, budget) if accuracy or budget else scene
+
+
+def _beside_goal(goal: GoalTable, asked: str | None) -> str:
+    """Return why a goal, by an option or the design's own, leaves no place for a volume fraction."""
+    if asked:
+        return "--volume-fraction excludes a goal: limit the mass instead"
+    key, word = ("minimise", goal.minimise) if goal.minimise else ("maximise", goal.maximise)
+    return (
+        f"--volume-fraction excludes the goal of the design, goal.{key} = '{word}': add --no-goal to leave "
+        "[goal] with its limits out, or leave out --volume-fraction and limit the mass"
+    )
 
 
 def _exit_code(metrics: RunMetrics) -> ExitCode:

@@ -62,8 +62,9 @@ def run_metrics(
     The density is the physical one of the web's layers; result and original are on the same grid.
     """
     scene, domain = prepared.scene, prepared.domain
+    moved = balance_moved(scene, result.quantities, original.quantities)
     told = (
-        balance_moved(scene, result.quantities, original.quantities),
+        moved.told if moved else "",
         "" if scene.goal else _other_mass(scene, domain, state.last.volume_fraction, result, original),
     )
     return RunMetrics(
@@ -86,6 +87,7 @@ def run_metrics(
         peak_memory_MiB=peak_memory_MiB(),
         effects=prepared.plan.effects,
         notices=[*prepared.notices, *filter(None, told)],
+        balance=moved,
         **others,
     )
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from pydantic import Field
 
 from cranktopo.base.result import UNLESS_NONE, FileName, Result
+from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.design.goal.outcome import GoalOutcome
 from cranktopo.engine.load_case import LoadCase
 from cranktopo.engine.plan.effect import Effect
@@ -131,6 +132,8 @@ class RunMetrics(Result):
     effects: tuple[Effect, ...]
     notices: list[str] = Field(default_factory=list)
     assumed: list[dict[str, Any]] = Field(default_factory=list)
+    balance: MovedBalance | None = UNLESS_NONE
+    """Balance factor that moved, if no limit holds it there."""
     bound: NoBound | BoundStatements | None = UNLESS_NONE
     """Proven limit of every web of the envelope, beside the result."""
 

@@ -48,12 +48,14 @@ _NO_FILLETS = (
 
 
 def headline(metrics: RunMetrics) -> str:
-    """Return the verdict against the original web: limits not judged first, then what is worse."""
+    """Return the verdict: limits not judged, then a balance that moved, then what is worse."""
     unjudged = unjudged_line(metrics.goal)
-    sentence = comparison_sentence("The optimised throw", metrics.changes_percent, "the original")
+    first = f"{unjudged[0].upper()}{unjudged[1:]}. " if unjudged else ""
+    first += f"{metrics.balance.words.capitalize()}. " if metrics.balance else ""
+    verdict = comparison_sentence("The optimised throw", metrics.changes_percent, "the original")
     if evaluated := evaluated_changes(metrics.goal):
-        sentence += f" This is on cells; {evaluated}."
-    return f"{unjudged[0].upper()}{unjudged[1:]}. {sentence}" if unjudged else sentence
+        verdict += f" This is on cells; {evaluated}."
+    return first + verdict
 
 
 def facts(record: RunRecord) -> tuple[Fact, ...]:
@@ -62,6 +64,7 @@ def facts(record: RunRecord) -> tuple[Fact, ...]:
     return (
         _mass(metrics),
         *_stiffness(metrics),
+        *_balance(metrics),
         *_limits(metrics),
         fatigue_fact(record.fatigue, _NO_FILLETS.format(run=record.folder)),
         run_undercuts_fact(metrics),
@@ -146,6 +149,15 @@ def _mass(metrics: RunMetrics) -> Fact:
     return Fact("Mass of the throw", f"{now:.3f} kg", note, _status(-change))
 
 
+def _balance(metrics: RunMetrics) -> list[Fact]:
+    """Tell where the balance factor went, if no limit holds it there."""
+    moved = metrics.balance
+    if moved is None:
+        return []
+    value = f"{moved.original_percent:z.0f} -> {moved.balance_factor_percent:z.0f} %"
+    return [Fact("Balance factor", value, moved.told, "bad")]
+
+
 def _stiffness(metrics: RunMetrics) -> list[Fact]:
     """Return absolute stiffnesses; per mass only in the note, since a softer web may look good by it."""
     found = []
@@ -179,7 +191,8 @@ def _status(gain_percent: float) -> FactStatus:
 def _worse(metrics: RunMetrics) -> list[str]:
     line = worse_line(metrics.changes_percent, "the original web")
     evaluated = evaluated_changes(metrics.goal)
-    return [f"{line} on cells; {evaluated}" if evaluated else line] if line else []
+    moved = [f"worse than the original web: {metrics.balance.words}"] if metrics.balance else []
+    return [*moved, *([f"{line} on cells; {evaluated}" if evaluated else line] if line else [])]
 
 
 _SHOWN_FILES = ("report", "stl", "picture", "vtu", "history", "metrics")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cranktopo.base.units import N_PER_KN
+from cranktopo.base.units import N_PER_KN, change_text
 from cranktopo.report.result_table import Column, labelled, tabulate, terminal
 from cranktopo.tasks.bolts.result import BoltChecks
 from cranktopo.tasks.bolts.text import bolts_text
@@ -231,7 +231,7 @@ def _ovalisations(found: LighterRod) -> Iterator[tuple[str, str]]:
 def _lighter(found: LighterRod) -> str:
     change = 100 * (found.result_kg / found.start_kg - 1)
     rows = (
-        ("mass", f"{found.start_kg:.4f} -> {found.result_kg:.4f} kg ({change:+.1f} %)"),
+        ("mass", f"{found.start_kg:.4f} -> {found.result_kg:.4f} kg ({change_text(change)})"),
         ("smallest against yield", "{:.2f} -> {:.2f}".format(*found.smallest_yield_safety)),
         ("smallest for fatigue", "{:.2f} -> {:.2f}".format(*found.smallest_fatigue_safety)),
         *_by_elements(found),

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from cranktopo.base.units import change_text
+from cranktopo.design.goal.balance_moved import balance_words
 from cranktopo.design.goal.quantities import QUANTITIES
 from cranktopo.design.schema import Scene
 from cranktopo.report.goal_table import limits_table
@@ -28,7 +30,6 @@ from cranktopo.tasks.fea.section import clearance_sections
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
     QUANTITIES_TOLD,
-    change_text,
     changes_table,
     dimensions_table,
     ended_words,
@@ -53,7 +54,7 @@ def shape_page(
     return Page(
         title=f"Best dimensions of the crank web of {found.design}",
         subtitle=f"Run {manifest['run']}, {manifest['started'][:10]}",
-        headline=shape_headline(found),
+        headline=page_headline(found),
         facts=(
             *(quantity_fact(found, key) for key in named_first(found)),
             *_balance(found),
@@ -80,7 +81,7 @@ def quantity_fact(found: ShapeResult, key: str) -> Fact:
     original, result, unit = value_words(found, key)
     label, value = quantity.label.capitalize(), f"{result} {unit}".rstrip()
     note = f"{value} against the original's {f'{original} {unit}'.rstrip()}"
-    shown = change_text(change) if not error else f"{change:+z.1f} +-{error:.1g} %"
+    shown = change_text(change, error)
     if quantity is SAFETY and found.values.result[key] < 1:
         return Fact(label, shown, f"{note}; below 1: it fails", "bad")
     if abs(change) <= error:
@@ -89,10 +90,20 @@ def quantity_fact(found: ShapeResult, key: str) -> Fact:
     return Fact(label, shown, note, status)
 
 
+def page_headline(found: ShapeResult) -> str:
+    """Return the verdict; a balance that no limit held is in front."""
+    moved = f"{balance_words(*_factors(found)).capitalize()}. " if found.balance else ""
+    return moved + shape_headline(found)
+
+
+def _factors(found: ShapeResult) -> tuple[float, float]:
+    return found.values.result["balance_factor"], found.values.original["balance_factor"]
+
+
 def _balance(found: ShapeResult) -> Iterator[Fact]:
     """Yield where the balance factor went, if no limit holds it there."""
     if found.balance is not None:
-        before, now = (of["balance_factor"] for of in (found.values.original, found.values.result))
+        now, before = _factors(found)
         yield Fact("Balance factor", f"{before:z.0f} -> {now:z.0f} %", found.balance, "bad")
 
 

@@ -314,6 +314,7 @@ def _assembled(
     goal, result, original = optimum.goal, optimum.result, optimum.original
     outcome = goal_outcome(goal, result.web.values, original.values)
     table, on_cells = _sensitivities(scene, optimum), quantity_on_cells(goal)
+    moved = balance_moved(scene, result.web.values, original.values)
     return ShapeResult(
         design=scene.name,
         goal=outcome,
@@ -341,7 +342,7 @@ def _assembled(
         seconds=seconds,
         loads=loads_name(loads) if stresses_in(goal.quantities) else None,
         unfinished=optimum.unfinished,
-        balance=balance_moved(scene, result.web.values, original.values) or None,
+        balance=moved.told if moved else None,
     )
 
 

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cranktopo.base.units import plain_number
+from cranktopo.base.units import change_text, plain_number
 from cranktopo.design.goal.constraint import TOLERANCE, Constraint
 from cranktopo.report.goal_table import broken_limits, limits_table, short_percent
 from cranktopo.report.result_table import Column, ResultTable, Row, tabulate, terminal
@@ -167,11 +167,6 @@ def shape_headline(found: ShapeResult) -> str:
     judged = f"NOT MET: {'; '.join(missed)};" if missed else f"Every limit holds{nearly}:"
     unmade = "" if found.makeable else f"CANNOT BE MADE: {release_text(found.undercuts)}. "
     return f"{unmade}{judged} {said} against the original web.{_failing(found)}"
-
-
-def change_text(percent: float) -> str:
-    """Return a change in percent, with two decimals where one shows none: a limit may be short by it."""
-    return f"{percent:+z.1f} %" if abs(percent) >= 0.05 else f"{percent:+z.2f} %"
 
 
 def original_keeps(found: ShapeResult) -> str:

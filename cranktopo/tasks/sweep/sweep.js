@@ -9,6 +9,10 @@
   const front = new Set(data.front);
   const coarse = new Set(data.coarse); // a first look reads too stiff: it is on no front
   const isNumber = (value) => typeof value === "number";
+  const signed = (percent) => { // with the decimals that show its sign
+    const shown = [1, 2, 3, 4].map((n) => percent.toFixed(n)).find(Number) ?? "0.0";
+    return `${percent < 0 && Number(shown) ? "" : "+"}${shown}`;
+  };
   const numeric = columns.map((_, c) => rows.some((row) => isNumber(row[c])) && rows.every((row) => row[c] === null || isNumber(row[c])));
   const numbers = columns.map((_, c) => c).filter((c) => numeric[c]);
   const nameOf = (c) => columns[c].label + (columns[c].unit ? `, ${columns[c].unit}` : "");
@@ -281,7 +285,7 @@
   });
   function details(i, row) {
     const [id, status, run, reason] = about[i];
-    const change = (c) => isNumber(row[c]) && isNumber(original[c]) && original[c] && !columns[c].varied ? ` (${row[c] / original[c] >= 1 ? "+" : ""}${(100 * (row[c] / original[c] - 1)).toFixed(1)} %)` : "";
+    const change = (c) => isNumber(row[c]) && isNumber(original[c]) && original[c] && !columns[c].varied ? ` (${signed(100 * (row[c] / original[c] - 1))} %)` : "";
     const shown = columns.map((_, c) => c).filter((c) => row[c] !== null);
     const title = `${id}, ${status}${front.has(i) ? ", on the front" : ""}${run ? `, ${run}` : ""}${reason ? `: ${reason}` : ""}`;
     return `<div class="title">${escaped(title)}</div>` + shown.map((c) => `<div><dt>${escaped(nameOf(c))}</dt><dd>${escaped(text(row[c], c))}${columns[c].sense ? change(c) : ""}</dd></div>`).join("");
@@ -333,9 +337,9 @@
     const [, i] = picks[button.dataset.pick];
     const told = numbers.filter((c) => ["mass_kg", "torsion_Nm_per_rad", "bending_N_per_mm", "fatigue_safety"].includes(columns[c].name));
     const changes = told.filter((c) => isNumber(rows[i][c]) && isNumber(original[c]) && original[c]).map((c) => {
-      const percent = 100 * (rows[i][c] / original[c] - 1), sign = percent >= 0 ? "+" : "";
+      const percent = 100 * (rows[i][c] / original[c] - 1);
       const value = columns[c].name === "mass_kg" ? `${text(rows[i][c], c)}\u00a0kg, ` : "";
-      return { worse: columns[c].sense * percent < -0.05, words: `${columns[c].label} ${value}${sign}${percent.toFixed(1)}\u00a0%` };
+      return { worse: columns[c].sense * percent < -0.05, words: `${columns[c].label} ${value}${signed(percent)}\u00a0%` };
     });
     changes.sort((a, b) => b.worse - a.worse); // what got worse comes first
     button.querySelector("small").innerHTML = changes.map(({ worse, words }) => `<span${worse ? ' class="worse"' : ""}>${escaped(words)}</span>`).join("; ");

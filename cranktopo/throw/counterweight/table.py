@@ -58,9 +58,9 @@ class Counterweight(Feature):
     """Thickness along the crank axis, at most that of the web, which it has by default."""
     face: Face = "journal"
     """Web face with which it is flush if it is thinner than the web."""
-    fillet_mm: Length | None = None
+    fillet_mm: Length | None = Field(default=None, examples=[3.0])
     """Radius of the fillet between each flank and the side of the web; left out: a sharp corner."""
-    corner_mm: Length | None = None
+    corner_mm: Length | None = Field(default=None, examples=[3.0])
     """Radius of the round corner between each flank and the rim; left out: sharp."""
     density_kg_m3: float | None = Field(default=None, ge=10, le=30000, examples=[17500.0])
     """Density of a part that is bolted on or let in, of heavy metal say; left out: one piece with the web."""

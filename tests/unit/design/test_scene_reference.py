@@ -11,6 +11,7 @@ import pytest
 from cranktopo.base.units import stem_and_unit
 from cranktopo.design.loading import builtin_designs, designs_folder, parse_scene
 from cranktopo.design.reference import scene_reference, template
+from cranktopo.tasks.designs.beginning import begun
 
 TEMPLATE = template("mine")
 BLOCKS = TEMPLATE.split("\n\n")
@@ -73,6 +74,16 @@ def test_template_is_a_valid_design_of_that_name() -> None:
     scene = parse_scene(TEMPLATE)
     assert scene.name == "mine"
     assert scene.engine is None
+
+
+@pytest.mark.parametrize("layout", [None, "in-line"])
+def test_every_line_that_is_off_is_toml_when_it_is_switched_on(layout: Any) -> None:
+    """A key with neither default nor example stood there as null, which no TOML has."""
+    text = begun("mine", layout, 6, 320.0, 480.0).text if layout else TEMPLATE
+    off = re.findall(r"(?m)^#+(\w+ = .*)$", text)
+    assert len(off) > 100
+    for line in off:
+        assert tomllib.loads(line), line
 
 
 def test_template_has_every_key() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import trimesh
 
 from cranktopo.bodies.cells.grid import DensityGrid
+from cranktopo.design.goal.balance_moved import MovedBalance
 from cranktopo.numerics.surfaces.mesh import SurfaceMesh
 from cranktopo.report.page import Fact, Page, Section
 from cranktopo.report.plot import picture
@@ -22,7 +24,7 @@ from cranktopo.tasks.extraction.text import length_lines
 from cranktopo.tasks.fea.quantities import worse_line
 from cranktopo.tasks.optimise.result import RunMetrics
 from cranktopo.tasks.optimise.run_record import MOST_CELLS, coarsened, evenly_spread
-from cranktopo.tasks.optimise.text import fatigue_fact, headline, run_undercuts_fact
+from cranktopo.tasks.optimise.text import facts, fatigue_fact, headline, run_summary, run_undercuts_fact
 from tests.packed_scenes import unpacked
 from tests.run_metrics import SURFACE, load_of, run_metrics
 
@@ -62,6 +64,23 @@ def test_headline_says_first_what_got_worse() -> None:
         "the original."
     )
     assert headline(metrics(0.0, 0.01, -0.01)) == "The optimised throw is like the original."
+
+
+MOVED = MovedBalance(balance_factor_percent=69.4, original_percent=50.2, told="a lighter one would do")
+
+
+def test_a_balance_that_moved_is_said_first_and_has_a_card() -> None:
+    """A V-twin with 69 % of its oscillating mass balanced instead of 50 was "2.7 % stiffer", no more."""
+    found = metrics(0.0, 2.7, 1.1).model_copy(update={"balance": MOVED})
+    assert headline(found).startswith(
+        "Balance factor 69.4 % of the oscillating mass instead of 50.2 %. The optimised throw is 2.7 %"
+    )
+    record: Any = SimpleNamespace(metrics=found, fatigue=None, folder=Path("run"))
+    (card,) = [fact for fact in facts(record) if fact.label == "Balance factor"]
+    assert (card.value, card.note, card.status) == ("50 -> 69 %", MOVED.told, "bad")
+    worse = "worse than the original web: balance factor 69.4 % of the oscillating mass instead of 50.2 %"
+    assert run_summary(found, Path("run")).splitlines()[1] == worse
+    assert RunMetrics.of_json(found.as_json(), "a run").balance == found.balance
 
 
 def test_terminal_names_what_got_worse() -> None:

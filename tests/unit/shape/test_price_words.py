@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cranktopo.report.plot import picture
-from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit, quantity_fact
+from cranktopo.tasks.shape.page import curves, draw_goal, draw_worst_limit, page_headline, quantity_fact
 from cranktopo.tasks.shape.result import ShapeResult
 from cranktopo.tasks.shape.text import (
     multiplier_table,
@@ -61,6 +61,13 @@ def test_a_missed_limit_that_the_original_keeps(data: dict[str, Any], original: 
 def test_where_the_balance_went_stands_below_the_verdict(data: dict[str, Any]) -> None:
     data |= {"balance": "the balance factor is 51 %", **TOLD}
     assert shape_summary(_found(data), Path("run")).splitlines()[1] == "the balance factor is 51 %"
+
+
+def test_where_the_balance_went_is_first_on_the_page(data: dict[str, Any]) -> None:
+    values = {"original": {"balance_factor": 50.2}, "result": {"balance_factor": 69.4}}
+    found = _found(data | {"balance": "it moved", "values": values, "change_percent": {"mass": -1.0}})
+    said = "Balance factor 69.4 % of the oscillating mass instead of 50.2 %. Every limit holds: mass -1.0 %"
+    assert page_headline(found).startswith(said)
 
 
 def test_a_limit_that_is_just_missed_is_no_zero(data: dict[str, Any]) -> None:

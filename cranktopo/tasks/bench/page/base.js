@@ -30,4 +30,8 @@ export const unitOf = (key) => (key.endsWith("_deg") ? "deg" : "mm");
 
 export const plain = (value, digits) => (value === undefined || value === null ? "" : Math.abs(value) >= 1e5 ? Math.round(value).toLocaleString("en") : String(Number(value.toPrecision(digits))));
 
-export const signed = (percent) => `${percent > 0 ? "+" : "−"}${Math.abs(percent).toFixed(Math.abs(percent) < 10 ? 1 : 0)}\u00a0%`;
+// A change with the decimals that show its sign; one that is none has no minus.
+export const signed = (change, unit = "%") => {
+  const size = Math.abs(change), digits = size >= 10 ? 0 : [1, 2, 3, 4].find((n) => Number(size.toFixed(n))) ?? 1;
+  return `${change < 0 && Number(size.toFixed(digits)) ? "−" : "+"}${size.toFixed(digits)}\u00a0${unit}`;
+};

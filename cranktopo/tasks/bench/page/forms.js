@@ -109,10 +109,10 @@ function choiceRow(choices, place) {
 function keyRow(key, place) {
   const path = `${place}.${key.name}`, value = valueAt(path), id = `f-${path}`, help = `${id}-help`;
   const facts = [key.meaning, key.allowed && `Range: ${key.allowed} ${key.unit}`.trim(), key.default !== null && `Default: ${shown(key.default)}`].filter(Boolean).join(" ");
-  const row = make("div", { class: "row", "data-row": path, "data-words": `${path} ${key.meaning}`.toLowerCase() }, make("label", { for: id, title: facts }, words(key.name)));
+  const row = make("div", { "data-row": path, "data-words": `${path} ${key.meaning}`.toLowerCase(), class: !ofTexts(key) ? "row" : Array.isArray(value) ? "row texts range" : "row texts" }, make("label", { for: id, title: facts }, words(key.name)));
   const options = key.kind.startsWith("one of ") ? JSON.parse(`[${key.kind.slice(7)}]`) : key.kind === "true or false" ? [true, false] : null;
   if (options) row.append(selectOf(path, id, help, key, options, value));
-  else row.append(inputOf(path, id, help, key, value), make("span", { class: "unit" }, key.unit));
+  else row.append(inputOf(path, id, help, key, value), ...(ofTexts(key) ? [] : [make("span", { class: "unit" }, key.unit)]));
   if (!options && typeof value === "number" && ["mm", "deg"].includes(key.unit)) row.append(sliderOf(path, key, value));
   row.append(make("p", { class: "help", id: help }, facts), make("p", { class: "broken", role: "alert", hidden: true }));
   return row;
@@ -127,8 +127,16 @@ function selectOf(path, id, help, key, options, value) {
   return select;
 }
 
+// A text that may be two of them, as a limit of a range: written one after the other.
+const BETWEEN = "; ", ofTexts = (key) => key.kind.includes("list of two texts");
+const written = (value, key) => (value === undefined ? "" : ofTexts(key) && Array.isArray(value) ? value.join(BETWEEN) : shown(value));
+
 function read(text, key) {
   if (!text.trim()) return key.required ? undefined : null;
+  if (ofTexts(key)) {
+    const texts = text.split(/[;\[\]"']|,(?=\s*[<>\u2264\u2265"'])/).map((one) => one.trim().replace(/(\d),(\d)/g, "$1.$2")).filter((one) => one && one !== ",");
+    return texts.length > 1 ? texts : texts[0];
+  }
   if (key.kind === "text") return text.trim();
   if (key.kind.startsWith("list") || Array.isArray(key.example)) {
     try {
@@ -144,7 +152,7 @@ function inputOf(path, id, help, key, value) {
   const numeric = key.kind === "number" || key.kind === "whole number";
   const assumed = key.default !== null ? `${shown(key.default)} (assumed)` : key.required ? "" : "not given";
   const input = make("input", { id, "data-key": path, "aria-describedby": help, inputmode: numeric ? "decimal" : "text", autocomplete: "off", spellcheck: "false",
-    placeholder: assumed, list: path === "material.name" ? "materials" : undefined, value: value === undefined ? "" : shown(value),
+    placeholder: assumed, list: path === "material.name" ? "materials" : undefined, value: written(value, key),
     oninput: () => {
       const found = numeric ? numberOf(input.value) : null;
       if (found !== null) drag({ [path]: found });
@@ -152,7 +160,7 @@ function inputOf(path, id, help, key, value) {
     onchange: () => {
       const found = read(input.value, key);
       if (found === undefined) return mark(path, `'${input.value}' is ${numeric ? "no number" : "not understood"}.`);
-      edit({ [path]: found }, `${words(key.name)}: ${found === null ? "as assumed" : `${shown(found)} ${key.unit}`}`.trim());
+      edit({ [path]: found }, `${words(key.name)}: ${found === null ? "as assumed" : `${written(found, key)} ${key.unit}`}`.trim());
     } });
   return input;
 }

@@ -20,6 +20,8 @@ export const SOLVED = new Set(["torsion", "bending", "torsion_per_mass", "bendin
 
 // That of nearly equal webs scatters from mesh to mesh, where the errors of stiffness are alike.
 export const SAFETIES = (name) => name.includes("safety") || name === "stress";
+// Least safety against fatigue of a web that lasts, as `fatigue`, `shape` and `compare` say it.
+export const FAILS_BELOW = 1;
 // Gauges that rest on the stiffness of a throw are settled as well.
 export const OF_STIFFNESS = new Set(["m53_pin", "m53_journal", "natural_frequency"]);
 
@@ -60,9 +62,15 @@ export function errorOf(name) {
   return errors?.[name] ?? errors?.[name.replace("_per_mass", "")] ?? 0;
 }
 
-export function limitOf(name) {
-  const text = valueAt(`goal.limits.${name}`), found = typeof text === "string" && text.match(/([<>])=\s*(-?[\d.]+)\s*(%)?/);
-  if (!found) return null;
-  const required = found[3] && name !== "balance_factor" ? (Number(found[2]) / 100) * state.original[name] : Number(found[2]);
-  return Number.isFinite(required) ? { text, required, sense: found[1] } : null;
+// Limits of a gauge, two for a range, each with whether it holds within the error; those of an unknown original are left out.
+export function limitsOf(name, value) {
+  const room = errorOf(name) / 100 + 1e-4;
+  return (state.project.limits[name] ?? []).map((limit) => {
+    const required = limit.percent ? (limit.value / 100) * state.original[name] : limit.value, slack = room * Math.abs(required);
+    return { ...limit, required, holds: value !== undefined && (limit.sense === ">=" ? value >= required - slack : value <= required + slack) };
+  }).filter((limit) => Number.isFinite(limit.required));
 }
+
+// A bar is in percent of the original; that of a quantity in percent of its own is in points of it, and one that passes 0 has none.
+export const inPoints = (name) => name === "balance_factor";
+export const changeOf = (name, value) => (inPoints(name) ? value - state.original[name] : 100 * (value / state.original[name] - 1));

@@ -1,6 +1,6 @@
 // History and kept variants.
 import { $, make, plain, signed } from "./base.js";
-import { GAUGES, state } from "./state.js";
+import { FAILS_BELOW, GAUGES, state } from "./state.js";
 import { say } from "./talk.js";
 
 export function showHistory() {
@@ -27,7 +27,7 @@ export function showVariants() {
     make("th", { scope: "row", title: variant.what }, make("label", {}, make("input", { type: "checkbox", checked: variant.pinned, "aria-label": `compare ${variant.name}`, onchange: (event) => say({ do: "compare", id: variant.id, pinned: event.target.checked }) }), ` ${variant.name}`), make("br"), make("small", {}, variant.what)),
     ...gauges.map(([name, , , digits, , size = 1]) => {
       const value = variant.gauges[name], before = base?.[name];
-      return make("td", {}, value === undefined ? "" : plain(value / size, digits), before && value !== undefined && !variant.pinned ? ` (${signed(100 * (value / before - 1))})` : "");
+      return make("td", { class: name === "fatigue_safety" && value < FAILS_BELOW ? "missed" : "" }, value === undefined ? "" : plain(value / size, digits), before && value !== undefined && !variant.pinned ? ` (${signed(100 * (value / before - 1))})` : "");
     }),
     make("td", {}, make("button", { type: "button", onclick: () => say({ do: "take", id: variant.id }) }, "Take"), make("button", { type: "button", "aria-label": `drop ${variant.name}`, onclick: () => say({ do: "drop", id: variant.id }) }, "Drop"))));
   table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));

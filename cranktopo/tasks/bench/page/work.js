@@ -1,14 +1,14 @@
 // Jobs and files that are written.
-import { $, make } from "./base.js";
-import { state } from "./state.js";
+import { $, make, words } from "./base.js";
+import { state, valueAt } from "./state.js";
 import { say, status } from "./talk.js";
 import { showHistory } from "./variants.js";
 
 // Jobs: help, what is asked, and the command and options where they are not of the same name.
 const JOBS = {
-  shape: { goal: true, help: "Best dimensions of this web that can be made, judged on body-fitted elements: minutes. Comes back as a variant. Without limits, both stiffnesses stay." },
-  optimise: { goal: true, help: "Topology in the design space, then a parametric web of it: about two minutes. Comes back as a variant." },
-  bound: { goal: true, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge." },
+  shape: { goal: true, help: "Best dimensions of this web that can be made, judged on body-fitted elements: minutes. Comes back as a variant." },
+  optimise: { goal: true, help: "Topology in the design space, then a parametric web of it: about two minutes. Comes back as a variant.", left: "The fatigue safety is left to the evaluation." },
+  bound: { goal: true, help: "What no web of this design space can beat: half a minute. Comes back as a mark on the gauge.", left: "Stress and bearings are not part of the proof." },
   fatigue: { help: "Least safety by local stress analysis, with stress and strength there: half a minute. Comes back as a variant." },
   "UR M53": { kind: "fatigue", options: { method: "m53" }, help: "Both fillets by the rule's polynomials and by elements, and which governs: about a minute. Comes back as a variant." },
   sweep: { vary: true, help: "Many values of one dimension, each evaluated; a page of its own." },
@@ -20,6 +20,28 @@ const FILES = {
   compare: "comparison with the original, page", table: "table against the original, Markdown",
 };
 
+// The goal of the design is the first choice where it has one: another goal leaves the design's limits out.
+const OWN_GOAL = "own";
+function showGoals() {
+  const select = $("job").elements.goal, shown = [...select.options].some((one) => one.value === OWN_GOAL), own = Boolean(state.project && valueAt("goal"));
+  if (own && !shown) {
+    select.prepend(make("option", { value: OWN_GOAL }, "that of the design"));
+    select.value = OWN_GOAL;
+  } else if (!own && shown) select.querySelector(`[value=${OWN_GOAL}]`).remove();
+  showHelp();
+}
+
+function showHelp() {
+  const form = $("job").elements, { help, goal, left } = JOBS[form.kind.value];
+  $("job-help").textContent = [help, goal && limitWords(form.goal.value), goal && left].filter(Boolean).join(" ");
+}
+
+function limitWords(goal) {
+  const limits = Object.entries(state.project?.limits ?? {}).map(([name, each]) => `${words(name)} ${each.map((one) => one.text).join(" and ")}`);
+  const own = limits.length && goal === OWN_GOAL ? `Keeps the limits of the design: ${limits.join("; ")}; a limit written here replaces that of the same quantity.` : limits.length ? "The limits of the design do not count with another goal than its own." : "";
+  return `${own} What no limit names may not get worse than it is, but for the goal's own quantity: mass, both stiffnesses, the unbalance of a counterweight, and the fatigue safety where engine and material make it known.`.trim();
+}
+
 export function showJobs() {
   const list = $("jobs").querySelector("ul");
   list.replaceChildren(...state.jobs.slice().reverse().map((job) => {
@@ -29,6 +51,7 @@ export function showJobs() {
     if (job.page) buttons.append(make("a", { href: `job/${job.id}`, target: "_blank", rel: "noreferrer" }, "Report"));
     return make("li", { "data-job": job.state }, make("strong", {}, `${job.kind} ${job.id}: ${job.state}`), ` ${job.state === "running" ? `${job.seconds} s` : ""} `, buttons, ...(job.found.length ? job.found : job.notes.slice(-2)).map((text) => make("p", { class: text.startsWith("NOT MET") ? "missed" : "" }, text)));
   }));
+  showGoals();
   if (state.project) showHistory();
 }
 
@@ -36,18 +59,19 @@ export function outForms() {
   const form = $("job");
   form.elements.kind.append(...Object.keys(JOBS).map((name) => make("option", {}, name)));
   const chosen = () => {
-    const { help, goal, vary } = JOBS[form.elements.kind.value];
-    $("job-help").textContent = help;
+    const { goal, vary } = JOBS[form.elements.kind.value];
+    showHelp();
     for (const name of ["goal", "limit", "web"]) form.elements[name].parentElement.hidden = !goal;
     form.elements.vary.parentElement.hidden = !vary;
   };
   form.elements.kind.addEventListener("change", chosen);
+  form.elements.goal.addEventListener("change", showHelp);
   chosen();
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     const name = form.elements.kind.value, { kind = name, goal, vary, options } = JOBS[name], asked = { ...options };
     const limits = form.elements.limit.value.split(";").map((one) => one.trim()).filter(Boolean);
-    if (goal) Object.assign(asked, Object.fromEntries([form.elements.goal.value.split("=")]), limits.length ? { limit: limits } : {}, form.elements.web.value ? { web: form.elements.web.value } : {});
+    if (goal) Object.assign(asked, form.elements.goal.value === OWN_GOAL ? {} : Object.fromEntries([form.elements.goal.value.split("=")]), limits.length ? { limit: limits } : {}, form.elements.web.value ? { web: form.elements.web.value } : {});
     if (vary) asked.vary = form.elements.vary.value.trim();
     say({ do: "job", kind, options: asked });
     status(`${name} starts`);
