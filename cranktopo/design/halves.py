@@ -52,14 +52,6 @@ def of_halves(scene: Scene, found: Callable[[Scene], T]) -> tuple[T, T]:
     return result, result if second is first else found(second)
 
 
-def drilled_alike(half: Scene) -> Scene:
-    """A half without the drillings that it alone has, which may reach into the other; itself where it can."""
-    both = tuple(drilling for drilling in half.throw.drilling if drilling.web == "both")
-    if both == half.throw.drilling:
-        return half
-    return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": both})})
-
-
 def judged_half(half: Scene) -> Scene:
     """The throw that has a half twice, drilled where the half alone is: in its first half."""
     own = tuple(

@@ -17,7 +17,6 @@ from cranktopo.bodies.volume import half_throw_volume_mm3, outlet_roundings_mm3,
 from cranktopo.design.checks.scene import check_solid
 from cranktopo.design.halves import (
     difference,
-    drilled_alike,
     halves,
     mirror_image,
     of_halves,
@@ -25,6 +24,7 @@ from cranktopo.design.halves import (
     require_equal_halves,
 )
 from cranktopo.design.schema import Scene
+from cranktopo.throw.drilling.bore import DrillBore
 from cranktopo.throw.drilling.table import drill_bores
 from cranktopo.throw.journal import Journal
 from cranktopo.throw.web import web_bodies
@@ -91,25 +91,56 @@ def add_full_throw(occ: Any, scene: Scene) -> DimTags:
     """Return the throw between its two mid-main-journal planes as one checked body.
 
     The second half is a half throw mirrored in x and turned half a revolution about the throw direction:
-    gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. What one half alone is
-    drilled with may reach into the other, and comes last.
+    gmsh's own mirror approximates every face by a spline and is 0.2 % off in volume. Drillings that reach
+    into the other half, which has no mirror image of them, come last: two that end there leave a sliver.
     """
     first, second = halves(scene)
-    half, other = _add_half(occ, drilled_alike(first)), _add_second(occ, scene, second)
-    tools, more = add_drillings(occ, first, alone=True), add_drillings(occ, mirror_image(second), alone=True)
+    half, other = _add_half(occ, _without_late(first, scene)), _add_second(occ, scene, second)
+    tools, more = (_add_late(occ, own, scene) for own in (first, mirror_image(second)))
     occ.rotate([*other, *more], 0, 0, scene.pitch_mm / 2, 0, 1, 0, math.pi)
     body, _ = occ.fuse(half, other)
-    body = cut(occ, body, [*tools, *more])
+    body = _without_crumbs(occ, cut(occ, body, [*tools, *more]), throw_form(scene))
     check_body(occ, body, throw_form(scene), "full throw")
     return list(body)
+
+
+def _without_crumbs(occ: Any, bodies: DimTags, form: ClosedForm) -> DimTags:
+    """Return the largest body alone where it has the whole volume: tools that overlap leave crumbs."""
+    solids = sorted((pair for pair in bodies if pair[0] == 3), key=lambda pair: -occ.getMass(*pair))
+    if len(solids) < 2 or misfit(occ, solids[:1], form) > 1:
+        return bodies
+    occ.remove(solids[1:], recursive=True)
+    return solids[:1]
 
 
 def _add_second(occ: Any, scene: Scene, second: Scene) -> DimTags:
     """Return the second half in its own frame; what is wrong with it has the keys of the whole scene."""
     try:
-        return _add_half(occ, mirror_image(drilled_alike(second)))
+        return _add_half(occ, mirror_image(_without_late(second, scene)))
     except CranktopoError as error:
         raise (of_second(error, scene) if difference(scene) else error) from None
+
+
+def _without_late(half: Scene, scene: Scene) -> Scene:
+    """Return a half of a scene without drillings that are cut out of the whole throw; itself where it can."""
+    kept = tuple(
+        drilling
+        for drilling, bore in zip(half.throw.drilling, drill_bores(half), strict=True)
+        if not _late(bore, half, scene)
+    )
+    if kept == half.throw.drilling:
+        return half
+    return half.model_copy(update={"throw": half.throw.model_copy(update={"drilling": kept})})
+
+
+def _add_late(occ: Any, half: Scene, scene: Scene) -> DimTags:
+    return add_all(occ, [bore for bore in drill_bores(half) if _late(bore, half, scene)])
+
+
+def _late(bore: DrillBore, half: Scene, scene: Scene) -> bool:
+    """Tell whether a drilling has no mirror image in the other half, or another one, and reaches into it."""
+    _, (_, _, high) = bore.box_mm(bore.reach_mm)
+    return bore.alone or bool(difference(scene) and high > half.pitch_mm / 2)
 
 
 def add_web(occ: Any, scene: Scene) -> DimTags:
@@ -117,9 +148,9 @@ def add_web(occ: Any, scene: Scene) -> DimTags:
     return add_bodies(occ, web_bodies(scene))
 
 
-def add_drillings(occ: Any, scene: Scene, *, alone: bool = False) -> DimTags:
-    """Add the tools that drill the half throw, or `alone` those without a mirror image in the other half."""
-    return add_all(occ, [bore for bore in drill_bores(scene) if bore.alone or not alone])
+def add_drillings(occ: Any, scene: Scene) -> DimTags:
+    """Add the tools that drill the half throw."""
+    return add_all(occ, drill_bores(scene))
 
 
 def _add_journal(
