@@ -156,7 +156,7 @@ class Body(ABC):
         """
         return None
 
-    def box_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
+    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
         """Least and largest x, y and z between two heights of a body that cells are cut with."""
         raise NotImplementedError
 

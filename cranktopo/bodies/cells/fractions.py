@@ -165,7 +165,7 @@ def _tool_of_bore(bore: DrillBore) -> _Tool:
 
 
 def _tool_of_hole(hole: Body) -> _Tool:
-    return _Tool(hole.spans, hole.spans, (hole.box_mm,))
+    return _Tool(hole.spans, hole.spans, (hole.bounds_mm,))
 
 
 @dataclass(frozen=True)

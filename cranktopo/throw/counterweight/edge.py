@@ -119,7 +119,7 @@ class EdgeCut(Body):
         return float(y.min()), float(y.max())
 
     @override
-    def box_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
+    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
         corners, (low, high) = self._corners_mm, np.clip(z_mm, *self.z_mm)
         return np.append(corners.min(axis=0), low), np.append(corners.max(axis=0), high)
 
@@ -276,11 +276,12 @@ class BevelledEdge(SceneTable):
             return "depth_mm", f"must be at most {_down(deepest):g} mm: {why}"
         if start >= flank - least:
             return "length_mm", f"must be larger than {outer - flank + least:.4g} mm: the flank ends there"
-        for what, reach in (("its fillet", fillet_mm), *self._in_the_way(scene, sector)):
-            if start < reach + least:
-                longest = _down(outer - reach - least)
-                room = f"must be at most {longest:g} mm" if longest > 0 else "finds no place"
-                return "length_mm", f"{room}: {what} reaches {reach:.4g} mm along the flank"
+        around = (("its fillet", fillet_mm), *self._in_the_way(scene, sector))
+        what, reach = max(around, key=lambda one: one[1])
+        if start < reach + least:
+            longest = _down(outer - reach - least)
+            room = f"must be at most {longest:g} mm" if longest > 0 else "finds no place"
+            return "length_mm", f"{room}: {what} reaches {reach:.4g} mm along the flank"
         widest = min(start * math.tan(sector.half_angle), math.sqrt(outer**2 - start**2)) - least
         if self.width_mm > widest:
             return "width_mm", f"must be at most {_down(widest):g} mm at this length"

@@ -122,7 +122,7 @@ class RadialHole(Body):
         return float(area @ volume), along * sine, -along * cosine, polar
 
     @override
-    def box_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
+    def bounds_mm(self, z_mm: tuple[float, float]) -> tuple[Array, Array]:
         way = np.array([math.sin(self.angle), -math.cos(self.angle)])
         ends = np.outer([self.inner_mm, self._outer_mm], way)
         out = self.radius_mm * np.abs(way[::-1])

@@ -255,7 +255,7 @@ class Counterweight(Feature):
         x, y = self.outer_mm(scene, _DRAWN)
         right = list(zip(x.tolist(), y.tolist(), strict=True))
         middle = (0.0, max(0.0, float(y[-1])) if self.fillet_mm else 0.0)
-        edge = (middle, *((-a, b) for a, b in right[::-1]), *right)
+        outer = (middle, *((-a, b) for a, b in right[::-1]), *right)
         numbers = self.model_dump(
             exclude={"face", "density_kg_m3", "edge", "plug", "hole"}, exclude_none=True
         )
@@ -268,7 +268,8 @@ class Counterweight(Feature):
         holes, sector = [hole for _, hole in self.drilled()], self.sector(scene)
         edges = [] if self.edge is None else [self.edge]
         lines = (*number_lines(title, numbers), *filter(None, [part]))
-        lines = (*lines, *(line for one in (*edges, *holes) for line in one.lines()))
+        lines = (*lines, *(line for edge in edges for line in edge.lines()))
+        lines = (*lines, *(line for hole in holes for line in hole.lines()))
         corner = (float(self.edge_mm(scene)[0][_SAMPLES - 1]), float(self.edge_mm(scene)[1][_SAMPLES - 1]))
         named = (
             (right[_DRAWN // 3], f"R{self.outer_radius_mm:g}"),
@@ -277,7 +278,7 @@ class Counterweight(Feature):
         bevels = tuple(stroke for edge in edges for stroke in edge.strokes(sector))
         return FeatureDrawing(
             front=(*bevels, *(hole.stroke(sector) for hole in holes)),
-            added=edge,
+            added=outer,
             lines=lines,
             places=tuple(place for hole in holes for place in hole.places),
             named=named,
