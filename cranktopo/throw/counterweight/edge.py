@@ -22,7 +22,15 @@ from cranktopo.base.table import Length, SceneTable
 from cranktopo.throw.counterweight.sector import Sector
 from cranktopo.throw.counterweight.tangent_circle import flank_directions
 from cranktopo.throw.feature import Body, ExactMoments, ThrowView, least_shoulder_mm
-from cranktopo.throw.primitives import Extrusion, LineSegment, Point, Polyline, Solid, number_lines
+from cranktopo.throw.primitives import (
+    DimensionLine,
+    Extrusion,
+    LineSegment,
+    Point,
+    Polyline,
+    Solid,
+    number_lines,
+)
 
 _TOOL = 2.0
 """Reach of a cut over the radius of the rim: no optimiser closes its mouth there."""
@@ -30,6 +38,8 @@ _AXIAL = 1e-12
 """Cosine of a half-angle below which both flanks lie in the plane y = 0."""
 _SLICES, _SAMPLES = 40, 2001
 """Gauss points across a piece of a cut; points of an outline or circle that it keeps clear of."""
+_CROSSED_DEG, _BESIDE_MM = 75.0, 3.5
+"""Largest half-angle at which a section across the throw shows a bevel; its dimension lines beside it."""
 _GRID = (13, 25, 7)
 """Points across, along and below the face at which a cut is compared with others."""
 _SIDES: dict[str, tuple[float, ...]] = {"leading": (-1.0,), "trailing": (1.0,), "both": (-1.0, 1.0)}
@@ -87,7 +97,10 @@ class EdgeCut(Body):
     def place_mm(self, along_mm: Any, across_mm: Any) -> tuple[Any, Any]:
         """Return (x, y) of places along the flank and across it."""
         along, out = flank_directions(self.sector.half_angle)
-        x, y = (along_mm * one - across_mm * other for one, other in zip(along, out, strict=True))
+        x, y = (
+            along_mm * one - across_mm * other
+            for one, other in zip(along.tolist(), out.tolist(), strict=True)
+        )
         return self.side * x, y
 
     @override
@@ -313,6 +326,25 @@ class BevelledEdge(SceneTable):
         return tuple(
             Polyline(edge, hidden) for edge in dict.fromkeys(cut.edge_mm() for cut in self.cuts(sector, ""))
         )
+
+    def named(self, sector: Sector) -> tuple[tuple[float, float], str]:
+        """Return the point of the rim at which a bevel ends, and its width and depth."""
+        return self.cuts(sector, "")[0].edge_mm()[-1], f"{self.width_mm:g} × {self.depth_mm:g}"
+
+    def across(self, sector: Sector) -> tuple[float, tuple[DimensionLine, ...]] | None:
+        """Return the place of a section across the throw in the middle of its length, and its depths there.
+
+        None where the section would not cross the flank.
+        """
+        if math.degrees(sector.half_angle) > _CROSSED_DEG:
+            return None
+        cuts, found = self.cuts(sector, ""), []
+        x, y = cuts[0].place_mm(sector.radius_mm - self.length_mm / 2, 0.0)
+        for cut in (cut for cut in cuts if cut.side == cuts[0].side):
+            low, high = cut.z_mm
+            shift = (cut.side * _BESIDE_MM, 0.0)
+            found.append(DimensionLine((x, low), (x, high), shift, f"{self.depth_mm:g}"))
+        return y, tuple(found)
 
     def lines(self) -> tuple[str, ...]:
         """Return its numbers for the table of the drawing."""

@@ -276,12 +276,15 @@ class Counterweight(Feature):
             (corner, f"2 × {self.half_angle_deg:g}°"),
         )
         bevels = tuple(stroke for edge in edges for stroke in edge.strokes(sector))
+        section = next((edge.across(sector) for edge in edges), None)
         return FeatureDrawing(
             front=(*bevels, *(hole.stroke(sector) for hole in holes)),
             added=outer,
             lines=lines,
             places=tuple(place for hole in holes for place in hole.places),
-            named=named,
+            named=(*named, *(edge.named(sector) for edge in edges)),
+            section_y_mm=None if section is None else section[0],
+            across=() if section is None else section[1],
         )
 
 
