@@ -38,7 +38,8 @@ def between_planes(occ: Any, body: DimTags, start_mm: float, end_mm: float, reac
     box = occ.addBox(*corner, *size)
     between = list(occ.intersect(body, [(3, box)], removeObject=False)[0])
     if _lie_between(occ, between, start_mm, end_mm):
-        occ.remove(body, recursive=True)
+        # A body that lies wholly between the planes comes back under its own tag.
+        occ.remove([one for one in body if one not in between], recursive=True)
         return between
     occ.remove(between, recursive=True)
     below = _beyond(occ, body, end_mm, reach_mm, -1)
