@@ -101,15 +101,18 @@ def part_rules(
     return found
 
 
-def _edge_rules(scene: Scene, points: Array) -> Iterator[Rule]:
-    """Yield that the outline ends before the bevelled edge of its counterweight, where it has one."""
-    weight = scene.web.counterweight
+def _edge_rules(scene: Scene, points: Array, fillet: MovedFillet | None) -> Iterator[Rule]:
+    """Yield that outline and fillet end before the bevelled edge of a counterweight, where it has one."""
+    weight, apart = scene.web.counterweight, least_shoulder_mm(scene.throw) + CLEAR_MM
     for cut in weight.bevels(scene)[:1] if weight is not None else ():
         inside = cut.inside_section_mm(cut.side * points[:, 0], points[:, 1]).max()
-        yield (
-            "the outline stays clear of the bevelled edge",
-            inside + least_shoulder_mm(scene.throw) + CLEAR_MM,
-        )
+        yield "the outline stays clear of the bevelled edge", inside + apart
+        if fillet is not None:
+            reach = fillet.circle.reach_mm
+            yield (
+                "the fillet of the counterweight ends before its bevelled edge",
+                reach + apart - cut.start_mm,
+            )
 
 
 def reaches_mm(scene: Scene, limits: ManufacturingLimits) -> list[tuple[float, float]]:
@@ -281,7 +284,7 @@ class ParametricWeb:
         scene = scene_at(self._scene, self.layout, values)
         parts = part_rules(self.layout.parts, points, self._parts(values), scene, self._limits)
         sizes = size_rules(self.layout, values, self._scene, self._limits)
-        own = [*parts, *_edge_rules(scene, points), *sizes]
+        own = [*parts, *_edge_rules(scene, points, self.fillet(values)), *sizes]
         if self._zones is None:
             return own
         named = list(named_parts(self.layout.parts, self._parts(values)))

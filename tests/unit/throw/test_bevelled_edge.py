@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from cranktopo.base.errors import CranktopoError
+from cranktopo.app.main import main
+from cranktopo.base.errors import CranktopoError, ExitCode
 from cranktopo.base.units import density_kg_per_mm3
 from cranktopo.bodies.cells.domain import build_domain
 from cranktopo.bodies.prisms import feature_holes, kept_solid
@@ -18,9 +20,13 @@ from cranktopo.bodies.raw_part import raw_mass_kg
 from cranktopo.bodies.solid.files import export_solid
 from cranktopo.bodies.volume import bolted_mass, web_moments, web_volume_mm3
 from cranktopo.design.halves import envelope_asymmetry, mirror_image, web_asymmetry
-from cranktopo.design.loading import scene_from_dict
+from cranktopo.design.loading import load_scene, scene_from_dict
 from cranktopo.design.schema import Scene
+from cranktopo.design.writing import toml_text
 from cranktopo.engine.balance.throw import product_of_inertia_kg_mm2, throw_balance
+from cranktopo.numerics.surfaces.files import read_stl
+from cranktopo.numerics.surfaces.mesh import solid_of
+from cranktopo.tasks.crank_import.stage import import_crank
 from cranktopo.tasks.drawing.views import Sheet
 from cranktopo.tasks.refit.family import Layout
 from cranktopo.tasks.refit.fit import scene_with_web, usual_limits
@@ -333,3 +339,24 @@ def test_a_mesh_with_bevels_follows_outline_and_counterweight(roomy: Scene) -> N
         above, below = (model.responses(start.values + side * step, ["torsion"]).values for side in (1, -1))
         for name in ("mass", "torsion"):
             assert found[name][number] == pytest.approx((above[name] - below[name]) / 0.2, rel=0.03)
+
+
+@pytest.mark.slow
+def test_from_design_to_surface_and_back_from_cad(
+    roomy: Scene, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An optimised web leaves the bevels empty; CAD of the half throw is read back as the same design."""
+    scene = weighted(roomy, {**EDGED, "fillet_mm": 4.0})
+    design = tmp_path / "edged.toml"
+    design.write_text(toml_text(scene, "edged"), encoding="utf-8")
+    run = tmp_path / "run"
+    options = ["--resolution-mm", "4.5", "--max-iterations", "3", "--out", str(run), "--json"]
+    assert main(["optimise", str(design), *options]) == ExitCode.NOT_CONVERGED
+    assert json.loads(capsys.readouterr().out)["grid"]["extent"] == "half"
+    web = solid_of(read_stl(run / "web.stl"), "web")
+    tools = feature_holes(scene)
+    assert (web ^ tools).volume() < 1e-6 * tools.volume()
+    export_solid(scene, "half", tmp_path / "body.step")
+    half = import_crank(tmp_path / "body.step", "edged", tmp_path / "out").halves[0]
+    assert load_scene(half.design).web.counterweight == scene.web.counterweight
+    assert half.design_volume_mm3 == pytest.approx(half.volume_mm3, rel=1e-6)
